@@ -1,0 +1,158 @@
+// A scene as its author described it: plain values, SI units, every default stated here and in assets/scene.schema.json.
+//
+// load_scene reads JSON, refuses what it does not understand (unknown key, wrong type, not-a-number, negative mass ...) with
+// the JSON path, the value and the limit, and knows nothing about meshes on disk beyond their path.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compute/result.h"
+#include "engine/vector.h"
+
+namespace weft {
+
+/// A pose at a time; poses in between are interpolated (translation linearly, rotation by the shortest arc).
+struct Key {
+  double time = 0;           // s, strictly increasing along a list
+  Vec3 translate;            // m
+  Vec3 axis{0, 1, 0};        // unit
+  double degrees = 0;        // about `axis` through `pivot`, the centre of what is moved; more than 360 is allowed and turns that often
+};
+
+enum class Topology { diagonal, centre };  // one diagonal a cell, all the same way; a vertex in the middle of each cell
+
+struct Grid {
+  Vec2 size{1, 1};              // m
+  std::uint32_t cells_x = 32;   // 1 ... 2048
+  std::uint32_t cells_y = 32;
+  Topology topology = Topology::diagonal;
+  bool upright = false;         // false: in the xz plane; true: in the xy plane, its top edge along +y
+};
+
+struct Transform {
+  Vec3 translate;               // m
+  Vec3 axis{0, 1, 0};           // unit
+  double degrees = 0;
+  double scale = 1;             // > 0
+};
+
+/// What the cloth is made of. Stiffnesses are per width of cloth, so they do not change with the resolution.
+struct Fabric {
+  std::string preset = "cotton";
+  double area_density = 0;      // kg/m^2
+  double stretch = 0;           // N/m: tension per width and strain; 0 is not "rigid": infinity is (JSON: "rigid")
+  double shear = 0;             // N/m
+  double bend = 0;              // N m: flexural rigidity (Kawabata's B); 0 with `bending: false` only
+  double damping = 0.1;         // 1/s: v *= exp(-damping h)
+  double friction = 0.4;        // Coulomb, >= 0
+  double thickness = 0.002;     // m: distance kept to colliders
+};
+
+enum class Corner { low_low, high_low, low_high, high_high };  // of a mesh's bounding box in its grid's own axes, x then y
+
+/// Which vertices an anchor holds, and how they move. Vertices are chosen in the rest pose, after the transform.
+struct Anchor {
+  std::vector<std::uint32_t> vertices;          // render-vertex indices of the mesh
+  std::vector<Corner> corners;                  // grids only
+  std::optional<double> top;                    // every vertex within this distance (m) below the highest
+  struct Box { Vec3 low, high; };
+  std::optional<Box> box;                       // every vertex inside
+  std::uint32_t every = 1;                      // of the chosen vertices, sorted along the box's longest axis, keep each n-th (and the last): rings of a curtain
+  std::vector<Key> keys;                        // empty: the anchor stays where it was
+};
+
+struct Appearance {
+  std::string albedo, normal, roughness, occlusion;   // PNG or JPEG paths, relative to the scene; empty: none
+  Vec3 base_colour{0.8f, 0.8f, 0.8f};                 // linear, multiplies albedo
+  double roughness_factor = 0.8;
+  double metallic = 0;
+  Vec2 repeat{1, 1};                                  // how often the textures repeat over the mesh's UVs
+};
+
+struct Cloth {
+  std::string name = "cloth";
+  std::optional<Grid> grid;     // either a grid ...
+  std::string mesh;             // ... or a glTF/GLB/OBJ file, relative to the scene
+  Transform transform;
+  Fabric fabric;
+  bool bending = true;
+  bool tethers = true;          // takes effect when there are anchors
+  std::uint32_t tethers_per_vertex = 4;   // 1 ... 8
+  double tether_slack = 0;      // fraction of the geodesic distance, 0 ... 1
+  std::vector<Anchor> anchors;
+  Appearance appearance;
+};
+
+enum class ColliderShape { plane, sphere };
+
+struct Collider {
+  ColliderShape shape = ColliderShape::plane;
+  Vec3 centre;                  // m; a point of the plane, or the sphere's centre
+  Vec3 normal{0, 1, 0};         // unit, planes only
+  double radius = 0.5;          // m, spheres only
+  double friction = 0.4;        // combined with the fabric's by the geometric mean
+  std::vector<Key> keys;
+  Vec3 colour{0.5f, 0.5f, 0.5f};
+};
+
+enum class Averaging { mass_split, count };  // momentum-conserving (Tonge 2012); Flamenco's, for comparison
+
+struct SolverSettings {
+  double rate = 60;             // Hz: frames a second; a substep lasts 1 / (rate substeps)
+  std::uint32_t substeps = 0;   // 0: the default that the README gives its reasons for
+  std::uint32_t iterations = 1; // 1 ... 1000
+  Averaging averaging = Averaging::mass_split;
+  double relaxation = 1.25;     // 0 < omega < 4/3 (stable for one iteration a substep)
+  double longest_advance = 0.1; // s: a longer advance() is clamped to this, and the surplus reported
+};
+
+struct Camera {
+  Vec3 eye{0, 1, 4}, target{0, 0.5f, 0};   // m
+  double fov_degrees = 40;      // vertical
+};
+
+struct Light {
+  Vec3 direction{-0.4f, -1, -0.6f};   // the way the sun's light goes
+  Vec3 colour{1, 0.96f, 0.9f};
+  double sun = 4;               // intensities, relative to a white sky of 1
+  double sky = 1;
+};
+
+struct Scene {
+  std::string name;
+  std::filesystem::path folder;       // paths in the scene are relative to this
+  std::uint32_t frames = 300;
+  Vec3 gravity{0, -9.81f, 0};         // m/s^2
+  SolverSettings solver;
+  std::vector<Cloth> cloths;          // at least one
+  std::vector<Collider> colliders;    // at most 64
+  Camera camera;
+  Light light;
+};
+
+/// A `--set path.to.value=X` assignment: the path's parts are keys or list indices; X is JSON, or else taken as text.
+struct Assignment {
+  std::string path, value;
+};
+
+/// Reads and checks a scene file. Every fault that is found is named, one sentence a line, each with its JSON path.
+Result<Scene> load_scene(const std::filesystem::path& file, std::span<const Assignment> assignments = {});
+
+/// The same from text; `folder` is what relative paths start from.
+Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& folder, std::span<const Assignment> assignments = {});
+
+/// The scene a bare mesh gets: pinned along its top, a floor below, a camera that sees all of it.
+Scene default_scene(const std::filesystem::path& mesh, Vec3 low, Vec3 high);
+
+/// Silk, cotton, denim, leather with their figures; nothing for another name. Sources stand beside the table.
+std::optional<Fabric> fabric_preset(std::string_view name);
+
+/// Where a key list puts things at `time`: before the first and after the last it holds still.
+Key pose_at(std::span<const Key> keys, double time);
+
+}  // namespace weft
