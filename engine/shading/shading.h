@@ -1,0 +1,63 @@
+// Pictures of a frame: off-screen metallic-roughness shading of the cloths, the floor and the colliders.
+//
+// One sun with a shadow map, ambient light from an analytic sky, 4x MSAA, a filmic tone map; camera and light are the
+// scene's. Positions and normals are bound as vertex buffers where the simulation left them. A picture of one frame is
+// bitwise the same each time it is drawn on one device.
+//
+// Limitations: no reflections of one thing in another; ambient occlusion is found in screen space, so what is outside the
+// picture occludes nothing; the shadow map covers the picture's surroundings or the scene, whichever is smaller.
+// A plane is drawn from the side its normal points to only.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "compute/result.h"
+#include "engine/frame_view.h"
+#include "engine/mesh.h"
+#include "engine/scene.h"
+#include "engine/shading/image.h"
+
+namespace weft {
+
+namespace compute {
+class Device;
+}
+
+/// What is drawn of a cloth besides its moving vertices. Both are read in create only.
+struct ShadedCloth {
+  const RenderMesh* mesh = nullptr;
+  const Appearance* appearance = nullptr;
+  double transmission = 0.15;  // fraction of light from behind that shines through, 0 ... 1
+};
+
+/// One frame. Views are RGBA32F and hold the vertices of every cloth in create's order. Writes made on the device's queue
+/// are waited for; writes from elsewhere through `ready`.
+struct Poses {
+  FrameView positions, normals;
+  std::span<const ColliderPose> colliders;  // as many as the scene has
+  VkSemaphore ready = VK_NULL_HANDLE;       // timeline semaphore to wait for, or none
+  std::uint64_t ready_value = 0;
+};
+
+class Shading {
+ public:
+  /// Loads textures and allocates and compiles everything. `device` must outlive the result and needs a graphics queue.
+  /// Errors: a missing or foreign texture file, a picture size outside 1 ... 8192, a mesh with no triangle, no graphics queue.
+  static Result<std::unique_ptr<Shading>> create(compute::Device& device, const Scene& scene, std::span<const ShadedCloth> cloths,
+                                                 VkExtent2D size);
+  ~Shading();
+  Shading(const Shading&) = delete;
+  Shading& operator=(const Shading&) = delete;
+
+  /// Draws, waits and reads back: sRGB, opaque.
+  /// Errors: views of a foreign format or too short, colliders that do not match the scene's, a lost device.
+  Result<Image> draw(const Poses& poses);
+
+ private:
+  Shading();
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace weft
