@@ -16,12 +16,13 @@
 
 namespace weft {
 
-/// A pose at a time; poses in between are interpolated (translation linearly, rotation by the shortest arc).
+/// A pose at a time; pose_at says how poses in between come about.
 struct Key {
   double time = 0;           // s, strictly increasing along a list
   Vec3 translate;            // m
   Vec3 axis{0, 1, 0};        // unit
-  double degrees = 0;        // about `axis` through `pivot`, the centre of what is moved; more than 360 is allowed and turns that often
+  double degrees = 0;        // about `axis` through the centre of what is moved; more than 360 is allowed and turns that often
+  bool operator==(const Key&) const = default;
 };
 
 enum class Topology { diagonal, centre };  // one diagonal a cell, all the same way; a vertex in the middle of each cell
@@ -41,22 +42,24 @@ struct Transform {
   double scale = 1;             // > 0
 };
 
-/// What the cloth is made of. Stiffnesses are per width of cloth, so they do not change with the resolution.
+/// What the cloth is made of; the defaults are cotton's. Stiffnesses are per width of cloth, so they do not change with
+/// the resolution.
 struct Fabric {
   std::string preset = "cotton";
-  double area_density = 0;      // kg/m^2
-  double stretch = 0;           // N/m: tension per width and strain; 0 is not "rigid": infinity is (JSON: "rigid")
-  double shear = 0;             // N/m
-  double bend = 0;              // N m: flexural rigidity (Kawabata's B); 0 with `bending: false` only
+  double area_density = 0.12;   // kg/m^2
+  double stretch = 10e3;        // N/m: tension per width and strain; 0 is not "rigid": infinity is (JSON: "rigid")
+  double shear = 45;            // N/m: shear force per width and angle (rad)
+  double bend = 1e-5;           // N m: flexural rigidity (Kawabata's B); 0 with `bending: false` only
   double damping = 0.1;         // 1/s: v *= exp(-damping h)
   double friction = 0.4;        // Coulomb, >= 0
   double thickness = 0.002;     // m: distance kept to colliders
+  bool operator==(const Fabric&) const = default;
 };
 
 enum class Corner { low_low, high_low, low_high, high_high };  // of a mesh's bounding box in its grid's own axes, x then y
 
 /// Which vertices an anchor holds, and how they move. Vertices are chosen in the rest pose, after the transform.
-struct Anchor {
+struct Anchor {                                  // the union of what vertices, corners, top and box choose; never nothing
   std::vector<std::uint32_t> vertices;          // render-vertex indices of the mesh
   std::vector<Corner> corners;                  // grids only
   std::optional<double> top;                    // every vertex within this distance (m) below the highest
@@ -117,7 +120,7 @@ struct Camera {
 };
 
 struct Light {
-  Vec3 direction{-0.4f, -1, -0.6f};   // the way the sun's light goes
+  Vec3 direction{-0.4f, -1, -0.6f};   // the way the sun's light goes; any length but 0
   Vec3 colour{1, 0.96f, 0.9f};
   double sun = 4;               // intensities, relative to a white sky of 1
   double sky = 1;
@@ -140,7 +143,7 @@ struct Assignment {
   std::string path, value;
 };
 
-/// Reads and checks a scene file. Every fault that is found is named, one sentence a line, each with its JSON path.
+/// Reads and checks a scene file of at most 64 MiB, nested at most 64 deep. Every fault that is found is named, one sentence a line, each with its JSON path.
 Result<Scene> load_scene(const std::filesystem::path& file, std::span<const Assignment> assignments = {});
 
 /// The same from text; `folder` is what relative paths start from.
@@ -152,7 +155,9 @@ Scene default_scene(const std::filesystem::path& mesh, Vec3 low, Vec3 high);
 /// Silk, cotton, denim, leather with their figures; nothing for another name. Sources stand beside the table.
 std::optional<Fabric> fabric_preset(std::string_view name);
 
-/// Where a key list puts things at `time`: before the first and after the last it holds still.
+/// Where a key list puts things at `time`: before the first and after the last it holds still. In between, translations
+/// are interpolated linearly; angles too where both keys turn about one axis (720 degrees turn twice), and along the
+/// shortest arc where the axes differ. No keys: no motion.
 Key pose_at(std::span<const Key> keys, double time);
 
 }  // namespace weft
