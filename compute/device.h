@@ -1,0 +1,135 @@
+// The GPU that Weft works on: its own, or one borrowed from a host.
+//
+// An own device is picked by `DeviceChoice::name`; without a wish the best one is taken (discrete, then integrated, then
+// virtual, then the software driver), and name() says which. A borrowed device belongs to the host: nothing of it is
+// destroyed, vkDeviceWaitIdle is never called, and its queue is touched only inside submit().
+//
+// Needed: Vulkan 1.3 with synchronization2, timelineSemaphore, hostQueryReset and scalarBlockLayout, and a queue family
+// with compute. A host must have enabled these four features. Everything else is optional.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compute/functions.h"
+#include "compute/result.h"
+
+namespace weft::compute {
+
+struct DeviceChoice {
+  /// "" takes the best device, a number the one with that index in list_devices(), anything else the best whose name
+  /// contains it, upper and lower case alike.
+  std::string name;
+  /// Khronos validation with synchronization validation; the sentence says so if the layer is not installed.
+  bool validation = false;
+  /// Also asks for dynamic rendering and a queue that draws. Without it a compute-only device is good enough, though
+  /// both are still taken where there is a choice.
+  bool graphics = false;
+  /// For a window: what the window library asks for, and VK_KHR_swapchain.
+  std::vector<std::string> instance_extensions;
+  std::vector<std::string> device_extensions;
+  /// Hears every validation message as it comes, also those at destruction; may be called from any thread.
+  std::function<void(const std::string&)> on_validation_message;
+};
+
+/// What a host lends. All of it must outlive the Device. Other threads of the host must not use the queue while a
+/// function of Weft that is documented to submit is running.
+struct BorrowedDevice {
+  PFN_vkGetInstanceProcAddr get_instance_proc_addr = nullptr;
+  VkInstance instance = VK_NULL_HANDLE;
+  VkPhysicalDevice physical = VK_NULL_HANDLE;
+  VkDevice device = VK_NULL_HANDLE;
+  VkQueue queue = VK_NULL_HANDLE;
+  uint32_t queue_family = 0;
+};
+
+/// The limits that decide what fits on a device.
+struct DeviceLimits {
+  VkDeviceSize max_storage_buffer_bytes = 0;     ///< maxStorageBufferRange
+  uint32_t max_texel_buffer_elements = 0;        ///< maxTexelBufferElements
+  VkDeviceSize max_allocation_bytes = 0;         ///< maxMemoryAllocationSize
+  VkDeviceSize max_buffer_bytes = 0;             ///< maxBufferSize (Vulkan 1.3)
+  VkDeviceSize storage_buffer_alignment = 1;     ///< minStorageBufferOffsetAlignment
+  VkDeviceSize texel_buffer_alignment = 1;       ///< minTexelBufferOffsetAlignment
+  uint32_t max_storage_buffers_per_stage = 0;    ///< maxPerStageDescriptorStorageBuffers
+  uint32_t max_push_constant_bytes = 0;          ///< maxPushConstantsSize
+  uint32_t shared_memory_bytes = 0;              ///< maxComputeSharedMemorySize
+  uint32_t max_workgroup_invocations = 0;        ///< maxComputeWorkGroupInvocations
+  uint32_t max_workgroups_x = 0;                 ///< maxComputeWorkGroupCount[0]
+  uint32_t subgroup_size = 0;                    ///< lanes
+  double timestamp_period_ns = 0;                ///< nanoseconds per tick; 0: the queue has no timestamps
+  uint32_t timestamp_bits = 0;                   ///< valid bits of a timestamp
+};
+
+/// One line of `weft info`.
+struct DeviceDescription {
+  uint32_t index = 0;  ///< what DeviceChoice::name takes
+  std::string name;
+  std::string type;    ///< "discrete", "integrated", "virtual", "software" or "other"
+  std::string api;     ///< "1.3.224"
+  std::string driver;  ///< name and version, as the driver says them
+  VkDeviceSize memory_bytes = 0;  ///< the largest device-local heap
+  DeviceLimits limits;
+  bool draws = false;  ///< a queue with graphics and dynamic rendering
+  std::string refusal; ///< why Weft cannot use it; empty when it can
+};
+
+/// Every device the loader knows, in the loader's order. Fails only without a loader or without any driver.
+Result<std::vector<DeviceDescription>> list_devices();
+
+class Device {
+ public:
+  static Result<std::unique_ptr<Device>> create(const DeviceChoice& choice = {});
+  static Result<std::unique_ptr<Device>> borrow(const BorrowedDevice& lent);
+  ~Device();
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  const Functions& vk() const;
+  VkInstance instance() const;
+  VkPhysicalDevice physical() const;
+  VkDevice handle() const;
+  VkQueue queue() const;
+  uint32_t queue_family() const;
+
+  const std::string& name() const;
+  const DeviceDescription& description() const;
+  const DeviceLimits& limits() const;
+  const VkPhysicalDeviceProperties& properties() const;
+  const VkPhysicalDeviceMemoryProperties& memory() const;
+  /// A CPU that plays GPU (lavapipe, SwiftShader).
+  bool is_software() const;
+  /// The queue draws and dynamic rendering is enabled. Of a borrowed device only the host knows; then it is what the
+  /// device supports.
+  bool draws() const;
+  bool is_borrowed() const;
+  /// Nanoseconds per timestamp tick, 0 when the queue has no timestamps.
+  double timestamp_period_ns() const;
+
+  /// The name that validation, RenderDoc and crash dumps show. Does nothing without VK_EXT_debug_utils.
+  template <class Handle>
+  void name_object(VkObjectType type, Handle handle, std::string_view name) const {
+    name_object_raw(type, reinterpret_cast<uint64_t>(handle), name);
+  }
+
+  /// The only place where the queue is touched. Serialised: any thread may call it.
+  Result<void> submit(const VkSubmitInfo2& work, VkFence fence = VK_NULL_HANDLE) const;
+  /// Presents under the same lock; the caller reads VK_SUBOPTIMAL_KHR and VK_ERROR_OUT_OF_DATE_KHR from the result.
+  VkResult present(const VkPresentInfoKHR& what) const;
+  /// Waits for everything submitted; for destructors and tests of an own device. Does nothing on a borrowed one.
+  void wait_idle() const;
+
+  /// Warnings and errors of the validation layers so far; empty when they are off. Thread-safe.
+  std::vector<std::string> validation_messages() const;
+
+ private:
+  struct State;
+  explicit Device(std::unique_ptr<State> state);
+  void name_object_raw(VkObjectType type, uint64_t handle, std::string_view name) const;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace weft::compute

@@ -1,0 +1,140 @@
+// Recording passes: barriers where passes touch the same buffer, a label and a timestamp pair around each.
+//
+// A pass says what it reads and what it writes as two masks, one bit per buffer. Between two passes stands a barrier
+// exactly when one is needed:
+//
+//     (reads & written) | (writes & (written | read))
+//
+// where `read` and `written` are what was touched since the last barrier. The barrier is one global memory barrier:
+// with a handful of buffers that all live in one arena, barriers per buffer only cost the driver time.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compute/owned.h"
+
+namespace weft::compute {
+
+/// Remembers what was touched since the last barrier. Pure: calls no Vulkan.
+///
+/// Reading dispatch arguments (`indirect`) happens in another pipeline stage than shaders, so a barrier between shaders
+/// does not reach it: what was written and not yet shown to that stage is kept apart.
+class HazardTracker {
+ public:
+  bool needs_barrier(uint64_t reads, uint64_t writes, uint64_t indirect = 0) const;
+  /// Some argument reads are pending, so a barrier must also wait for that stage.
+  bool waits_for_indirect() const { return indirect_read_ != 0; }
+  /// Records what a pass touches; call barrier() first if needs_barrier() said so.
+  void note(uint64_t reads, uint64_t writes, uint64_t indirect = 0);
+  /// A barrier from and to shaders was recorded; `to_indirect`: also to the stage that reads arguments.
+  void barrier(bool to_indirect = false);
+
+ private:
+  uint64_t read_ = 0;
+  uint64_t written_ = 0;
+  uint64_t indirect_read_ = 0;
+  uint64_t unseen_by_indirect_ = 0;
+};
+
+/// Time of one pass on the GPU, in milliseconds after the first timestamp of the frame.
+struct PassTime {
+  uint32_t name = 0;  ///< index into Timestamps::names()
+  double begin_ms = 0;
+  double end_ms = 0;
+};
+
+/// A pair of timestamps per pass. On a queue without timestamps supported() is false and nothing is recorded: the caller
+/// times on the CPU and says so.
+///
+/// Recording: rewind(), hand it to a Recorder. Each submit: reset() before it, read() when its fence has signalled.
+class Timestamps {
+ public:
+  /// Room for `passes` passes per recording; more are counted in dropped().
+  static Result<Timestamps> create(const Device& device, std::string_view name, uint32_t passes);
+  Timestamps() = default;
+
+  bool supported() const { return static_cast<bool>(pool_); }
+  /// Forgets what was recorded; before recording anew.
+  void rewind();
+  /// Host reset; the GPU must be done with the last submit.
+  void reset() const;
+  /// In order of recording. Empty when unsupported. An error when the submit has not finished.
+  Result<std::vector<PassTime>> read() const;
+  const std::vector<std::string>& names() const { return names_; }
+  uint32_t dropped() const { return dropped_; }
+
+ private:
+  friend class Recorder;
+  uint32_t begin(VkCommandBuffer commands, std::string_view name);
+  void end(VkCommandBuffer commands, uint32_t slot);
+
+  const Device* device_ = nullptr;
+  OwnedQueryPool pool_;
+  uint32_t capacity_ = 0;
+  uint32_t dropped_ = 0;
+  std::vector<std::string> names_;
+  std::vector<uint32_t> slots_;  // slot -> name
+};
+
+/// Who touches memory, for barriers beyond those between passes.
+enum class Use : uint32_t {
+  compute = 1,   ///< storage and texel buffers in compute shaders
+  indirect = 2,  ///< dispatch or draw arguments
+  transfer = 4,  ///< copies and fills
+  host = 8,      ///< mapped memory
+  vertex = 16,   ///< vertex and index buffers, and buffers read in vertex shaders
+  all = 31,
+};
+constexpr Use operator|(Use a, Use b) { return static_cast<Use>(static_cast<uint32_t>(a) | static_cast<uint32_t>(b)); }
+
+/// Records into a command buffer that is in the recording state; owns nothing. Allocates only when a pass name is new to
+/// its Timestamps.
+///
+///     Recorder recorder(device, commands, &timestamps);
+///     recorder.barrier(Use::transfer, Use::compute);
+///     recorder.begin_pass("predict", reads, writes);
+///     recorder.bind(pipeline, layout, sets);
+///     recorder.dispatch(groups);
+///     recorder.finish();
+///
+/// A recording starts with no memory: what earlier submits wrote needs an explicit barrier.
+class Recorder {
+ public:
+  Recorder(const Device& device, VkCommandBuffer commands, Timestamps* timestamps = nullptr);
+  ~Recorder();
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  /// Ends the pass before it, and puts a barrier between if there must be one. Dispatches within one pass must not
+  /// depend on each other. `name` ends in a zero byte.
+  void begin_pass(const char* name, uint64_t reads, uint64_t writes, uint64_t indirect = 0);
+  void bind(VkPipeline pipeline, VkPipelineLayout layout, std::span<const VkDescriptorSet> sets);
+  void push(VkPipelineLayout layout, std::span<const std::byte> bytes);
+  void dispatch(uint32_t x, uint32_t y = 1, uint32_t z = 1);
+  void dispatch_indirect(VkBuffer arguments, VkDeviceSize offset = 0);
+  /// Ends the last pass.
+  void finish();
+
+  /// Everything `from` wrote is seen by `to`, and `to` waits until `from` has read. Ends the current pass.
+  void barrier(Use from, Use to);
+
+  VkCommandBuffer commands() const { return commands_; }
+  uint32_t barriers() const { return barriers_; }
+  uint32_t dispatches() const { return dispatches_; }
+
+ private:
+  const Device* device_;
+  VkCommandBuffer commands_;
+  Timestamps* timestamps_;
+  HazardTracker hazards_;
+  bool in_pass_ = false;
+  uint32_t slot_ = 0;
+  uint32_t barriers_ = 0;
+  uint32_t dispatches_ = 0;
+};
+
+}  // namespace weft::compute
