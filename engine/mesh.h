@@ -2,6 +2,12 @@
 //
 // A file's vertices are split wherever normals or UVs differ. The cloth must not be, so vertices at one place (within
 // `weld_tolerance`) become one point; `point_of` maps every render vertex back, and seams stay closed.
+//
+// Texture coordinates follow glTF and Vulkan: (0, 0) is the picture's upper left corner, v grows downwards. The bitangent
+// w cross(normal, tangent) points up in the picture, which is what glTF's normal maps (+Y up) expect.
+//
+// Limitations: welding goes by position alone, so two sheets that lie exactly on each other become one (their triangles are
+// duplicates then, and are counted as such). Skins, morph targets, animations and materials of a file are not read.
 #pragma once
 
 #include <array>
@@ -25,7 +31,7 @@ using Triangle = std::array<std::uint32_t, 3>;
 struct RenderMesh {
   std::vector<Vec3> positions;   // m, rest pose, node transforms applied
   std::vector<Vec3> normals;     // unit
-  std::vector<Vec4> tangents;    // unit, w = handedness (+1 or -1)
+  std::vector<Vec4> tangents;    // unit, at right angles to the normal, w = handedness (+1 or -1)
   std::vector<Vec2> uvs;
   std::vector<Triangle> triangles;
 };
@@ -45,30 +51,60 @@ struct WingedEdge {
 
 struct Mesh {
   RenderMesh render;
-  std::vector<std::uint32_t> point_of;      // render vertex -> point
-  std::vector<Vec3> points;                 // m, rest pose
-  std::vector<Triangle> triangles;          // over points; each valid, no two the same
-  std::vector<WingedEdge> edges;            // manifold after mending
+  std::vector<std::uint32_t> point_of;      // render vertex -> point; every point has at least one render vertex
+  std::vector<Vec3> points;                 // m, rest pose; numbered in the order of their first render vertices, where they lie
+  std::vector<Triangle> triangles;          // over points; each valid, no two the same; triangles[i] is render.triangles[i] through point_of
+  std::vector<WingedEdge> edges;            // manifold after mending; each pair of points once, sorted by (smaller, greater) point
   std::vector<std::string> mended;          // one sentence a kind of fault, with its count; empty for a clean mesh
   double weld_tolerance = 0;                // m
 };
 
 /// A grid with (cells + 1) vertices a side, plus one a cell in the centre topology. Indices are integers throughout, so
-/// counts are exact for every size. UVs run 0 ... 1; vertex (i, j) of the corner lattice is render vertex j (cells_x + 1) + i.
+/// counts are exact for every size. Asserts 1 <= cells <= 2048 and a size above 0.
+///
+///   upright                           flat, seen from above
+///   +y                                -z
+///    |  row j = cells_y, v = 0         |  row j = 0, v = 0
+///    |                                 |
+///    |  row j = 0, v = 1               |  row j = cells_y, v = 1
+///    +----------- +x                  +z ---------- +x
+///
+/// Corner vertex (i, j) is render vertex j (cells_x + 1) + i, at size ((i / cells_x - 1/2), (j / cells_y - 1/2)) along x and
+/// y (upright) or x and z (flat): the grid is centred at the origin, faces +z or +y, and a picture on it is not mirrored.
+/// The centre of cell (i, j) is render vertex (cells_x + 1)(cells_y + 1) + j cells_x + i. Points and render vertices are the same.
 Mesh make_grid(const Grid& grid);
 
-/// Reads glTF, GLB or OBJ: all primitives, node transforms applied, missing normals and UVs made.
-/// Errors: missing, cut short or foreign file; no triangle; a vertex that is not finite; more than 4 million vertices.
+inline constexpr std::uint32_t kMostVertices = 4'000'000;   // 2048 x 2048 cells; keeps every index list below 2^32 bytes
+
+/// Reads glTF, GLB or OBJ: all triangle primitives of the default scene, node transforms applied (a mirroring one turns the winding
+/// back outwards), missing normals and UVs made. Lines and points are left out, with a sentence in `mended`.
+/// Errors: missing, cut short or foreign file; no triangle; a vertex that is not finite; more than kMostVertices vertices.
 Result<Mesh> load_mesh(const std::filesystem::path& file);
 
 /// Applies a transform (scale, then rotation, then translation) to positions, normals and tangents.
 void transform_mesh(Mesh& mesh, const Transform& transform);
 
-/// Welds and mends; what load_mesh does after reading. `render` needs positions and triangles, the rest is made if it is missing.
+/// Welds and mends; what load_mesh does after reading. `render` needs positions and triangles. Normals, tangents and UVs are as many as
+/// the positions or none; an entry that is missing, not finite or (normals, tangents) zero is made:
+///   normals    smooth over the welded points, so both sides of a seam get the same one
+///   UVs        projected onto the two longest axes of the bounding box, the longer one 0 ... 1
+///   tangents   from the UVs; any perpendicular where the UVs are degenerate
+/// Welding: vertices within weld_tolerance = 1e-6 x the bounding box's diagonal become one point, transitively (a chain of close
+/// vertices is one point); the result depends on positions only, not on the order of triangles.
+/// Mended with a counted sentence: vertices of no triangle (dropped, so render indices shift), triangles with a repeated point or an area
+/// below 1e-12 x diagonal^2, duplicate triangles (the first stays), inconsistent winding (the majority of a connected piece
+/// wins; normals are then made anew), edges of more than two triangles, pieces that cannot be oriented.
+/// Errors: see load_mesh; also lists of unequal length and indices out of range.
 Result<Mesh> weld_mesh(RenderMesh render);
 
-/// Winged edges of a triangle list. `non_manifold` receives the number of edges with more than two triangles or with two of
-/// the same orientation; the surplus triangles of such an edge are treated as if a boundary ran there.
+/// Winged edges of a triangle list, each pair of points once, so that no constraint is ever doubled. `non_manifold` (may be null)
+/// receives the number of edges with more than two triangles or with two of the same orientation. Such an edge keeps its first triangle
+/// and the first that runs the other way; the surplus triangles hang on by their points, as if a boundary ran there.
 std::vector<WingedEdge> winged_edges(std::span<const Triangle> triangles, std::uint32_t* non_manifold);
+
+/// Unit normals, weighted by the angle at each corner, so that they do not depend on how a face is cut into triangles.
+/// A vertex without a triangle of any area gets +y.
+/// Source: Thuermer and Wuethrich, "Computing vertex normals from polygonal facets", Journal of Graphics Tools 3(1), 1998.
+std::vector<Vec3> smooth_normals(std::span<const Vec3> positions, std::span<const Triangle> triangles);
 
 }  // namespace weft

@@ -1,0 +1,54 @@
+// What the mesh sources share with each other and with nobody else.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "compute/result.h"
+#include "engine/mesh.h"
+
+namespace weft::parts {
+
+inline Eigen::Vector3d wide(Vec3 v) { return {v.x, v.y, v.z}; }
+inline Vec3 narrow(const Eigen::Vector3d& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+inline bool finite(Vec2 v) { return std::isfinite(v.x) && std::isfinite(v.y); }
+inline bool finite(Vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+inline constexpr double kWeldFraction = 1e-6;    // of the diagonal: above float rounding (6e-8), far below any cloth's edge length
+inline constexpr double kAreaFraction = 1e-12;   // of the diagonal squared: the area of a triangle one weld tolerance wide and long
+
+/// One side of an edge: triangle `triangle` runs from `low` to `high` (forward) or back, and has `across` as its third point.
+struct HalfEdge {
+  std::uint32_t low, high, triangle, across;
+  bool forward;
+};
+
+/// All half-edges (three a triangle), sorted by (low, high), those of one edge in the order of their triangles.
+std::vector<HalfEdge> half_edges(std::span<const Triangle> triangles);
+
+/// The end of the run of half-edges that starts at `begin` and lies on one edge.
+std::size_t run_end(std::span<const HalfEdge> halves, std::size_t begin);
+
+/// Which triangles to turn so that neighbours run the same way round.
+struct Orientation {
+  std::vector<std::uint32_t> turn;    // triangles, ascending; the minority of each connected piece
+  std::uint32_t twisted_pieces = 0;   // pieces that cannot be oriented, such as a Moebius strip; left as they are
+};
+Orientation orient(std::span<const Triangle> triangles);
+
+/// Fill what is missing or not finite; the contract is at weld_mesh.
+void complete_normals(RenderMesh& render, std::span<const std::uint32_t> point_of, std::span<const Vec3> points,
+                      std::span<const Triangle> triangles);
+void complete_uvs(RenderMesh& render);
+void complete_tangents(RenderMesh& render);
+
+/// Reads a glTF or GLB file's structure, ahead of assimp, and says what is wrong with it: nesting, chunk lengths, buffers, views and accessors
+/// that reach past their ends, more vertices than kMostVertices. assimp alone trusts some of these.
+Result<void> check_gltf(const std::filesystem::path& file);
+
+}  // namespace weft::parts
