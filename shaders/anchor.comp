@@ -1,0 +1,19 @@
+// anchor: puts every held particle where it belongs at the substep's end, on the straight way from where it was at the
+// frame's start to where the scene or the host wants it at the frame's end. Recorded only in frames in which targets move.
+// At the frame's end the target is taken as it is, so that it is exact to the bit.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+READ(Anchor, anchors)
+READ_WRITE(vec4, predicted)
+
+layout(push_constant, scalar) uniform Constants { Push push; };
+
+void main() {
+  const uint i = gl_GlobalInvocationID.x;
+  if (i >= push.count) return;
+  const Anchor anchor = anchors[i];
+  const bool arrived = push.fraction_to == 1;
+  predicted[anchor.particle].xyz = arrived ? anchor.to : mix(anchor.from, anchor.to, push.fraction_to);
+}

@@ -1,0 +1,30 @@
+// bend_gather: every particle sums what its bending stencils ask of it: dp_i = omega sum_e w_i K_i dlambda_e.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+READ(vec4, predicted)
+GATHER(bend_impulses)
+READ(uvec2, bend_use_rows)
+GATHER_LIST(bend_uses)
+WRITE(vec4, relaxed)
+
+layout(push_constant, scalar) uniform Constants { Push push; };
+
+vec3 share(uvec2 use) {
+  return uintBitsToFloat(use.y) * FETCH(bend_impulses, use.x).xyz;
+}
+
+void main() {
+  const uint i = gl_GlobalInvocationID.x;
+  if (i >= push.count) return;
+  const vec4 p = predicted[i];
+  const uvec2 row = bend_use_rows[i];
+  const uint end = row.x + ((row.y + 1) >> 1);
+  vec3 sum = vec3(0);
+  for (uint k = row.x; k < end; ++k) {
+    const uvec4 pair = FETCH(bend_uses, k);
+    sum += share(pair.xy) + share(pair.zw);
+  }
+  relaxed[i] = vec4(p.xyz + push.relaxation * sum, p.w);
+}

@@ -1,0 +1,196 @@
+// The one place where GPU memory is described: included by C++ and by every shader.
+//
+// A buffer has a number (its binding), a name and an element. A pass says in its shader which buffers it READs, WRITEs or
+// GATHERs (random access, through a texel buffer where the device has one); reflection turns those lines into descriptor
+// sets, barriers and the list of buffers that exist. Structs are in scalar layout and only hold 4-byte members, so both
+// languages agree on every offset. SI units.
+#ifndef WEFT_SHARED_H
+#define WEFT_SHARED_H
+
+//    binding  name            element   length          what
+#define WEFT_BUFFERS(X)                                                                                                  \
+  X(0,  positions,      vec4)     /* particles      xyz position at the substep's start (m), w inverse mass (1/kg) */    \
+  X(1,  velocities,     vec4)     /* particles      xyz velocity that `predicted` was made with (m/s), w material index */ \
+  X(2,  predicted,      vec4)     /* particles      xyz current iterate (m), w split inverse mass (1/kg) */              \
+  X(3,  relaxed,        vec4)     /* particles      the next iterate: swaps with `predicted` after a relaxing pass */    \
+  X(4,  stretch_rows,   uvec2)    /* particles      first link pair, number of links */                                  \
+  X(5,  stretch_links,  uvec4)    /* link pairs     two links (pack_link) */                                             \
+  X(6,  stretch_lambda, vec2)     /* link pairs     multipliers of both links */                                         \
+  X(7,  bend_rows,      uvec2)    /* particles      first entry pair, number of entries */                               \
+  X(8,  bend_entries,   uvec4)    /* entry pairs    (particle, coefficient as float bits) twice */                       \
+  X(9,  bends,          Bend)     /* bends          stencils */                                                          \
+  X(10, bend_lambda,    vec4)     /* bends          multiplier of each stencil */                                        \
+  X(11, bend_impulses,  vec4)     /* bends          change of the multiplier */                                          \
+  X(12, bend_uses,      uvec4)    /* use pairs      (bend, K times inverse mass as float bits) twice */                  \
+  X(13, tethers,        Tether)   /* particles x k  nearest anchors first */                                             \
+  X(14, anchors,        Anchor)   /* anchors        targets of this frame */                                             \
+  X(15, colliders,      Collider) /* colliders      poses of this frame */                                               \
+  X(16, materials,      Material) /* cloths */                                                                           \
+  X(17, surface_rows,   uvec4)    /* vertices       particle, first corner, number of corners, unused */                 \
+  X(18, corners,        uvec2)    /* corners        the triangle's two other particles, in order */                      \
+  X(19, vertex_positions, vec4)   /* vertices       for the renderer: xyz, 1 */                                          \
+  X(20, vertex_normals, vec4)     /* vertices       for the renderer: xyz, 0 */                                          \
+  X(21, counters,       Counters) /* 1              what was mended while running */                                     \
+  X(22, bend_use_rows,  uvec2)    /* particles      first use pair, number of uses */
+
+// Texel views (GATHER) live in a second descriptor set under the same numbers.
+#define WEFT_STORAGE_SET 0
+#define WEFT_TEXEL_SET 1
+
+#ifdef __cplusplus
+
+#include <bit>
+#include <cstdint>
+#include <type_traits>
+
+namespace weft::gpu {
+using uint = std::uint32_t;
+struct uvec2 { uint x, y; };
+struct uvec4 { uint x, y, z, w; };
+struct vec2 { float x, y; };
+struct vec3 { float x, y, z; };
+struct vec4 { float x, y, z, w; };
+#define WEFT_INLINE inline
+#define WEFT_FLOAT(bits) std::bit_cast<float>(bits)
+#define WEFT_BITS(value) std::bit_cast<std::uint32_t>(value)
+
+#else
+
+#extension GL_EXT_scalar_block_layout : require
+#define WEFT_INLINE
+#define WEFT_FLOAT(bits) uintBitsToFloat(bits)
+#define WEFT_BITS(value) floatBitsToUint(value)
+
+#define WEFT_BINDING(number, name, element) const uint name##_binding = number;
+WEFT_BUFFERS(WEFT_BINDING)
+
+#define WEFT_BUFFER(access, element, name) \
+  layout(set = WEFT_STORAGE_SET, binding = name##_binding, scalar) restrict access buffer name##_block { element name[]; };
+#define READ(element, name) WEFT_BUFFER(readonly, element, name)
+#define WRITE(element, name) WEFT_BUFFER(writeonly, element, name)
+#define READ_WRITE(element, name) WEFT_BUFFER(, element, name)
+
+// A gather reads neighbours in no particular order. On the software driver a texel fetch is twice as fast as a storage
+// load; GATHER_STORAGE builds the other variant, for devices that prefer it or whose texel buffers are too short.
+#ifdef GATHER_STORAGE
+#define GATHER(name) READ(vec4, name)
+#define GATHER_LIST(name) READ(uvec4, name)
+#define FETCH(name, i) name[i]
+#else
+#define GATHER(name) layout(set = WEFT_TEXEL_SET, binding = name##_binding) uniform samplerBuffer name;
+#define GATHER_LIST(name) layout(set = WEFT_TEXEL_SET, binding = name##_binding) uniform usamplerBuffer name;
+#define FETCH(name, i) texelFetch(name, int(i))
+#endif
+
+layout(local_size_x_id = 0) in;
+
+#endif
+
+/// Isometric bending stencil (Bergou et al. 2006): the edge (particle[0], particle[1]) and its opposite vertices.
+struct Bend {
+  uint particle[4];
+  float k[4];         // K of the stencil: sums to 0
+  float compliance;   // 1/(B q) (m^2/N m ... per unit of |l|^2)
+  float split_weight; // sum n_j w_j K_j^2 (1/kg)
+};
+
+/// One-sided link to an anchor; anchor == WEFT_NONE ends a particle's list.
+struct Tether {
+  uint anchor;        // particle that never moves by itself
+  float reach;        // m
+};
+
+struct Anchor {
+  uint particle;
+  vec3 from;          // m, at the frame's start
+  vec3 to;            // m, at its end
+};
+
+#define WEFT_PLANE 0u
+#define WEFT_SPHERE 1u
+
+struct Collider {
+  uint shape;
+  float radius;       // m
+  float friction;     // Coulomb
+  vec3 centre_from, centre_to;   // m
+  vec3 normal_from, normal_to;   // unit, planes
+  vec3 spin;          // rad over the frame, about the centre
+};
+
+struct Material {
+  float keep;         // fraction of the velocity that a substep keeps: exp(-damping h)
+  float friction;     // Coulomb
+  float thickness;    // m
+};
+
+struct Counters {
+  uint non_finite;    // particles put back to their last finite position
+  uint coincident;    // links skipped because their ends were at one place
+};
+
+/// What every pass is told. 96 of the 128 bytes that every device has.
+struct Push {
+  uint count;         // threads with work
+  uint tethers_per_particle;
+  uint colliders;
+  uint flags;         // WEFT_LAST_ITERATION ...
+  float h;            // s, substep
+  float inverse_h;    // 1/s
+  float inverse_h2;   // 1/s^2
+  float relaxation;   // omega
+  float fraction_from, fraction_to;   // of the frame, at this substep's start and end
+  vec3 gravity;       // m/s^2
+};
+
+#define WEFT_LAST_ITERATION 1u  // of the substep: velocities follow
+#define WEFT_LAST_SUBSTEP 2u    // of the frame: no further prediction
+#define WEFT_FIRST_ITERATION 4u // of the substep: multipliers start at zero
+
+#define WEFT_NONE 0xffffffffu
+#define WEFT_MAX_PARTICLES 0x00ffffffu
+
+// A link of the stretch pass in eight bytes: 24 bits of index, a rest length with 16 bits of mantissa (relative error below
+// 4e-6) and a compliance with 7 (below 0.4 %), and one bit for links that only pull.
+//
+//   x: [31..24] compliance exponent   [23..0] index
+//   y: [31..8]  rest length, a positive float's bits 30..7   [7..1] compliance mantissa   [0] only pulls
+struct Link {
+  uint other;
+  float rest;         // m; 0 marks padding
+  float compliance;   // m/N
+  bool only_pulls;
+};
+
+WEFT_INLINE Link unpack_link(uint x, uint y) {
+  Link link;
+  link.other = x & 0xffffffu;
+  link.rest = WEFT_FLOAT((y >> 8) << 7);
+  link.compliance = WEFT_FLOAT(((x >> 24) << 23) | ((y & 0xfeu) << 15));
+  link.only_pulls = (y & 1u) != 0u;
+  return link;
+}
+
+#ifdef __cplusplus
+
+inline uvec2 pack_link(const Link& link) {
+  // Rounded to nearest: half of the last kept bit is added before cutting; a carry runs into the exponent, as it should.
+  const uint rest = (WEFT_BITS(link.rest) + 0x40u) >> 7;
+  const uint compliance = (WEFT_BITS(link.compliance) + 0x8000u) & 0x7fff0000u;
+  return {(link.other & 0xffffffu) | ((compliance >> 23) << 24), (rest << 8) | ((compliance >> 15) & 0xfeu) | (link.only_pulls ? 1u : 0u)};
+}
+
+static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 72);
+static_assert(sizeof(Material) == 12 && sizeof(Counters) == 8 && sizeof(Push) == 52);
+static_assert(std::is_trivially_copyable_v<Push>);
+
+enum Binding : uint {
+#define WEFT_ENUMERATE(number, name, element) name = number,
+  WEFT_BUFFERS(WEFT_ENUMERATE)
+#undef WEFT_ENUMERATE
+};
+
+}  // namespace weft::gpu
+
+#endif
+#endif

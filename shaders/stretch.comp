@@ -1,0 +1,62 @@
+// stretch: distance constraints C = |p_a - p_b| - L, by XPBD (Macklin, Mueller, Chentanez 2016, eq. 18) and Jacobi in gather
+// form: every particle evaluates its own links from the current iterate and writes the next one, so that no two threads
+// write to one place. Both ends of a link compute the same multiplier.
+//
+// Masses are split (Tonge et al. 2012): particle i, in n_i links, shows each of them the inverse mass W_i = n_i w_i and takes
+// the mean of what they ask for: dlambda = -(C + a lambda) / (W_a + W_b + a), dp_i = omega (W_i / n_i) sum grad C dlambda.
+// With W_i = w_i instead the same lines are plain count-averaging, which does not conserve momentum.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+GATHER(predicted)
+READ(uvec2, stretch_rows)
+GATHER_LIST(stretch_links)
+#ifdef ITERATED
+READ_WRITE(vec2, stretch_lambda)
+#endif
+WRITE(vec4, relaxed)
+READ_WRITE(Counters, counters)
+
+layout(push_constant, scalar) uniform Constants { Push push; };
+
+// The impulse of one link on the particle at p, per unit of its inverse mass. Its multiplier is read and renewed.
+vec3 impulse(vec4 p, uvec2 packed, inout float lambda) {
+  const Link link = unpack_link(packed.x, packed.y);
+  const vec4 q = FETCH(predicted, link.other);
+  const vec3 d = p.xyz - q.xyz;
+  const float squared = dot(d, d);
+  // Ends at one place have no direction and a lost neighbour none that helps: both are left to the other constraints.
+  const bool usable = squared > 1e-20 && squared < 1e20;
+  if (!usable && link.rest > 0) atomicAdd(counters[0].coincident, 1);
+  const float len = sqrt(usable ? squared : 1);
+  const float stretched = len - link.rest;
+  const float alpha = link.compliance * push.inverse_h2;
+  float change = -(stretched + alpha * lambda) / max(p.w + q.w + alpha, 1e-20);
+  if (link.only_pulls) change = min(change, -lambda);
+  change = usable && link.rest > 0 ? change : 0;
+  lambda += change;
+  return (change / len) * d;
+}
+
+void main() {
+  const uint i = gl_GlobalInvocationID.x;
+  if (i >= push.count) return;
+  const vec4 p = FETCH(predicted, i);
+  const uvec2 row = stretch_rows[i];
+  const uint end = row.x + ((row.y + 1) >> 1);
+  vec3 sum = vec3(0);
+  for (uint k = row.x; k < end; ++k) {
+    const uvec4 pair = FETCH(stretch_links, k);
+    vec2 lambda = vec2(0);
+#ifdef ITERATED
+    if ((push.flags & WEFT_FIRST_ITERATION) == 0) lambda = stretch_lambda[k];
+#endif
+    sum += impulse(p, pair.xy, lambda.x);
+    sum += impulse(p, pair.zw, lambda.y);
+#ifdef ITERATED
+    stretch_lambda[k] = lambda;
+#endif
+  }
+  relaxed[i] = vec4(p.xyz + (push.relaxation * p.w / max(float(row.y), 1)) * sum, p.w);
+}
