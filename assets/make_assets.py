@@ -1,0 +1,336 @@
+#!/usr/bin/env python3
+"""Makes the meshes and textures that Weft's scenes use.
+
+    curtain.glb      two panels, 2.4 m x 2.0 m, 97 x 73 places, sewn along a UV seam; upright, its hem on y = 0
+    tablecloth.glb   one square sheet, 2 m x 2 m, 65 x 65 places, 32-bit indices; flat, on y = 0
+    plain_weave_*.png, twill_*.png
+                     a woven fabric that tiles: albedo (sRGB), normal (tangent space, green up), roughness, occlusion
+    banner.png       a picture, to show that any picture can be put on a cloth
+
+Texture coordinates of the meshes are metres, so a `repeat` of 4 puts a tile on every 25 cm whatever the mesh's size.
+Needs Python's standard library only. Two runs write the same bytes; a file appears under its name only when it is whole.
+"""
+
+import argparse
+import json
+import math
+import os
+import random
+import struct
+import zlib
+from pathlib import Path
+
+TILE = 512          # texels a side
+YARNS = 32          # of each kind a tile: a multiple of 4, so that a twill of four tiles
+PITCH = TILE // YARNS
+
+
+def save(path, content):
+    """Writes under a temporary name first: whoever reads `path` meanwhile sees the old file or the new one, never half."""
+    part = path.with_name(f"{path.name}.{os.getpid()}.part")
+    part.write_bytes(content)
+    os.replace(part, path)
+
+
+# ---- PNG: ISO/IEC 15948
+
+def png(width, height, channels, samples):
+    """8-bit grey (1 channel) or RGB (3); `samples` is row after row, top first."""
+    def chunk(kind, content):
+        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+    stride = width * channels
+    rows = b"".join(b"\0" + samples[y * stride:(y + 1) * stride] for y in range(height))
+    header = struct.pack(">IIBBBBB", width, height, 8, {1: 0, 3: 2}[channels], 0, 0, 0)
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"sRGB", b"\0") * (channels == 3)
+            + chunk(b"IDAT", zlib.compress(rows, 6)) + chunk(b"IEND", b""))
+
+
+# ---- GLB: the Khronos glTF 2.0 specification, sections 3.6 and 4
+
+FLOAT, UINT16, UINT32 = 5126, 5123, 5125
+ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
+
+
+def glb(name, positions, normals, uvs, triangles, wide_indices):
+    binary, views, accessors = b"", [], []
+
+    def add(rows, kind, code, component, target):
+        nonlocal binary
+        packed = b"".join(struct.pack(f"<{len(row)}{code}", *row) for row in rows)
+        views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(packed), "target": target})
+        count = len(rows) * (len(rows[0]) if kind == "SCALAR" else 1)
+        accessor = {"bufferView": len(views) - 1, "componentType": component, "count": count, "type": kind}
+        if not accessors:   # positions come first, and they alone must state their bounds, in the precision they are stored in
+            stored = list(struct.iter_unpack("<3f", packed))
+            accessor["min"] = [min(axis) for axis in zip(*stored)]
+            accessor["max"] = [max(axis) for axis in zip(*stored)]
+        accessors.append(accessor)
+        binary += packed + b"\0" * (-len(packed) % 4)
+        return len(accessors) - 1
+
+    attributes = {"POSITION": add(positions, "VEC3", "f", FLOAT, ARRAY_BUFFER),
+                  "NORMAL": add(normals, "VEC3", "f", FLOAT, ARRAY_BUFFER),
+                  "TEXCOORD_0": add(uvs, "VEC2", "f", FLOAT, ARRAY_BUFFER)}
+    indices = add(triangles, "SCALAR", "I" if wide_indices else "H", UINT32 if wide_indices else UINT16, ELEMENT_ARRAY_BUFFER)
+    document = {
+        "asset": {"version": "2.0", "generator": "Weft assets/make_assets.py"},
+        "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"name": name, "mesh": 0}],
+        "meshes": [{"name": name, "primitives": [{"attributes": attributes, "indices": indices, "material": 0}]}],
+        "materials": [{"name": "cloth", "doubleSided": True,
+                       "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0.9}}],
+        "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": len(binary)}]}
+    text = json.dumps(document, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    return (struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(binary))
+            + struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(binary), b"BIN\0") + binary)
+
+
+def sheet_triangles(columns, rows, first, cell):
+    """Two triangles a cell. The diagonal changes from cell to cell, so that the sheet shears alike both ways."""
+    triangles = []
+    for j in range(rows):
+        for i in range(columns):
+            a = first + j * (columns + 1) + i
+            b, c, d = a + 1, a + columns + 1, a + columns + 2
+            triangles += [(a, b, d), (a, d, c)] if (i + cell + j) % 2 == 0 else [(a, b, c), (b, d, c)]
+    return triangles
+
+
+def curtain():
+    """Two panels side by side: the vertices of the seam are there twice, at one place with two texture coordinates."""
+    width, height, columns, rows = 2.4, 2.0, 48, 72
+    positions, uvs, triangles = [], [], []
+    for panel in range(2):
+        triangles += sheet_triangles(columns, rows, len(positions), panel * columns)
+        for j in range(rows + 1):
+            for i in range(columns + 1):
+                positions.append((width * ((panel * columns + i) / (2 * columns) - 0.5), height * j / rows, 0.0))
+                uvs.append((0.5 * width * i / columns, height * (1 - j / rows)))
+    return glb("curtain", positions, [(0.0, 0.0, 1.0)] * len(positions), uvs, triangles, wide_indices=False)
+
+
+def tablecloth():
+    side, cells = 2.0, 64
+    positions, uvs = [], []
+    for j in range(cells + 1):
+        for i in range(cells + 1):
+            positions.append((side * (i / cells - 0.5), 0.0, side * (0.5 - j / cells)))
+            uvs.append((side * i / cells, side * (1 - j / cells)))
+    return glb("tablecloth", positions, [(0.0, 1.0, 0.0)] * len(positions), uvs, sheet_triangles(cells, cells, 0, 0),
+               wide_indices=True)
+
+
+# ---- Fabric: a height field of yarns, and four maps taken from it
+
+def periodic_noise(rng, count, step):
+    """`count` values in -1 ... 1 that join end to start; neighbours within `step` are alike."""
+    knots = [rng.uniform(-1, 1) for _ in range(count // step)]
+    values = []
+    for k in range(count):
+        knot, fraction = divmod(k, step)
+        t = fraction / step
+        t = t * t * (3 - 2 * t)
+        values.append(knots[knot] * (1 - t) + knots[(knot + 1) % len(knots)] * t)
+    return values
+
+
+class Yarns:
+    """The yarns of one direction: where each runs, how it rises and falls, what it looks like along its length."""
+
+    def __init__(self, rng, over, crimp, unevenness):
+        self.rise, self.wander, self.shade, self.twist = [], [], [], []
+        for yarn in range(YARNS):
+            # Over or under at the middle of each crossing, a cosine in between.
+            level = [1.0 if over(yarn, crossing) else -1.0 for crossing in range(YARNS)]
+            rise = []
+            for k in range(TILE):
+                crossing, texel = divmod(k - PITCH // 2, PITCH)
+                t = 0.5 - 0.5 * math.cos(math.pi * texel / PITCH)
+                rise.append(crimp * (level[crossing % YARNS] * (1 - t) + level[(crossing + 1) % YARNS] * t))
+            self.rise.append(rise)
+            self.wander.append([0.6 * n for n in periodic_noise(rng, TILE, 64)])
+            # Spun yarn is never even: each has its own tone, and thicker, paler stretches (slubs).
+            tone = rng.uniform(-1, 1)
+            slub = periodic_noise(rng, TILE, 128)
+            fine = periodic_noise(rng, TILE, 16)
+            self.shade.append([1 + unevenness * (0.6 * tone + 0.5 * slub[k] + 0.3 * fine[k]) for k in range(TILE)])
+            self.twist.append(rng.randrange(1024))
+
+
+def weave(seed, over, warp_colour, weft_colour, unevenness, broad, sunk):
+    """Height, colour and gloss of every texel, for `over(i, j)`: warp i lies over weft j.
+
+    Warps run along the image's columns. A yarn's cross-section is a rounded arch that reaches `broad` texels to either side
+    of its middle, so neighbours overlap a little; wefts lie `sunk` texels lower. Fibres wind round a yarn, so streaks run
+    askew across it. Where two yarns cross, the higher one is seen.
+    """
+    rng = random.Random(seed)
+    crown, crimp = 5.0, 3.0        # texels: height of the arch; how far its yarn rises over a crossing and dips under the next
+    arch = [crown * max(0.0, 1 - ((k - 512) / 512) ** 2) ** 0.58 for k in range(1024)]
+    lean = [int(26 * math.asin(max(-1.0, min(1.0, (k - 512) / 512)))) for k in range(1024)]
+    fibre = [0.6 * a + 0.4 * b for a, b in zip(periodic_noise(rng, 1024, 8), periodic_noise(rng, 1024, 2))]
+    warps = Yarns(rng, over, crimp, unevenness)
+    wefts = Yarns(rng, lambda j, i: not over(i, j), crimp, unevenness)
+    fuzz = [rng.uniform(-1, 1) for _ in range(4096)]
+
+    half = PITCH / 2
+
+    def highest(yarns, yarn, offset, along):
+        """The yarn of one direction that is on top `offset` texels from the middle of `yarn`: itself or, near the rim, the next."""
+        best = None
+        near = offset + yarns.wander[yarn][along]
+        for other, distance in ((yarn, near), (yarn + 1, near - PITCH), (yarn - 1, near + PITCH)):
+            if -broad < distance < broad:
+                other %= YARNS
+                where = int(distance * 511 / broad) + 512
+                height = yarns.rise[other][along] + arch[where] - (sunk if yarns is wefts else 0)
+                if best is None or height > best[0]:
+                    best = height, other, where
+        return best
+
+    heights, albedo, gloss = [], bytearray(), []
+    for y in range(TILE):
+        across_y = y % PITCH + 0.5 - half
+        noise_row = rng.randrange(4096)
+        for x in range(TILE):
+            warp_height, i, u = highest(warps, x // PITCH, x % PITCH + 0.5 - half, y)
+            weft_height, j, v = highest(wefts, y // PITCH, across_y, x)
+            if warp_height > weft_height:
+                height, arched, shade, colour = warp_height, arch[u], warps.shade[i][y], warp_colour
+                streak = fibre[(lean[u] + 2 * y + warps.twist[i]) & 1023]
+            else:
+                height, arched, shade, colour = weft_height, arch[v], wefts.shade[j][x], weft_colour
+                streak = fibre[(lean[v] + 2 * x + wefts.twist[j]) & 1023]
+            grain = streak + 0.35 * fuzz[(noise_row + 7 * x) & 4095]
+            heights.append(height + 0.35 * grain)
+            tint = shade * (1 + 0.13 * grain) * (0.80 + 0.04 * arched)
+            gloss.append(0.02 * arched + 0.03 * grain)
+            for channel in colour:
+                value = int(channel * tint)
+                albedo.append(255 if value > 255 else value)
+    return heights, bytes(albedo), gloss
+
+
+def blurred(field, radius):
+    """Mean over a square of 2 radius + 1 texels that wraps around, by running sums, rows and then columns."""
+    span = 2 * radius + 1
+    for _ in range(2):
+        lines = []
+        for start in range(0, TILE * TILE, TILE):
+            line = field[start:start + TILE]
+            line = line[-radius:] + line + line[:radius]
+            total = sum(line[:span])
+            out = [total]
+            for gone, come in zip(line, line[span:]):
+                total += come - gone
+                out.append(total)
+            lines.append(out)
+        field = [value / span for column in zip(*lines) for value in column]   # transposed, so twice gives rows again
+    return field
+
+
+def normal_map(heights, strength):
+    out = bytearray()
+    for y in range(TILE):
+        row = heights[y * TILE:(y + 1) * TILE]
+        above = heights[(y - 1) % TILE * TILE:][:TILE]
+        below = heights[(y + 1) % TILE * TILE:][:TILE]
+        for left, right, up, down in zip(row[-1:] + row[:-1], row[1:] + row[:1], above, below):
+            nx = strength * (left - right)
+            ny = strength * (down - up)          # rows go down, green goes up
+            scale = 127 / math.sqrt(nx * nx + ny * ny + 1)
+            out += bytes((int(128 + nx * scale), int(128 + ny * scale), int(128 + scale)))
+    return bytes(out)
+
+
+def to_bytes(values):
+    return bytes(0 if v < 0 else 255 if v > 1 else int(255 * v + 0.5) for v in values)
+
+
+def fabric(name, roughness, **weaving):
+    heights, albedo, gloss = weave(**weaving)
+    # What lies below its surroundings sees less of the sky: near yarns count more than far ones.
+    near, far = blurred(heights, 3), blurred(heights, 9)
+    occlusion = to_bytes(1 - 0.14 * max(0.0, n - h) - 0.08 * max(0.0, f - h) for h, n, f in zip(heights, near, far))
+    return {f"{name}_albedo.png": png(TILE, TILE, 3, albedo),
+            f"{name}_normal.png": png(TILE, TILE, 3, normal_map(heights, 0.30)),
+            f"{name}_roughness.png": png(TILE, TILE, 1, to_bytes(roughness - g for g in gloss)),
+            f"{name}_occlusion.png": png(TILE, TILE, 1, occlusion)}
+
+
+def plain_weave():
+    """One over, one under: undyed linen, pale enough that a base colour can dye it."""
+    return fabric("plain_weave", 0.86, seed=1, over=lambda i, j: (i + j) % 2 == 0, warp_colour=(226, 217, 199),
+                  weft_colour=(219, 209, 189), unevenness=0.075, broad=8.6, sunk=0)
+
+
+def twill():
+    """Denim, a warp-faced 3/1 twill: indigo warps over three wefts and under one, undyed wefts showing through."""
+    return fabric("twill", 0.90, seed=2, over=lambda i, j: (i + j) % 4 != 0, warp_colour=(60, 77, 114),
+                  weft_colour=(166, 172, 178), unevenness=0.17, broad=10, sunk=1.2)
+
+
+# ---- Banner
+
+def mix(a, b, t):
+    t = 0.0 if t < 0 else 1.0 if t > 1 else t
+    return tuple(p + (q - p) * t for p, q in zip(a, b))
+
+
+def banner():
+    """Stripes at both ends, and a roundel in which three warps and three wefts are woven. Edges are one texel soft."""
+    width, height = 768, 512
+    field, ivory, gold, navy = (148, 32, 40), (240, 230, 208), (214, 164, 62), (26, 38, 74)
+    out = bytearray()
+    for row in range(height):
+        y = row + 0.5 - height / 2
+        for column in range(width):
+            x = column + 0.5 - width / 2
+            edge = min(width / 2 - abs(x), height / 2 - abs(y))
+            colour = field
+            if abs(x) > 230:
+                band = (abs(x) - 230) % 52
+                colour = mix(field, ivory, min(band - 20, 46 - band) + 0.5)
+            radius = math.hypot(x, y)
+            if radius < 202:
+                colour = mix(gold, colour, radius - 200)
+                colour = mix(ivory, colour, radius - 190)
+                colour = mix(navy, colour, radius - 178)
+                if radius < 172:
+                    i, j = math.floor((x + 110) / 73.34), math.floor((y + 110) / 73.34)
+                    u, v = (x + 110) - 73.34 * (i + 0.5), (y + 110) - 73.34 * (j + 0.5)
+                    inside = mix((0,), (1,), 168 - radius)[0]
+                    warp = inside * mix((0,), (1,), 25 - abs(u))[0] if 0 <= i < 3 else 0
+                    weft = inside * mix((0,), (1,), 25 - abs(v))[0] if 0 <= j < 3 else 0
+                    # The yarn on top keeps a dark line along it, so that over and under can be told apart.
+                    on_top = (i + j) % 2 == 0
+                    if on_top:
+                        weft *= mix((0,), (1,), abs(u) - 30)[0] if warp or 0 <= i < 3 else 1
+                    else:
+                        warp *= mix((0,), (1,), abs(v) - 30)[0] if weft or 0 <= j < 3 else 1
+                    colour = mix(mix(colour, gold, warp), ivory, weft) if not on_top else mix(mix(colour, ivory, weft), gold, warp)
+            colour = mix(gold, colour, edge - 14) if edge > 8 else navy if edge < 7.5 else mix(navy, gold, edge - 7.5)
+            out += bytes(int(c + 0.5) for c in colour)
+    return png(width, height, 3, bytes(out))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=Path, metavar="DIR", default=Path(__file__).resolve().parent / "generated",
+                        help="where to write (made if it is missing; default: generated, beside this script)")
+    folder = parser.parse_args().out
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        save(folder / "curtain.glb", curtain())
+        save(folder / "tablecloth.glb", tablecloth())
+        save(folder / "banner.png", banner())
+        for maps in (plain_weave(), twill()):
+            for name, content in maps.items():
+                save(folder / name, content)
+    except OSError as error:
+        parser.exit(1, f"{error.filename or folder} could not be written: {error.strerror}.\n")
+
+
+if __name__ == "__main__":
+    main()
