@@ -1,0 +1,43 @@
+// Planes and spheres without a vertex buffer: the corners of a unit shape follow from the vertex's number.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "sky.glsl"
+
+layout(push_constant) uniform Push { Solid solid; };
+
+layout(location = 0) out vec3 out_position;
+layout(location = 1) out vec3 out_normal;
+layout(location = 2) out vec2 out_plane;
+
+invariant gl_Position;
+
+const uvec2 kCorners[6] = {uvec2(0, 0), uvec2(1, 0), uvec2(1, 1), uvec2(0, 0), uvec2(1, 1), uvec2(0, 1)};
+
+// A quad of two triangles a cell: slices by stacks cells over longitude and latitude.
+vec3 sphere_point(uint vertex) {
+  uint cell = vertex / 6;
+  uvec2 lattice = uvec2(cell % WEFT_SPHERE_SLICES, cell / WEFT_SPHERE_SLICES) + kCorners[vertex % 6];
+  float longitude = -2.0 * kPi * float(lattice.x % WEFT_SPHERE_SLICES) / float(WEFT_SPHERE_SLICES);
+  float latitude = kPi * (float(lattice.y) / float(WEFT_SPHERE_STACKS) - 0.5);
+  return vec3(cos(latitude) * cos(longitude), sin(latitude), cos(latitude) * sin(longitude));
+}
+
+void main() {
+  vec3 local, normal;
+  if (solid.shape == WEFT_SHAPE_SPHERE) {
+    local = sphere_point(gl_VertexIndex);
+    normal = local;
+  } else {
+    // x and z span the plane, y is its normal: seen from above, counter-clockwise.
+    vec2 corner = 2.0 * vec2(kCorners[gl_VertexIndex % 6]) - 1.0;
+    local = vec3(corner.x, 0.0, -corner.y);
+    normal = vec3(0, 1, 0);
+  }
+  mat3 axes = mat3(solid.axis_x.xyz, solid.axis_y.xyz, solid.axis_z.xyz);
+  vec3 sizes = vec3(dot(axes[0], axes[0]), dot(axes[1], axes[1]), dot(axes[2], axes[2]));
+  out_position = solid.centre.xyz + axes * local;
+  out_normal = normalize(axes * (normal / sizes));
+  out_plane = local.xz * sqrt(sizes.xz);
+  mat4 clip_of = solid.view == WEFT_VIEW_SUN ? frame.sun : frame.camera;
+  gl_Position = clip_of * vec4(out_position, 1.0);
+}
