@@ -1,0 +1,84 @@
+// Cooking: from meshes and a scene to arrays in the layout the GPU reads (shaders/shared.h). Pure functions, no Vulkan.
+//
+// Particles are ordered for locality (reverse Cuthill-McKee), cloth after cloth, so that neighbours in the cloth are
+// neighbours in memory. Everything is computed in double precision and stored once.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "compute/result.h"
+#include "engine/mesh.h"
+#include "engine/scene.h"
+#include "shaders/shared.h"
+
+namespace weft {
+
+/// A distance constraint between two particles: an edge of the mesh, or the other diagonal of a quad (`only_pulls`).
+struct StretchLink {
+  std::uint32_t a, b;
+  float rest;        // m, as the GPU has it
+  float compliance;  // m/N, as the GPU has it
+  bool only_pulls;
+};
+
+/// A cloth's place in the arrays.
+struct ClothRange {
+  std::string name;
+  std::uint32_t first_particle, particles;
+  std::uint32_t first_vertex, vertices;   // render vertices
+  std::uint32_t first_anchor, anchors;
+};
+
+/// A particle that the scene moves.
+struct AnchorTarget {
+  std::uint32_t cloth, entry;   // Scene::cloths[cloth].anchors[entry]
+  std::uint32_t particle;
+  std::uint32_t vertex;         // a render vertex of the mesh that belongs to it
+  Vec3 rest;                    // m, where it is without keys
+};
+
+/// Rows of a sparse list, two entries a 16-byte fetch: rows[i] = (first pair, number of entries).
+struct PairRows {
+  std::vector<gpu::uvec2> rows;    // per particle
+  std::vector<gpu::uvec4> pairs;
+};
+
+struct Fabric {
+  std::vector<ClothRange> cloths;
+  std::vector<gpu::vec4> positions;          // particles: xyz (m), w inverse mass (1/kg), 0 for anchors
+  std::vector<gpu::vec4> velocities;         // particles: xyz (m/s), w the cloth's index as bits
+  std::vector<float> split_weights;          // particles: n w (mass split) or w (count), see stretch.comp
+  std::vector<StretchLink> links;
+  PairRows stretch;                          // entries: gpu::pack_link
+  std::vector<gpu::Bend> bends;
+  PairRows bend;                             // entries: (particle, coefficient bits); one iteration a substep only
+  PairRows bend_uses;                        // entries: (bend, K w bits); several iterations only
+  std::vector<gpu::Tether> tethers;          // particles x tethers_per_particle
+  std::uint32_t tethers_per_particle = 0;
+  std::uint64_t tether_count = 0;            // without the unused places
+  std::vector<AnchorTarget> anchors;
+  std::vector<gpu::Material> materials;      // per cloth
+  std::vector<gpu::uvec4> surface_rows;      // per render vertex
+  std::vector<gpu::uvec2> corners;
+  std::vector<Triangle> triangles;           // over particles
+  double h = 0;                              // s, the substep that coefficients were cooked for
+  std::vector<std::string> notes;            // one sentence a kind of thing that was mended, left out or clamped
+};
+
+/// Substeps a frame, with the default filled in.
+std::uint32_t substeps_of(const SolverSettings& solver);
+
+/// Loads or generates every cloth's mesh and puts it where its transform says. Errors name the cloth.
+Result<std::vector<Mesh>> make_meshes(const Scene& scene);
+
+/// Errors: no particle, more than WEFT_MAX_PARTICLES, an anchor that chooses nothing or a vertex the mesh does not have,
+/// mass or a coefficient that is not finite. `meshes` has one entry a cloth.
+Result<Fabric> cook(const Scene& scene, std::span<const Mesh> meshes);
+
+/// Where every anchor should be at a time, in Fabric::anchors' order, by the scene's keys.
+std::vector<Vec3> anchor_targets(const Scene& scene, const Fabric& fabric, double time);
+
+}  // namespace weft

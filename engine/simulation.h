@@ -1,0 +1,174 @@
+// Weft's public API: a scene goes in, frames of moving cloth come out.
+//
+//     auto device = weft::compute::Device::create();
+//     auto scene = weft::load_scene("curtain.json");
+//     auto simulation = weft::Simulation::create(**device, *scene);
+//     (*simulation)->advance(1.0 / 60);
+//     weft::FrameView positions = (*simulation)->positions();   // bind it as a vertex buffer
+//
+// Everything is allocated and compiled in create; a frame only records. Three ways to run a frame:
+//   advance  submits and waits; for tools and tests
+//   submit   submits and returns at once; `ready` is signalled when the frame can be drawn
+//   record   records into the host's own command buffer, which the host submits on Weft's queue family
+//
+// Time: a simulation takes fixed substeps of 1 / (rate substeps) seconds, so that the material does not change with the
+// frame rate. What is left over is kept for the next frame; a frame longer than Scene::solver.longest_advance is
+// clamped, and the surplus is in the report, never silently lost.
+//
+// Threads: a Simulation may be used from any thread, by one at a time. Several may share a device.
+//
+// Limitations: no self-collision, no wind yet; a bend's rest state is flat; anchors are chosen at create and can be moved,
+// not added; hosts that record must record frames in the order they submit them.
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "compute/device.h"
+#include "compute/result.h"
+#include "engine/fabric.h"
+#include "engine/frame_view.h"
+#include "engine/mesh.h"
+#include "engine/scene.h"
+
+namespace weft {
+
+struct SimulationOptions {
+  /// A timestamp pair around every pass. Costs time: whole-frame times are taken without.
+  bool timings = false;
+  /// Compiled pipelines are kept in this file between runs; empty: not kept.
+  std::filesystem::path pipeline_cache;
+  /// Gather through storage buffers instead of texel buffers (shared.h says what that is for).
+  bool gather_storage = false;
+  /// Threads a workgroup; 0 chooses for the device.
+  std::uint32_t workgroup = 0;
+};
+
+/// What a frame did with the seconds it was given.
+struct Advance {
+  std::uint32_t substeps = 0;
+  double simulated = 0;   // s
+  double clamped = 0;     // s, beyond longest_advance: not simulated, not kept
+};
+
+struct PassTiming {
+  std::string name;       // pass; all its dispatches of the frame together
+  std::uint32_t dispatches = 0;
+  double milliseconds = 0;
+  double first_begin_ms = 0;   // since the frame's start
+};
+
+/// One dispatch, for traces.
+struct DispatchTime {
+  std::string name;
+  double begin_ms = 0, end_ms = 0;   // since the frame's start
+};
+
+struct PassUse {
+  std::string name;
+  std::uint32_t dispatches_per_frame = 0;   // at the scene's rate
+};
+
+struct BufferUse {
+  std::string name;
+  std::uint64_t bytes = 0;
+};
+
+/// Counts since create. All zero in a healthy run.
+struct Counts {
+  std::uint32_t non_finite = 0;   // particles put back to their last finite position
+  std::uint32_t coincident = 0;   // links whose ends were at one place, skipped
+};
+
+class Simulation {
+ public:
+  /// Loads the scene's meshes, cooks, allocates, compiles. `device` must outlive the simulation.
+  static Result<std::unique_ptr<Simulation>> create(const compute::Device& device, const Scene& scene,
+                                                    const SimulationOptions& options = {});
+  /// The same with meshes that the caller made: one a cloth, already where the cloth hangs at rest.
+  static Result<std::unique_ptr<Simulation>> create(const compute::Device& device, const Scene& scene, std::vector<Mesh> meshes,
+                                                    const SimulationOptions& options = {});
+  ~Simulation();
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  /// Simulates `seconds` >= 0, submits and waits. Errors: seconds not finite or negative; a lost device.
+  Result<Advance> advance(double seconds);
+
+  /// Simulates `seconds`, waiting on the GPU for `waits` first; returns at once. The frame may be drawn by what waits for
+  /// ready_semaphore() to reach ready_value(). At most two frames are under way: a third waits for the first.
+  Result<Advance> submit(double seconds, std::span<const VkSemaphoreSubmitInfo> waits = {});
+  VkSemaphore ready_semaphore() const;
+  std::uint64_t ready_value() const;
+
+  /// Records `seconds` into the host's command buffer (recording state, outside a render pass, on the queue family of the
+  /// device). Barriers to and from vertex input, host copies and earlier frames are recorded too.
+  Result<Advance> record(VkCommandBuffer commands, double seconds);
+
+  /// Of every render vertex, cloth after cloth: RGBA32F, 16 bytes apart. Valid until the simulation is destroyed.
+  FrameView positions() const;
+  FrameView normals() const;
+
+  /// Targets for the end of the next frame, in world space, in Fabric::anchors' order from `first` on; they replace the
+  /// scene's keys for these anchors from now on. Errors: beyond the last anchor; not finite.
+  Result<void> move_anchors(std::uint32_t first, std::span<const Vec3> targets);
+  /// Pose for the end of the next frame; replaces the scene's keys for this collider. Errors: no such collider; not finite.
+  Result<void> move_collider(std::uint32_t collider, const ColliderPose& pose);
+  /// From the next frame on (m/s^2). Errors: not finite.
+  Result<void> set_gravity(Vec3 gravity);
+
+  /// Seconds simulated so far.
+  double time() const;
+  /// Where the scene's colliders are now.
+  std::span<const ColliderPose> colliders() const;
+
+  /// Of the last frame that is finished; empty without SimulationOptions::timings. On devices without timestamps the
+  /// figures are the CPU's around each pass, and timed_on_cpu() says so.
+  std::vector<PassTiming> timings() const;
+  std::vector<DispatchTime> dispatch_times() const;
+  bool timed_on_cpu() const;
+  /// Milliseconds on the GPU from a frame's first to its last command; 0 without timings.
+  double gpu_milliseconds() const;
+
+  /// What the scene's plan made: passes with their dispatches a frame, and buffers with their bytes.
+  std::vector<PassUse> passes() const;
+  std::vector<BufferUse> buffers() const;
+  Counts counts() const;
+
+  const Scene& scene() const;
+  const std::vector<Mesh>& meshes() const;
+  const Fabric& fabric() const;
+  const compute::Device& device() const;
+
+  /// Copies particles back (Fabric's order). Waits for the last submitted frame.
+  Result<std::vector<gpu::vec4>> read_positions() const;
+  Result<std::vector<gpu::vec4>> read_velocities() const;
+  /// Overwrites the state of all particles (Fabric's order; w is ignored): a pose to start from. Waits.
+  Result<void> write_positions(std::span<const gpu::vec4> positions);
+  Result<void> write_velocities(std::span<const gpu::vec4> velocities);
+  /// What the renderer sees, copied back: positions and normals of all render vertices. Waits.
+  Result<std::vector<Vec3>> read_vertex_positions() const;
+  Result<std::vector<Vec3>> read_vertex_normals() const;
+
+ private:
+  struct State;
+  explicit Simulation(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Strain |length / rest - 1| over the links that both push and pull.
+struct Strain {
+  double mean = 0, rms = 0, max = 0;
+};
+Strain measure_strain(const Fabric& fabric, std::span<const gpu::vec4> positions);
+/// The largest strain of a link at each render vertex.
+std::vector<float> vertex_strain(const Fabric& fabric, std::span<const gpu::vec4> positions);
+/// 64 bits over the bits of all xyz (FNV-1a): equal hashes, equal results.
+std::uint64_t position_hash(std::span<const gpu::vec4> positions);
+
+}  // namespace weft
