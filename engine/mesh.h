@@ -74,11 +74,13 @@ struct Mesh {
 /// The centre of cell (i, j) is render vertex (cells_x + 1)(cells_y + 1) + j cells_x + i. Points and render vertices are the same.
 Mesh make_grid(const Grid& grid);
 
-inline constexpr std::uint32_t kMostVertices = 4'000'000;   // 2048 x 2048 cells; keeps every index list below 2^32 bytes
+inline constexpr std::uint32_t kMostVertices = 4'000'000;   // of a file: 2000 x 2000, far above what can be simulated; stops nonsense files early
 
 /// Reads glTF, GLB or OBJ: all triangle primitives of the default scene, node transforms applied (a mirroring one turns the winding
 /// back outwards), missing normals and UVs made. Lines and points are left out, with a sentence in `mended`.
-/// Errors: missing, cut short or foreign file; no triangle; a vertex that is not finite; more than kMostVertices vertices.
+/// Vertices of a glTF keep their order; those of an OBJ, or of primitives without indices, are joined where they agree in everything.
+/// Errors: missing, cut short or foreign file; a glTF that needs an extension, or uses sparse or quantised accessors;
+/// no triangle; a vertex that is not finite; more than kMostVertices vertices.
 Result<Mesh> load_mesh(const std::filesystem::path& file);
 
 /// Applies a transform (scale, then rotation, then translation) to positions, normals and tangents.
@@ -90,7 +92,7 @@ void transform_mesh(Mesh& mesh, const Transform& transform);
 ///   UVs        projected onto the two longest axes of the bounding box, the longer one 0 ... 1
 ///   tangents   from the UVs; any perpendicular where the UVs are degenerate
 /// Welding: vertices within weld_tolerance = 1e-6 x the bounding box's diagonal become one point, transitively (a chain of close
-/// vertices is one point); the result depends on positions only, not on the order of triangles.
+/// vertices is one point); which vertices meet depends on positions only, never on the order of triangles.
 /// Mended with a counted sentence: vertices of no triangle (dropped, so render indices shift), triangles with a repeated point or an area
 /// below 1e-12 x diagonal^2, duplicate triangles (the first stays), inconsistent winding (the majority of a connected piece
 /// wins; normals are then made anew), edges of more than two triangles, pieces that cannot be oriented.

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "compute/result.h"
@@ -37,7 +39,7 @@ std::size_t run_end(std::span<const HalfEdge> halves, std::size_t begin);
 /// Which triangles to turn so that neighbours run the same way round.
 struct Orientation {
   std::vector<std::uint32_t> turn;    // triangles, ascending; the minority of each connected piece
-  std::uint32_t twisted_pieces = 0;   // pieces that cannot be oriented, such as a Moebius strip; left as they are
+  std::uint32_t twisted_pieces = 0;   // pieces that cannot be oriented, such as a Moebius strip; turned as far as that goes
 };
 Orientation orient(std::span<const Triangle> triangles);
 
@@ -47,8 +49,12 @@ void complete_normals(RenderMesh& render, std::span<const std::uint32_t> point_o
 void complete_uvs(RenderMesh& render);
 void complete_tangents(RenderMesh& render);
 
-/// Reads a glTF or GLB file's structure, ahead of assimp, and says what is wrong with it: nesting, chunk lengths, buffers, views and accessors
-/// that reach past their ends, more vertices than kMostVertices. assimp alone trusts some of these.
-Result<void> check_gltf(const std::filesystem::path& file);
+/// The geometry of a glTF or GLB file as a small GLB in memory: one scene's nodes, triangle meshes, float attributes, one buffer, and
+/// nothing else. Every length and index in it has been checked. `folder` is where the file's relative URIs start from.
+/// Errors: not JSON, nested too deeply, cut short, a reference or a range out of bounds, a required extension, sparse or quantised accessors.
+Result<std::string> gltf_geometry(const std::string& content, const std::filesystem::path& folder);
+
+/// The whole file. Errors: missing, a folder, empty, unreadable.
+Result<std::string> read_file(const std::filesystem::path& file);
 
 }  // namespace weft::parts

@@ -1,0 +1,142 @@
+// PLY and GLB, written by hand: both are a text header and raw little-endian arrays.
+#include "engine/export.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <system_error>
+
+namespace weft {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "arrays are written as they lie in memory");
+static_assert(sizeof(Vec3) == 12 && sizeof(Vec2) == 8 && sizeof(Triangle) == 12);
+
+template <class T>
+void put(std::string& bytes, const T& value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+template <class T>
+void put_all(std::string& bytes, std::span<const T> values) {
+  bytes.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
+}
+
+/// All or nothing: the target appears, or is replaced, only when every byte is on disk.
+Result<void> write_whole(const std::filesystem::path& file, const std::string& bytes) {
+  std::filesystem::path partial = file;
+  partial += ".partial";
+  std::error_code code;
+  if (std::filesystem::is_directory(file, code)) return fail(file.string(), " is a folder and cannot be written as a file");
+  std::ofstream stream(partial, std::ios::binary | std::ios::trunc);
+  if (!stream) return fail(file.string(), " cannot be written: ", partial.string(), " cannot be created beside it");
+  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  stream.close();
+  if (!stream) {
+    std::filesystem::remove(partial, code);
+    return fail(file.string(), " cannot be written: not all of ", bytes.size(), " bytes fit on the disk");
+  }
+  std::filesystem::rename(partial, file, code);
+  if (code) {
+    const std::string reason = code.message();
+    std::filesystem::remove(partial, code);
+    return fail(file.string(), " cannot be written: renaming ", partial.string(), " failed: ", reason);
+  }
+  return {};
+}
+
+Result<void> check_length(const std::filesystem::path& file, const char* name, std::size_t count, std::size_t vertices) {
+  if (count == 0 || count == vertices) return {};
+  return fail(file.string(), " is not written: ", count, " ", name, " for ", vertices, " vertices; as many or none are needed");
+}
+
+Result<void> check_indices(const std::filesystem::path& file, std::span<const Triangle> triangles, std::size_t vertices) {
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (const std::uint32_t v : triangles[t])
+      if (v >= vertices) return fail(file.string(), " is not written: triangle ", t, " has vertex ", v, " of ", vertices);
+  return {};
+}
+
+}  // namespace
+
+Result<void> write_ply(const std::filesystem::path& file, std::span<const Vec3> positions, std::span<const Vec3> normals,
+                       std::span<const float> strain, std::span<const Triangle> triangles) {
+  if (Result<void> checked = check_length(file, "normals", normals.size(), positions.size()); !checked) return checked;
+  if (Result<void> checked = check_length(file, "strains", strain.size(), positions.size()); !checked) return checked;
+  if (Result<void> checked = check_indices(file, triangles, positions.size()); !checked) return checked;
+
+  std::string bytes = "ply\nformat binary_little_endian 1.0\ncomment strain is a fraction of the rest length\nelement vertex " + std::to_string(positions.size()) +
+                      "\nproperty float x\nproperty float y\nproperty float z\n";
+  if (!normals.empty()) bytes += "property float nx\nproperty float ny\nproperty float nz\n";
+  if (!strain.empty()) bytes += "property float strain\n";
+  bytes += "element face " + std::to_string(triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+  bytes.reserve(bytes.size() + positions.size() * 28 + triangles.size() * 13);
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    put(bytes, positions[v]);
+    if (!normals.empty()) put(bytes, normals[v]);
+    if (!strain.empty()) put(bytes, strain[v]);
+  }
+  for (const Triangle& triangle : triangles) {
+    bytes.push_back(3);
+    put(bytes, triangle);
+  }
+  return write_whole(file, bytes);
+}
+
+Result<void> write_glb(const std::filesystem::path& file, const RenderMesh& mesh) {
+  using json = nlohmann::json;
+  const std::size_t vertices = mesh.positions.size();
+  if (mesh.triangles.empty() || vertices == 0) return fail(file.string(), " is not written: a mesh of ", vertices, " vertices and ", mesh.triangles.size(), " triangles has nothing to draw");
+  if (Result<void> checked = check_length(file, "normals", mesh.normals.size(), vertices); !checked) return checked;
+  if (Result<void> checked = check_length(file, "texture coordinates", mesh.uvs.size(), vertices); !checked) return checked;
+  if (Result<void> checked = check_indices(file, mesh.triangles, vertices); !checked) return checked;
+
+  constexpr int float_type = 5126, integer_type = 5125, vertex_target = 34962, index_target = 34963;
+  std::string binary;
+  json accessors = json::array(), views = json::array();
+  const auto add = [&](auto values, int component, const char* type, std::size_t count, int target) {
+    views.push_back({{"buffer", 0}, {"byteOffset", binary.size()}, {"byteLength", values.size_bytes()}, {"target", target}});
+    accessors.push_back({{"bufferView", views.size() - 1}, {"componentType", component}, {"count", count}, {"type", type}});
+    put_all(binary, values);
+    return accessors.size() - 1;
+  };
+  json attributes;
+  attributes["POSITION"] = add(std::span<const Vec3>(mesh.positions), float_type, "VEC3", vertices, vertex_target);
+  Vec3 low = mesh.positions.front(), high = low;
+  for (const Vec3& p : mesh.positions) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  accessors.back()["min"] = {low.x, low.y, low.z};
+  accessors.back()["max"] = {high.x, high.y, high.z};
+  if (!mesh.normals.empty()) attributes["NORMAL"] = add(std::span<const Vec3>(mesh.normals), float_type, "VEC3", vertices, vertex_target);
+  if (!mesh.uvs.empty()) attributes["TEXCOORD_0"] = add(std::span<const Vec2>(mesh.uvs), float_type, "VEC2", vertices, vertex_target);
+  const std::size_t indices = add(std::span<const Triangle>(mesh.triangles), integer_type, "SCALAR", mesh.triangles.size() * 3, index_target);
+
+  json document;
+  document["asset"] = {{"version", "2.0"}, {"generator", "Weft"}};
+  document["scene"] = 0;
+  document["scenes"] = json::array({{{"nodes", json::array({0})}}});
+  document["nodes"] = json::array({{{"mesh", 0}}});
+  document["materials"] = json::array({{{"doubleSided", true}, {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0.8}}}}});
+  document["meshes"] = json::array({{{"primitives", json::array({{{"attributes", attributes}, {"indices", indices}, {"material", 0}}})}}});
+  document["accessors"] = std::move(accessors);
+  document["bufferViews"] = std::move(views);
+  document["buffers"] = json::array({{{"byteLength", binary.size()}}});
+
+  std::string text = document.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const std::size_t size = 12 + 8 + text.size() + 8 + binary.size();
+  if (size > 0xffffffffu) return fail(file.string(), " is not written: it would have ", size, " bytes, and a GLB has at most ", 0xffffffffu);
+  std::string bytes = "glTF";
+  for (const std::size_t value : {std::size_t{2}, size, text.size()}) put(bytes, static_cast<std::uint32_t>(value));
+  bytes += "JSON" + text;
+  put(bytes, static_cast<std::uint32_t>(binary.size()));
+  bytes.append("BIN\0", 4);
+  return write_whole(file, bytes + binary);
+}
+
+}  // namespace weft
