@@ -34,6 +34,7 @@
 #include "engine/fabric.h"
 #include "engine/frame_view.h"
 #include "engine/mesh.h"
+#include "engine/metrics.h"
 #include "engine/scene.h"
 
 namespace weft {
@@ -127,7 +128,7 @@ class Simulation {
   /// Where the scene's colliders are now.
   std::span<const ColliderPose> colliders() const;
 
-  /// Of the last frame that is finished; empty without SimulationOptions::timings. On devices without timestamps the
+  /// Of the last frame that was finished by advance or submit; empty without SimulationOptions::timings. On devices without timestamps the
   /// figures are the CPU's around each pass, and timed_on_cpu() says so.
   std::vector<PassTiming> timings() const;
   std::vector<DispatchTime> dispatch_times() const;
@@ -160,15 +161,5 @@ class Simulation {
   explicit Simulation(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
-
-/// Strain |length / rest - 1| over the links that both push and pull.
-struct Strain {
-  double mean = 0, rms = 0, max = 0;
-};
-Strain measure_strain(const Fabric& fabric, std::span<const gpu::vec4> positions);
-/// The largest strain of a link at each render vertex.
-std::vector<float> vertex_strain(const Fabric& fabric, std::span<const gpu::vec4> positions);
-/// 64 bits over the bits of all xyz (FNV-1a): equal hashes, equal results.
-std::uint64_t position_hash(std::span<const gpu::vec4> positions);
 
 }  // namespace weft

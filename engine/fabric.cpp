@@ -1,0 +1,270 @@
+// Cooking: see fabric.h. This file puts the parts together and lays them out for the GPU.
+#include "engine/fabric.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/fabric_parts.h"
+
+namespace weft {
+namespace {
+
+using cooking::vector;
+
+// 12 substeps hold a 200 x 200 sheet below 0.5 % mean strain (README, "What the default costs").
+constexpr std::uint32_t kDefaultSubsteps = 12;
+
+// Mass of every point: a third of each triangle's around it.
+std::vector<double> point_masses(const Mesh& mesh, double area_density) {
+  std::vector<double> masses(mesh.points.size());
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Eigen::Vector3d x = vector(mesh.points[a]);
+    const double area = 0.5 * (vector(mesh.points[b]) - x).cross(vector(mesh.points[c]) - x).norm();
+    for (const std::uint32_t p : {a, b, c}) masses[p] += area_density * area / 3;
+  }
+  return masses;
+}
+
+class Cook {
+ public:
+  explicit Cook(const Scene& scene) : scene_(scene), inverse_h2_(1 / (substep() * substep())) { fabric_.h = substep(); }
+
+  Result<void> add(std::uint32_t index, const Mesh& mesh) {
+    const Cloth& cloth = scene_.cloths[index];
+    const auto first = static_cast<std::uint32_t>(fabric_.positions.size());
+    if (first + mesh.points.size() > WEFT_MAX_PARTICLES)
+      return fail("cloths[", index, "]: the scene's ", first + mesh.points.size(), " particles are more than ", WEFT_MAX_PARTICLES);
+    auto anchors = cooking::choose_anchors(cloth, mesh);
+    if (!anchors) return fail("cloths[", index, "].", anchors.error());
+    const std::vector<std::uint32_t> order = cooking::locality_order(mesh);
+    particle_of_.assign(mesh.points.size(), 0);
+    for (std::uint32_t k = 0; k < order.size(); ++k) particle_of_[order[k]] = first + k;
+    fabric_.cloths.push_back({cloth.name, first, static_cast<std::uint32_t>(mesh.points.size()),
+                              static_cast<std::uint32_t>(fabric_.surface_rows.size()), static_cast<std::uint32_t>(mesh.point_of.size()),
+                              static_cast<std::uint32_t>(fabric_.anchors.size()), static_cast<std::uint32_t>(anchors->size())});
+    if (auto done = add_particles(index, mesh, order, *anchors); !done) return done;
+    add_links(cloth, mesh);
+    if (cloth.bending && cloth.fabric.bend > 0) add_bends(cloth, mesh);
+    if (cloth.tethers) add_tethers(cloth, mesh, *anchors);
+    add_surface(mesh);
+    return {};
+  }
+
+  Result<Fabric> finish() {
+    lay_out_links();
+    if (!fabric_.bends.empty()) lay_out_bends();
+    lay_out_tethers();
+    for (const gpu::vec4& p : fabric_.positions)
+      if (!std::isfinite(p.x + p.y + p.z + p.w)) return fail("a particle's position or inverse mass is not finite: the mesh or its mass is beyond single precision");
+    return std::move(fabric_);
+  }
+
+ private:
+  double substep() const { return 1 / (scene_.solver.rate * substeps_of(scene_.solver)); }
+
+  Result<void> add_particles(std::uint32_t index, const Mesh& mesh, std::span<const std::uint32_t> order,
+                             std::span<const cooking::AnchorChoice> anchors) {
+    const Cloth& cloth = scene_.cloths[index];
+    const std::vector<double> masses = point_masses(mesh, cloth.fabric.area_density);
+    for (const std::uint32_t point : order) {
+      const Vec3 x = mesh.points[point];
+      if (!(masses[point] > 0)) return fail("cloths[", index, "]: point ", point, " has a mass of ", masses[point], " kg; it must be above 0");
+      fabric_.positions.push_back({x.x, x.y, x.z, static_cast<float>(1 / masses[point])});
+      fabric_.velocities.push_back({0, 0, 0, std::bit_cast<float>(index)});
+    }
+    for (const auto& [entry, point, vertex] : anchors) {
+      fabric_.positions[particle_of_[point]].w = 0;
+      fabric_.anchors.push_back({index, entry, particle_of_[point], vertex, mesh.points[point]});
+    }
+    fabric_.materials.push_back({static_cast<float>(std::exp(-cloth.fabric.damping * fabric_.h)), static_cast<float>(cloth.fabric.friction),
+                                 static_cast<float>(cloth.fabric.thickness)});
+    return {};
+  }
+
+  void add_links(const Cloth& cloth, const Mesh& mesh) {
+    for (const cooking::Spring& s : cooking::springs(mesh, {cloth.fabric.stretch, cloth.fabric.shear})) {
+      // What the GPU will read, so that strain and reference see the same link.
+      const gpu::uvec2 packed = gpu::pack_link({0, static_cast<float>(s.rest), static_cast<float>(s.compliance), s.only_pulls});
+      const gpu::Link link = gpu::unpack_link(packed.x, packed.y);
+      fabric_.links.push_back({particle_of_[s.a], particle_of_[s.b], link.rest, link.compliance, s.only_pulls});
+    }
+  }
+
+  void add_bends(const Cloth& cloth, const Mesh& mesh) {
+    std::uint32_t clamped = 0;
+    for (gpu::Bend bend : cooking::bend_stencils(mesh, cloth.fabric.bend, clamped)) {
+      for (std::uint32_t& p : bend.particle) p = particle_of_[p];
+      fabric_.bends.push_back(bend);
+    }
+    if (clamped > 0) note(cloth, clamped, " bending stencils lie on slivers; their cotangents were limited");
+  }
+
+  void add_tethers(const Cloth& cloth, const Mesh& mesh, std::span<const cooking::AnchorChoice> anchors) {
+    if (anchors.empty()) return;
+    std::vector<std::uint32_t> points;
+    for (const auto& anchor : anchors) points.push_back(anchor.point);
+    const auto reaches = cooking::nearest_anchors(mesh, points, cloth.tethers_per_vertex);
+    std::uint32_t unreached = 0;
+    tethers_.resize(fabric_.positions.size());
+    for (std::uint32_t point = 0; point < reaches.size(); ++point) {
+      if (fabric_.positions[particle_of_[point]].w == 0) continue;
+      unreached += reaches[point].empty();
+      for (const auto& [anchor, distance] : reaches[point])
+        tethers_[particle_of_[point]].push_back({particle_of_[points[anchor]], static_cast<float>(distance * (1 + cloth.tether_slack))});
+    }
+    if (unreached > 0) note(cloth, unreached, " particles are connected to no anchor and have no tether");
+  }
+
+  void add_surface(const Mesh& mesh) {
+    std::vector<std::vector<gpu::uvec2>> corners(mesh.points.size());
+    for (const auto& [a, b, c] : mesh.triangles) {
+      corners[a].push_back({particle_of_[b], particle_of_[c]});
+      corners[b].push_back({particle_of_[c], particle_of_[a]});
+      corners[c].push_back({particle_of_[a], particle_of_[b]});
+      fabric_.triangles.push_back({particle_of_[a], particle_of_[b], particle_of_[c]});
+    }
+    std::vector<std::uint32_t> first;
+    for (const auto& list : corners) {
+      first.push_back(static_cast<std::uint32_t>(fabric_.corners.size()));
+      fabric_.corners.insert(fabric_.corners.end(), list.begin(), list.end());
+    }
+    for (const std::uint32_t p : mesh.point_of)
+      fabric_.surface_rows.push_back({particle_of_[p], first[p], static_cast<std::uint32_t>(corners[p].size()), 0});
+  }
+
+  void lay_out_links() {
+    std::vector<std::vector<gpu::uvec2>> lists(fabric_.positions.size());
+    for (const StretchLink& link : fabric_.links) {
+      lists[link.a].push_back(gpu::pack_link({link.b, link.rest, link.compliance, link.only_pulls}));
+      lists[link.b].push_back(gpu::pack_link({link.a, link.rest, link.compliance, link.only_pulls}));
+    }
+    fabric_.stretch = cooking::pack_rows(lists);
+    const bool split = scene_.solver.averaging == Averaging::mass_split;
+    for (std::size_t i = 0; i < lists.size(); ++i)
+      fabric_.split_weights.push_back((split ? std::max<float>(1, static_cast<float>(lists[i].size())) : 1) * fabric_.positions[i].w);
+  }
+
+  // Masses are split among a particle's bends as among its links; with plain averaging the counts stand in the gather alone.
+  void lay_out_bends() {
+    const bool split = scene_.solver.averaging == Averaging::mass_split;
+    std::vector<std::uint32_t> uses(fabric_.positions.size());
+    for (const gpu::Bend& bend : fabric_.bends)
+      for (const std::uint32_t p : bend.particle) ++uses[p];
+    std::vector<std::vector<gpu::uvec2>> shares(fabric_.positions.size());
+    for (std::uint32_t e = 0; e < fabric_.bends.size(); ++e) {
+      gpu::Bend& bend = fabric_.bends[e];
+      double weight = 0;
+      for (int j = 0; j < 4; ++j)
+        weight += double(split ? uses[bend.particle[j]] : 1) * fabric_.positions[bend.particle[j]].w * bend.k[j] * bend.k[j];
+      bend.split_weight = static_cast<float>(weight);
+      for (int j = 0; j < 4; ++j) {
+        const std::uint32_t p = bend.particle[j];
+        const float share = bend.k[j] * fabric_.positions[p].w / static_cast<float>(split ? 1 : uses[p]);
+        if (share != 0) shares[p].push_back({e, std::bit_cast<std::uint32_t>(share)});
+      }
+    }
+    if (scene_.solver.iterations > 1) {
+      fabric_.bend_uses = cooking::pack_rows(shares);
+      return;
+    }
+    fabric_.bend = cooking::pack_rows(bend_matrix(shares));
+  }
+
+  // Row i of the matrix in bend.comp: M_ij = sum over stencils e of share_i(e) K_j(e) / D_e.
+  std::vector<std::vector<gpu::uvec2>> bend_matrix(std::span<const std::vector<gpu::uvec2>> shares) const {
+    std::vector<std::vector<gpu::uvec2>> rows(shares.size());
+    std::vector<std::pair<std::uint32_t, double>> row;
+    for (std::uint32_t i = 0; i < shares.size(); ++i) {
+      row.clear();
+      for (const auto& [e, share] : shares[i]) {
+        const gpu::Bend& bend = fabric_.bends[e];
+        const double scale = std::bit_cast<float>(share) / (bend.split_weight + bend.compliance * inverse_h2_);
+        for (int j = 0; j < 4; ++j)
+          if (bend.particle[j] != i) row.emplace_back(bend.particle[j], scale * bend.k[j]);
+      }
+      std::sort(row.begin(), row.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+      double largest = 0;
+      for (std::size_t k = 0; k < row.size();) {
+        const std::uint32_t other = row[k].first;
+        double sum = 0;
+        for (; k < row.size() && row[k].first == other; ++k) sum += row[k].second;
+        largest = std::max(largest, std::abs(sum));
+        // Stencils of right angles cancel to rounding: no entry.
+        if (std::abs(sum) > 1e-9 * largest) rows[i].push_back({other, std::bit_cast<std::uint32_t>(static_cast<float>(sum))});
+      }
+    }
+    return rows;
+  }
+
+  void lay_out_tethers() {
+    std::size_t longest = 0;
+    for (const auto& list : tethers_) longest = std::max(longest, list.size());
+    fabric_.tethers_per_particle = static_cast<std::uint32_t>(longest);
+    if (longest == 0) return;
+    tethers_.resize(fabric_.positions.size());
+    for (const auto& list : tethers_) {
+      fabric_.tether_count += list.size();
+      for (std::size_t k = 0; k < longest; ++k) fabric_.tethers.push_back(k < list.size() ? list[k] : gpu::Tether{WEFT_NONE, 0});
+    }
+  }
+
+  template <class... Parts>
+  void note(const Cloth& cloth, const Parts&... parts) {
+    fabric_.notes.push_back(fail(cloth.name, ": ", parts..., ".").message);
+  }
+
+  const Scene& scene_;
+  double inverse_h2_;
+  Fabric fabric_;
+  std::vector<std::uint32_t> particle_of_;             // of the cloth at hand: point -> particle
+  std::vector<std::vector<gpu::Tether>> tethers_;
+};
+
+}  // namespace
+
+namespace cooking {
+
+PairRows pack_rows(std::span<const std::vector<gpu::uvec2>> lists) {
+  PairRows packed;
+  packed.rows.reserve(lists.size());
+  for (const auto& list : lists) {
+    packed.rows.push_back({static_cast<std::uint32_t>(packed.pairs.size()), static_cast<std::uint32_t>(list.size())});
+    for (std::size_t k = 0; k < list.size(); k += 2) {
+      // Padding repeats the last entry's neighbour, which is at hand, with a payload of zero.
+      const gpu::uvec2 second = k + 1 < list.size() ? list[k + 1] : gpu::uvec2{list[k].x & WEFT_MAX_PARTICLES, 0};
+      packed.pairs.push_back({list[k].x, list[k].y, second.x, second.y});
+    }
+  }
+  return packed;
+}
+
+}  // namespace cooking
+
+std::uint32_t substeps_of(const SolverSettings& solver) { return solver.substeps == 0 ? kDefaultSubsteps : solver.substeps; }
+
+Result<std::vector<Mesh>> make_meshes(const Scene& scene) {
+  std::vector<Mesh> meshes;
+  for (std::size_t index = 0; index < scene.cloths.size(); ++index) {
+    const Cloth& cloth = scene.cloths[index];
+    if (cloth.grid) {
+      meshes.push_back(make_grid(*cloth.grid));
+    } else {
+      auto mesh = load_mesh(scene.folder / cloth.mesh);
+      if (!mesh) return fail("cloths[", index, "].mesh: ", mesh.error());
+      meshes.push_back(std::move(*mesh));
+    }
+    transform_mesh(meshes.back(), cloth.transform);
+  }
+  return meshes;
+}
+
+Result<Fabric> cook(const Scene& scene, std::span<const Mesh> meshes) {
+  if (meshes.size() != scene.cloths.size()) return fail("the scene has ", scene.cloths.size(), " cloths but ", meshes.size(), " meshes were given");
+  if (meshes.empty()) return fail("the scene has no cloth");
+  Cook cook(scene);
+  for (std::uint32_t index = 0; index < meshes.size(); ++index)
+    if (auto added = cook.add(index, meshes[index]); !added) return added.take_error();
+  return cook.finish();
+}
+
+}  // namespace weft

@@ -1,0 +1,54 @@
+// What the files of the cook (fabric*.cpp) share; not part of the public API.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "engine/fabric.h"
+
+namespace weft::cooking {
+
+inline Eigen::Vector3d vector(Vec3 v) { return {v.x, v.y, v.z}; }
+
+/// order[k] is the point that becomes the cloth's k-th particle: reverse Cuthill-McKee (1969) over the mesh's edges.
+std::vector<std::uint32_t> locality_order(const Mesh& mesh);
+
+/// A link with the stiffness of the strip of cloth that it stands for.
+struct Spring {
+  std::uint32_t a, b;      // points
+  double rest;             // m
+  double compliance;       // m/N
+  bool only_pulls;
+};
+
+struct Stiffness {
+  double stretch, shear;   // N/m; infinity is rigid
+};
+
+/// Edges of the mesh, and the second diagonal of every quad. Stiffness by direction: see fabric_links.cpp.
+std::vector<Spring> springs(const Mesh& mesh, const Stiffness& stiffness);
+
+/// Bending stencils over points; split_weight is left at 0. `clamped` counts slivers whose cotangents were limited.
+std::vector<gpu::Bend> bend_stencils(const Mesh& mesh, double rigidity, std::uint32_t& clamped);
+
+/// The nearest `count` of `anchors` (points) to every point with their geodesic distances, nearest first; fewer where fewer
+/// are connected. See geodesic.cpp.
+struct Reach {
+  std::uint32_t anchor;    // index into `anchors`
+  double distance;         // m
+};
+std::vector<std::vector<Reach>> nearest_anchors(const Mesh& mesh, std::span<const std::uint32_t> anchors, std::uint32_t count);
+
+/// The points that each of the cloth's anchor entries chooses. Errors name the entry.
+struct AnchorChoice {
+  std::uint32_t entry, point, vertex;
+};
+Result<std::vector<AnchorChoice>> choose_anchors(const weft::Cloth& cloth, const Mesh& mesh);
+
+/// Lists of (id, payload) pairs, packed two a fetch; a last place that is left over holds an id with payload 0.
+PairRows pack_rows(std::span<const std::vector<gpu::uvec2>> lists);
+
+}  // namespace weft::cooking

@@ -1,0 +1,80 @@
+// The table of passes, and the plan that a scene makes of it.
+//
+// A pass is a row: a shader, when it runs, over what, and which features the scene must have. plan() keeps the rows that the
+// scene calls for and reflects their shaders; what those touch is the list of buffers, of bindings and of barriers. An effect
+// that a scene does not call for therefore has no pipeline, no byte and no dispatch. No Vulkan here.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "compute/reflect.h"
+#include "compute/result.h"
+#include "engine/fabric.h"
+#include "engine/scene.h"
+
+namespace weft {
+
+namespace feature {
+inline constexpr std::uint32_t kNone = 0;
+inline constexpr std::uint32_t kAnchors = 1;
+inline constexpr std::uint32_t kBending = 2;
+inline constexpr std::uint32_t kTethers = 4;
+inline constexpr std::uint32_t kColliders = 8;
+inline constexpr std::uint32_t kIterated = 16;   // more than one iteration a substep: multipliers are kept
+}  // namespace feature
+
+enum class Stage { frame_begin, substep_begin, iteration, frame_end };
+enum class Domain { particles, anchors, bends, vertices };   // one thread per
+
+struct Pass {
+  const char* name;        // in timings, labels and reports; a fused pass names its parts
+  const char* shader;
+  Stage stage;
+  Domain domain;
+  std::uint32_t needs;     // features the scene must have ...
+  std::uint32_t without;   // ... and must not have
+  bool relaxes;            // writes the next iterate: `predicted` and `relaxed` swap afterwards
+};
+
+/// Every pass there is, in the order in which they run within their stage.
+std::span<const Pass> all_passes();
+
+/// What a cooked scene calls for.
+std::uint32_t features_of(const Scene& scene, const Fabric& fabric);
+
+struct PlannedPass {
+  const Pass* pass = nullptr;
+  std::span<const std::uint32_t> spirv;
+  std::uint64_t reads = 0, writes = 0;   // bit per gpu::Binding
+  std::uint32_t group_size_constant = 0; // id of the specialisation constant for the workgroup's width
+};
+
+struct Plan {
+  std::vector<PlannedPass> passes;
+  std::uint64_t storage = 0;   // bindings used as storage buffers, over all passes
+  std::uint64_t texels = 0;    // bindings used as texel buffers
+  std::uint64_t buffers() const { return storage | texels; }
+};
+
+/// `gather_storage` takes the variants that gather through storage buffers.
+/// Errors: a shader that is not there or touches what shared.h does not list; never for the table as it is.
+Result<Plan> make_plan(std::uint32_t features, bool gather_storage);
+
+/// A buffer of shared.h as a scene needs it.
+struct BufferNeed {
+  const char* name;
+  gpu::Binding binding;
+  std::uint64_t bytes;
+  bool integer_texels;   // as a texel buffer: RGBA32UI, else RGBA32F
+};
+
+/// All buffers with the sizes this fabric gives them, in the order of bindings; those the plan does not use are left out.
+std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const Fabric& fabric);
+
+/// Threads of a domain.
+std::uint32_t domain_size(Domain domain, const Fabric& fabric);
+
+}  // namespace weft

@@ -1,0 +1,82 @@
+// The solver: a plan's pipelines and buffers, and the loop over stages that a frame records. Knows nothing about time.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "compute/buffer.h"
+#include "compute/descriptors.h"
+#include "compute/pipeline.h"
+#include "compute/recorder.h"
+#include "engine/fabric.h"
+#include "engine/passes.h"
+#include "engine/scene.h"
+
+namespace weft {
+
+struct SolverOptions {
+  bool gather_storage = false;
+  std::uint32_t workgroup = 0;   // threads; 0 chooses for the device
+};
+
+/// What a frame is told by the host. The spans need only live during record.
+struct FrameInput {
+  std::uint32_t substeps = 0;
+  Vec3 gravity;
+  bool anchors_move = false;
+  std::span<const gpu::Anchor> anchors;       // when they move
+  std::span<const gpu::Collider> colliders;
+};
+
+class Solver {
+ public:
+  static Result<Solver> create(const compute::Device& device, const compute::PipelineCache& cache, const Scene& scene, const Fabric& fabric,
+                               const SolverOptions& options);
+
+  /// One dispatch of a frame, in order. record() is the same list without gaps.
+  struct Step {
+    std::uint32_t pass;    // into plan().passes
+    std::uint32_t parity;  // which of the two iterates is `predicted`
+    std::uint32_t count;
+    gpu::Push push;
+  };
+  /// Lists a frame's dispatches and moves the iterates' parity on: call once a frame, then record all of it.
+  std::span<const Step> frame(const FrameInput& input);
+
+  /// Copies what the frame is told into the GPU's buffers; visible to the steps after it.
+  void record_input(compute::Recorder& recorder, const FrameInput& input) const;
+  void record_step(compute::Recorder& recorder, const Step& step) const;
+
+  const Plan& plan() const { return plan_; }
+  const compute::Arena& arena() const { return arena_; }
+  std::span<const BufferNeed> needs() const { return needs_; }
+  /// Must be a buffer of the plan. `predicted` and `relaxed` by name, not by role.
+  const compute::Buffer& buffer(gpu::Binding binding) const;
+  bool has(gpu::Binding binding) const { return plan_.buffers() >> binding & 1; }
+  std::uint32_t parity() const { return parity_; }
+  void set_parity(std::uint32_t parity) { parity_ = parity; }
+  std::uint32_t workgroup() const { return workgroup_; }
+
+ private:
+  Result<void> create_buffers(const compute::Device& device, const Scene& scene, const Fabric& fabric);
+  Result<void> create_pipelines(const compute::Device& device, const compute::PipelineCache& cache);
+  void list_stage(Stage stage, const FrameInput& input, gpu::Push push);
+  std::uint64_t mask(std::uint64_t bindings, std::uint32_t parity) const;
+
+  const compute::Device* device_ = nullptr;
+  SolverSettings settings_;
+  Plan plan_;
+  std::vector<BufferNeed> needs_;
+  std::vector<std::uint32_t> counts_;   // threads of each pass
+  compute::Arena arena_;
+  compute::DescriptorLayout storage_layout_, texel_layout_;
+  compute::DescriptorSet storage_sets_[2], texel_sets_[2];   // by parity
+  compute::OwnedPipelineLayout layout_;
+  std::vector<compute::ComputePipeline> pipelines_;
+  std::vector<Step> steps_;
+  std::uint32_t tethers_per_particle_ = 0, colliders_ = 0, workgroup_ = 0, parity_ = 0;
+  double h_ = 0;
+};
+
+}  // namespace weft
