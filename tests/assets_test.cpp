@@ -1,0 +1,75 @@
+// What assets/ ships: scenes that load without a complaint and whose files are there, and meshes that are what the script
+// that makes them says.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "engine/mesh.h"
+#include "engine/scene.h"
+
+#ifndef WEFT_ASSETS
+#define WEFT_ASSETS "assets"
+#endif
+
+namespace weft {
+namespace {
+
+const std::filesystem::path kAssets = WEFT_ASSETS;
+
+TEST(Assets, every_scene_loads_and_every_file_it_names_is_there) {
+  int scenes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(kAssets / "scenes")) {
+    if (entry.path().extension() != ".json") continue;
+    ++scenes;
+    const Result<Scene> scene = load_scene(entry.path());
+    ASSERT_TRUE(scene) << entry.path() << ": " << scene.error();
+    for (const Cloth& cloth : scene->cloths)
+      for (const std::string& file : {cloth.mesh, cloth.appearance.albedo, cloth.appearance.normal, cloth.appearance.roughness,
+                                      cloth.appearance.occlusion})
+        EXPECT_TRUE(file.empty() || std::filesystem::is_regular_file(scene->folder / file)) << entry.path() << ": " << file;
+  }
+  EXPECT_GE(scenes, 5);
+}
+
+TEST(Assets, the_curtain_is_sewn_along_its_seam) {
+  const Result<Mesh> mesh = load_mesh(kAssets / "generated/curtain.glb");
+  ASSERT_TRUE(mesh) << mesh.error();
+  EXPECT_EQ(mesh->render.positions.size(), 2u * 49 * 73);
+  EXPECT_EQ(mesh->points.size(), 97u * 73);
+  EXPECT_EQ(mesh->triangles.size(), 2u * 96 * 72);
+  EXPECT_TRUE(mesh->mended.empty());
+  const auto rim = std::count_if(mesh->edges.begin(), mesh->edges.end(), [](const WingedEdge& edge) { return edge.triangle[1] == kNone; });
+  EXPECT_EQ(rim, 2 * (96 + 72));   // an open seam would add twice 72
+}
+
+TEST(Assets, each_ring_of_the_curtain_holds_one_place_of_its_top_edge) {
+  const Result<Scene> scene = load_scene(kAssets / "scenes/curtain.json");
+  ASSERT_TRUE(scene) << scene.error();
+  const Cloth& cloth = scene->cloths.front();
+  Result<Mesh> mesh = load_mesh(scene->folder / cloth.mesh);
+  ASSERT_TRUE(mesh) << mesh.error();
+  transform_mesh(*mesh, cloth.transform);
+  for (const Anchor& ring : cloth.anchors) {
+    ASSERT_TRUE(ring.box);
+    std::set<std::uint32_t> points;
+    for (std::size_t v = 0; v < mesh->render.positions.size(); ++v) {
+      const Vec3 p = mesh->render.positions[v];
+      const Vec3 low = ring.box->low, high = ring.box->high;
+      if (p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z)
+        points.insert(mesh->point_of[v]);
+    }
+    EXPECT_EQ(points.size(), 1u) << "around x = " << ring.box->low.x << " m";
+  }
+}
+
+TEST(Assets, the_tablecloth_is_whole_and_faces_up) {
+  const Result<Mesh> mesh = load_mesh(kAssets / "generated/tablecloth.glb");
+  ASSERT_TRUE(mesh) << mesh.error();
+  EXPECT_EQ(mesh->points.size(), 65u * 65);
+  for (const Vec3& normal : mesh->render.normals) EXPECT_EQ(normal.y, 1.0f);
+}
+
+}  // namespace
+}  // namespace weft
