@@ -70,7 +70,7 @@ Result<void> assign(json& scene, const Assignment& assignment) {
       const auto index = index_of(step);
       if (!index) return fail(walked, ": is a list, and \"", printable(step), "\" is no index into it (", whole, ")");
       if (*index >= target->size())
-        return fail(walked, "[", *index, "]: is not there, the list has ", target->size(), " entries (", whole, ")");
+        return fail(walked, "[", *index, "]: is not there, the length of the list is ", target->size(), " (", whole, ")");
       target = &(*target)[*index];
       walked.append("[").append(step).append("]");
     } else if (target->is_object()) {
