@@ -1,7 +1,7 @@
 // Buffers, all of one memory type in one allocation.
 //
 // The plan knows every size before anything runs, so an arena asks for its memory once and never grows. Each request
-// becomes a VkBuffer of its own at an aligned offset: it has a name in every tool, and the robustness limits of a buffer.
+// becomes a VkBuffer of its own at an aligned offset: it has a name in every tool, and validation knows where it ends.
 #pragma once
 
 #include <cstddef>

@@ -35,7 +35,7 @@ namespace weft::compute {
   X(vkAllocateMemory) X(vkFreeMemory) X(vkMapMemory) X(vkUnmapMemory) X(vkFlushMappedMemoryRanges) \
   X(vkInvalidateMappedMemoryRanges) \
   X(vkCreateBuffer) X(vkDestroyBuffer) X(vkGetBufferMemoryRequirements) X(vkBindBufferMemory) \
-  X(vkCreateBufferView) X(vkDestroyBufferView) X(vkGetBufferDeviceAddress) \
+  X(vkCreateBufferView) X(vkDestroyBufferView) \
   X(vkCreateImage) X(vkDestroyImage) X(vkGetImageMemoryRequirements) X(vkBindImageMemory) \
   X(vkCreateImageView) X(vkDestroyImageView) X(vkGetImageSubresourceLayout) X(vkCreateSampler) X(vkDestroySampler) \
   X(vkCreateShaderModule) X(vkDestroyShaderModule) X(vkCreatePipelineCache) X(vkDestroyPipelineCache) \
@@ -82,7 +82,7 @@ struct Functions {
   /// Each step needs the one before it. The sentence names the first function that is missing.
   Result<void> load_global(PFN_vkGetInstanceProcAddr from);
   Result<void> load_instance(VkInstance instance);
-  Result<void> load_device(VkInstance instance, VkDevice device);
+  Result<void> load_device(VkDevice device);
 };
 
 // clang-format on
@@ -102,6 +102,14 @@ class Loader {
   void* library_ = nullptr;
   PFN_vkGetInstanceProcAddr get_instance_proc_addr_ = nullptr;
 };
+
+/// A zeroed structure of Vulkan's that says what it is: typed<VkFenceCreateInfo>(VK_STRUCTURE_TYPE_FENCE_CREATE_INFO).
+template <class T>
+T typed(VkStructureType type) {
+  T structure{};
+  structure.sType = type;
+  return structure;
+}
 
 /// "VK_ERROR_OUT_OF_DEVICE_MEMORY", or "VkResult -1234" for a code this header does not know.
 std::string result_name(VkResult result);

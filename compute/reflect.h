@@ -24,7 +24,8 @@ struct Binding {
     uniform_buffer,
     uniform_texel_buffer,  ///< samplerBuffer, textureBuffer
     storage_texel_buffer,  ///< imageBuffer
-    sampled_image,         ///< sampler2D, texture2D
+    combined_image,        ///< sampler2D
+    sampled_image,         ///< texture2D
     storage_image,
     sampler,
     other,

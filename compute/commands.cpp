@@ -1,0 +1,134 @@
+// Command pools, fences and semaphores. See commands.h.
+#include "compute/commands.h"
+
+namespace weft::compute {
+namespace {
+
+Result<OwnedSemaphore> create_semaphore(const Device& device, std::string_view name, VkSemaphoreType type,
+                                        uint64_t value) {
+  auto kind = typed<VkSemaphoreTypeCreateInfo>(VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO);
+  kind.semaphoreType = type;
+  kind.initialValue = value;
+  auto create = typed<VkSemaphoreCreateInfo>(VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO);
+  create.pNext = &kind;
+  VkSemaphore semaphore = VK_NULL_HANDLE;
+  const VkResult result = device.vk().vkCreateSemaphore(device.handle(), &create, nullptr, &semaphore);
+  if (result != VK_SUCCESS) return fail("semaphore ", name, " could not be created: ", result_name(result));
+  device.name_object(VK_OBJECT_TYPE_SEMAPHORE, semaphore, name);
+  return OwnedSemaphore(device, semaphore);
+}
+
+uint64_t nanoseconds(double seconds) { return static_cast<uint64_t>(seconds * 1e9); }
+
+Result<void> waited(const Device& device, VkResult result, double seconds) {
+  if (result == VK_SUCCESS) return {};
+  if (result == VK_TIMEOUT) return fail(device.name(), " did not finish its work within ", seconds, " s");
+  return fail("waiting for ", device.name(), " failed: ", result_name(result));
+}
+
+/// Everything before is finished and visible to everything after, the host included.
+void full_barrier(const Device& device, VkCommandBuffer commands) {
+  auto barrier = typed<VkMemoryBarrier2>(VK_STRUCTURE_TYPE_MEMORY_BARRIER_2);
+  barrier.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
+  barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_2_HOST_BIT;
+  barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT | VK_ACCESS_2_HOST_READ_BIT;
+  auto dependency = typed<VkDependencyInfo>(VK_STRUCTURE_TYPE_DEPENDENCY_INFO);
+  dependency.memoryBarrierCount = 1;
+  dependency.pMemoryBarriers = &barrier;
+  device.vk().vkCmdPipelineBarrier2(commands, &dependency);
+}
+
+}  // namespace
+
+Result<CommandPool> CommandPool::create(const Device& device, std::string_view name) {
+  auto create = typed<VkCommandPoolCreateInfo>(VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO);
+  create.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
+  create.queueFamilyIndex = device.queue_family();
+  VkCommandPool pool = VK_NULL_HANDLE;
+  const VkResult result = device.vk().vkCreateCommandPool(device.handle(), &create, nullptr, &pool);
+  if (result != VK_SUCCESS) return fail("command pool ", name, " could not be created: ", result_name(result));
+  device.name_object(VK_OBJECT_TYPE_COMMAND_POOL, pool, name);
+  CommandPool made;
+  made.device_ = &device;
+  made.pool_ = OwnedCommandPool(device, pool);
+  return made;
+}
+
+Result<VkCommandBuffer> CommandPool::allocate(std::string_view name) const {
+  auto allocate = typed<VkCommandBufferAllocateInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO);
+  allocate.commandPool = pool_.get();
+  allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+  allocate.commandBufferCount = 1;
+  VkCommandBuffer commands = VK_NULL_HANDLE;
+  const VkResult result = device_->vk().vkAllocateCommandBuffers(device_->handle(), &allocate, &commands);
+  if (result != VK_SUCCESS) return fail("command buffer ", name, " could not be allocated: ", result_name(result));
+  device_->name_object(VK_OBJECT_TYPE_COMMAND_BUFFER, commands, name);
+  return commands;
+}
+
+Result<OwnedFence> create_fence(const Device& device, std::string_view name, bool signalled) {
+  auto create = typed<VkFenceCreateInfo>(VK_STRUCTURE_TYPE_FENCE_CREATE_INFO);
+  create.flags = signalled ? VK_FENCE_CREATE_SIGNALED_BIT : 0;
+  VkFence fence = VK_NULL_HANDLE;
+  const VkResult result = device.vk().vkCreateFence(device.handle(), &create, nullptr, &fence);
+  if (result != VK_SUCCESS) return fail("fence ", name, " could not be created: ", result_name(result));
+  device.name_object(VK_OBJECT_TYPE_FENCE, fence, name);
+  return OwnedFence(device, fence);
+}
+
+Result<OwnedSemaphore> create_timeline(const Device& device, std::string_view name, uint64_t value) {
+  return create_semaphore(device, name, VK_SEMAPHORE_TYPE_TIMELINE, value);
+}
+
+Result<OwnedSemaphore> create_binary_semaphore(const Device& device, std::string_view name) {
+  return create_semaphore(device, name, VK_SEMAPHORE_TYPE_BINARY, 0);
+}
+
+Result<void> wait_for(const Device& device, VkFence fence, double seconds) {
+  return waited(device, device.vk().vkWaitForFences(device.handle(), 1, &fence, VK_TRUE, nanoseconds(seconds)),
+                seconds);
+}
+
+Result<void> wait_for(const Device& device, VkSemaphore timeline, uint64_t value, double seconds) {
+  auto wait = typed<VkSemaphoreWaitInfo>(VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO);
+  wait.semaphoreCount = 1;
+  wait.pSemaphores = &timeline;
+  wait.pValues = &value;
+  return waited(device, device.vk().vkWaitSemaphores(device.handle(), &wait, nanoseconds(seconds)), seconds);
+}
+
+Result<void> run_once(const Device& device, std::string_view name, const std::function<void(VkCommandBuffer)>& record) {
+  const Functions& fn = device.vk();
+  Result<CommandPool> pool = CommandPool::create(device, name);
+  if (!pool) return pool.take_error();
+  Result<VkCommandBuffer> commands = pool->allocate(name);
+  if (!commands) return commands.take_error();
+  Result<OwnedFence> fence = create_fence(device, name);
+  if (!fence) return fence.take_error();
+  auto begin = typed<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
+  begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  VkResult result = fn.vkBeginCommandBuffer(*commands, &begin);
+  if (result == VK_SUCCESS) {
+    full_barrier(device, *commands);
+    record(*commands);
+    full_barrier(device, *commands);
+    result = fn.vkEndCommandBuffer(*commands);
+  }
+  if (result != VK_SUCCESS) return fail("command buffer ", name, " could not be recorded: ", result_name(result));
+  auto commanded = typed<VkCommandBufferSubmitInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO);
+  commanded.commandBuffer = *commands;
+  auto work = typed<VkSubmitInfo2>(VK_STRUCTURE_TYPE_SUBMIT_INFO_2);
+  work.commandBufferInfoCount = 1;
+  work.pCommandBufferInfos = &commanded;
+  if (Result<void> submitted = device.submit(work, fence->get()); !submitted) return submitted;
+  Result<void> waited = wait_for(device, fence->get());
+  if (!waited) {
+    // The pool must not be freed under a running submit; on a lost device this returns at once.
+    const VkFence handle = fence->get();
+    fn.vkWaitForFences(device.handle(), 1, &handle, VK_TRUE, UINT64_MAX);
+  }
+  return waited;
+}
+
+}  // namespace weft::compute

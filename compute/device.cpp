@@ -1,0 +1,181 @@
+// Creates or borrows the device. See device.h.
+#include "compute/device.h"
+
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "compute/inventory.h"
+
+namespace weft::compute {
+
+struct Device::State {
+  std::optional<Instance> own;  // empty when borrowed
+  Functions fn;
+  VkInstance instance = VK_NULL_HANDLE;
+  VkDevice device = VK_NULL_HANDLE;
+  VkQueue queue = VK_NULL_HANDLE;
+  Candidate candidate;
+  mutable std::mutex queue_mutex;
+
+  ~State() {
+    if (!own || device == VK_NULL_HANDLE) return;
+    fn.vkDeviceWaitIdle(device);
+    fn.vkDestroyDevice(device, nullptr);
+  }
+};
+
+Result<std::vector<DeviceDescription>> list_devices() {
+  Result<Instance> instance = Instance::create({});
+  if (!instance) return instance.take_error();
+  Result<std::vector<Candidate>> candidates = find_candidates(instance->functions(), instance->handle());
+  if (!candidates) return candidates.take_error();
+  std::vector<DeviceDescription> descriptions;
+  for (const Candidate& candidate : *candidates) descriptions.push_back(candidate.description);
+  return descriptions;
+}
+
+namespace {
+
+Result<VkDevice> create_device(const Functions& fn, const Candidate& candidate, const DeviceChoice& choice) {
+  uint32_t count = 0;
+  fn.vkEnumerateDeviceExtensionProperties(candidate.physical, nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> offered(count);
+  fn.vkEnumerateDeviceExtensionProperties(candidate.physical, nullptr, &count, offered.data());
+  std::vector<const char*> extensions;
+  for (const std::string& wanted : choice.device_extensions) {
+    bool found = false;
+    for (const VkExtensionProperties& extension : offered) found = found || wanted == extension.extensionName;
+    if (!found) return fail("the Vulkan device ", candidate.description.name, " has no extension ", wanted);
+    extensions.push_back(wanted.c_str());
+  }
+
+  auto v13 = typed<VkPhysicalDeviceVulkan13Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES);
+  v13.synchronization2 = VK_TRUE;
+  v13.dynamicRendering = candidate.description.draws;
+  auto v12 = typed<VkPhysicalDeviceVulkan12Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
+  v12.pNext = &v13;
+  v12.timelineSemaphore = VK_TRUE;
+  v12.hostQueryReset = VK_TRUE;
+  v12.scalarBlockLayout = VK_TRUE;
+  const float priority = 1.0f;
+  auto queue = typed<VkDeviceQueueCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO);
+  queue.queueFamilyIndex = candidate.queue_family;
+  queue.queueCount = 1;
+  queue.pQueuePriorities = &priority;
+  auto create = typed<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO);
+  create.pNext = &v12;
+  create.queueCreateInfoCount = 1;
+  create.pQueueCreateInfos = &queue;
+  create.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+  create.ppEnabledExtensionNames = extensions.data();
+  VkDevice device = VK_NULL_HANDLE;
+  const VkResult result = fn.vkCreateDevice(candidate.physical, &create, nullptr, &device);
+  if (result != VK_SUCCESS) {
+    return fail("the Vulkan device ", candidate.description.name, " could not be created: ", result_name(result));
+  }
+  return device;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Device>> Device::create(const DeviceChoice& choice) {
+  Result<Instance> instance = Instance::create(choice);
+  if (!instance) return instance.take_error();
+  Result<std::vector<Candidate>> candidates = find_candidates(instance->functions(), instance->handle());
+  if (!candidates) return candidates.take_error();
+  std::vector<DeviceDescription> descriptions;
+  for (const Candidate& candidate : *candidates) descriptions.push_back(candidate.description);
+  Result<uint32_t> index = choose_device(descriptions, choice.name, choice.graphics);
+  if (!index) return index.take_error();
+
+  auto state = std::make_unique<State>();
+  state->own.emplace(std::move(*instance));
+  state->fn = state->own->functions();
+  state->instance = state->own->handle();
+  state->candidate = (*candidates)[*index];
+  Result<VkDevice> device = create_device(state->fn, state->candidate, choice);
+  if (!device) return device.take_error();
+  if (Result<void> loaded = state->fn.load_device(*device); !loaded) return loaded.take_error();
+  state->device = *device;
+  state->fn.vkGetDeviceQueue(state->device, state->candidate.queue_family, 0, &state->queue);
+  return std::unique_ptr<Device>(new Device(std::move(state)));
+}
+
+Result<std::unique_ptr<Device>> Device::borrow(const BorrowedDevice& lent) {
+  const auto absent = [](const char* what) { return fail("the device lent to Weft has no ", what, " (it is null)"); };
+  if (lent.get_instance_proc_addr == nullptr) return absent("vkGetInstanceProcAddr");
+  if (lent.instance == VK_NULL_HANDLE) return absent("VkInstance");
+  if (lent.physical == VK_NULL_HANDLE) return absent("VkPhysicalDevice");
+  if (lent.device == VK_NULL_HANDLE) return absent("VkDevice");
+  if (lent.queue == VK_NULL_HANDLE) return absent("VkQueue");
+  auto state = std::make_unique<State>();
+  state->fn.vkGetInstanceProcAddr = lent.get_instance_proc_addr;
+  if (Result<void> loaded = state->fn.load_instance(lent.instance); !loaded) return loaded.take_error();
+  if (Result<void> loaded = state->fn.load_device(lent.device); !loaded) return loaded.take_error();
+  state->candidate = describe(state->fn, lent.physical, 0, lent.queue_family);
+  const DeviceDescription& description = state->candidate.description;
+  if (!description.refusal.empty()) {
+    return fail("the device lent to Weft, ", description.name, ", cannot be used: ", description.refusal);
+  }
+  state->instance = lent.instance;
+  state->device = lent.device;
+  state->queue = lent.queue;
+  return std::unique_ptr<Device>(new Device(std::move(state)));
+}
+
+Device::Device(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Device::~Device() = default;
+
+const Functions& Device::vk() const { return state_->fn; }
+VkInstance Device::instance() const { return state_->instance; }
+VkPhysicalDevice Device::physical() const { return state_->candidate.physical; }
+VkDevice Device::handle() const { return state_->device; }
+VkQueue Device::queue() const { return state_->queue; }
+uint32_t Device::queue_family() const { return state_->candidate.queue_family; }
+const std::string& Device::name() const { return state_->candidate.description.name; }
+const DeviceDescription& Device::description() const { return state_->candidate.description; }
+const DeviceLimits& Device::limits() const { return state_->candidate.description.limits; }
+const VkPhysicalDeviceProperties& Device::properties() const { return state_->candidate.properties; }
+const VkPhysicalDeviceMemoryProperties& Device::memory() const { return state_->candidate.memory; }
+bool Device::is_software() const { return properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
+bool Device::draws() const { return description().draws; }
+bool Device::is_borrowed() const { return !state_->own; }
+double Device::timestamp_period_ns() const { return limits().timestamp_period_ns; }
+
+void Device::name_object_raw(VkObjectType type, uint64_t handle, std::string_view name) const {
+  if (vk().vkSetDebugUtilsObjectNameEXT == nullptr || handle == 0) return;
+  const std::string text(name);
+  auto named = typed<VkDebugUtilsObjectNameInfoEXT>(VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT);
+  named.objectType = type;
+  named.objectHandle = handle;
+  named.pObjectName = text.c_str();
+  vk().vkSetDebugUtilsObjectNameEXT(this->handle(), &named);
+}
+
+Result<void> Device::submit(const VkSubmitInfo2& work, VkFence fence) const {
+  const std::lock_guard lock(state_->queue_mutex);
+  const VkResult result = vk().vkQueueSubmit2(queue(), 1, &work, fence);
+  if (result != VK_SUCCESS) return fail("submitting to ", name(), " failed: ", result_name(result));
+  return {};
+}
+
+VkResult Device::present(const VkPresentInfoKHR& what) const {
+  const std::lock_guard lock(state_->queue_mutex);
+  return vk().vkQueuePresentKHR(queue(), &what);
+}
+
+void Device::wait_idle() const {
+  if (is_borrowed()) return;
+  const std::lock_guard lock(state_->queue_mutex);
+  vk().vkDeviceWaitIdle(handle());
+}
+
+std::vector<std::string> Device::validation_messages() const {
+  if (!state_->own) return {};
+  const Messages& messages = state_->own->messages();
+  const std::lock_guard lock(messages.mutex);
+  return messages.heard;
+}
+
+}  // namespace weft::compute

@@ -1,0 +1,219 @@
+// Finds devices, says what each can do and why Weft cannot use it, and picks one. See inventory.h.
+#include "compute/inventory.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+
+namespace weft::compute {
+namespace {
+
+std::string version_text(uint32_t version) {
+  return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) + "." +
+         std::to_string(VK_API_VERSION_PATCH(version));
+}
+
+const char* type_name(VkPhysicalDeviceType type) {
+  switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return "discrete";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return "integrated";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return "virtual";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU: return "software";
+    default: return "other";
+  }
+}
+
+/// Lower is better.
+int rank(const DeviceDescription& device) {
+  constexpr std::array<std::string_view, 4> kOrder = {"discrete", "integrated", "virtual", "software"};
+  return static_cast<int>(std::find(kOrder.begin(), kOrder.end(), device.type) - kOrder.begin());
+}
+
+std::string lower(std::string_view text) {
+  std::string out(text);
+  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return out;
+}
+
+std::string list(std::span<const DeviceDescription> devices) {
+  std::string text;
+  for (const DeviceDescription& device : devices) {
+    if (!text.empty()) text += "; ";
+    text += std::to_string(device.index) + ": " + device.name;
+    if (!device.refusal.empty()) text += " (cannot be used: " + device.refusal + ")";
+  }
+  return text;
+}
+
+/// Asked only of devices of Vulkan 1.3: older ones do not know these structures.
+struct Modern {
+  VkPhysicalDeviceProperties2 properties =
+      typed<VkPhysicalDeviceProperties2>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2);
+  VkPhysicalDeviceVulkan11Properties v11 =
+      typed<VkPhysicalDeviceVulkan11Properties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES);
+  VkPhysicalDeviceVulkan12Properties v12 =
+      typed<VkPhysicalDeviceVulkan12Properties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES);
+  VkPhysicalDeviceVulkan13Properties v13 =
+      typed<VkPhysicalDeviceVulkan13Properties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES);
+  VkPhysicalDeviceFeatures2 features =
+      typed<VkPhysicalDeviceFeatures2>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2);
+  VkPhysicalDeviceVulkan12Features f12 =
+      typed<VkPhysicalDeviceVulkan12Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
+  VkPhysicalDeviceVulkan13Features f13 =
+      typed<VkPhysicalDeviceVulkan13Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES);
+
+  void ask(const Functions& fn, VkPhysicalDevice physical) {
+    properties.pNext = &v11;
+    v11.pNext = &v12;
+    v12.pNext = &v13;
+    features.pNext = &f12;
+    f12.pNext = &f13;
+    fn.vkGetPhysicalDeviceProperties2(physical, &properties);
+    fn.vkGetPhysicalDeviceFeatures2(physical, &features);
+  }
+};
+
+std::string missing_features(const Modern& modern) {
+  std::string missing;
+  const auto need = [&](VkBool32 present, const char* name) {
+    if (!present) missing += missing.empty() ? name : std::string(" and ") + name;
+  };
+  need(modern.f13.synchronization2, "synchronization2");
+  need(modern.f12.timelineSemaphore, "timelineSemaphore");
+  need(modern.f12.hostQueryReset, "hostQueryReset");
+  need(modern.f12.scalarBlockLayout, "scalarBlockLayout");
+  return missing;
+}
+
+/// A family that also draws is preferred; nothing when none has compute.
+std::optional<uint32_t> best_family(std::span<const VkQueueFamilyProperties> families) {
+  std::optional<uint32_t> best;
+  for (uint32_t i = 0; i < families.size(); ++i) {
+    const VkQueueFlags flags = families[i].queueFlags;
+    if (families[i].queueCount == 0 || !(flags & VK_QUEUE_COMPUTE_BIT)) continue;
+    if (flags & VK_QUEUE_GRAPHICS_BIT) return i;
+    if (!best) best = i;
+  }
+  return best;
+}
+
+}  // namespace
+
+Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t index, std::optional<uint32_t> lent_family) {
+  Candidate found;
+  found.physical = physical;
+  fn.vkGetPhysicalDeviceProperties(physical, &found.properties);
+  fn.vkGetPhysicalDeviceMemoryProperties(physical, &found.memory);
+  const VkPhysicalDeviceProperties& properties = found.properties;
+  DeviceDescription& out = found.description;
+  out.index = index;
+  out.name = properties.deviceName;
+  out.type = type_name(properties.deviceType);
+  out.api = version_text(properties.apiVersion);
+  out.driver = "version " + std::to_string(properties.driverVersion);
+  for (uint32_t i = 0; i < found.memory.memoryHeapCount; ++i) {
+    const VkMemoryHeap& heap = found.memory.memoryHeaps[i];
+    if (heap.flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) out.memory_bytes = std::max(out.memory_bytes, heap.size);
+  }
+  const VkPhysicalDeviceLimits& from = properties.limits;
+  DeviceLimits& limits = out.limits;
+  limits.max_storage_buffer_bytes = from.maxStorageBufferRange;
+  limits.max_texel_buffer_elements = from.maxTexelBufferElements;
+  limits.storage_buffer_alignment = from.minStorageBufferOffsetAlignment;
+  limits.texel_buffer_alignment = from.minTexelBufferOffsetAlignment;
+  limits.max_storage_buffers_per_stage = from.maxPerStageDescriptorStorageBuffers;
+  limits.max_push_constant_bytes = from.maxPushConstantsSize;
+  limits.shared_memory_bytes = from.maxComputeSharedMemorySize;
+  limits.max_workgroup_invocations = from.maxComputeWorkGroupInvocations;
+  limits.max_workgroups_x = from.maxComputeWorkGroupCount[0];
+  if (properties.apiVersion < VK_API_VERSION_1_3) {
+    out.refusal = "it has Vulkan " + out.api + ", and Weft needs 1.3";
+    return found;
+  }
+  Modern modern;
+  modern.ask(fn, physical);
+  out.driver = std::string(modern.v12.driverName) + " " + modern.v12.driverInfo;
+  limits.max_allocation_bytes = modern.v11.maxMemoryAllocationSize;
+  limits.max_buffer_bytes = modern.v13.maxBufferSize;
+  limits.subgroup_size = modern.v11.subgroupSize;
+  if (const std::string missing = missing_features(modern); !missing.empty()) {
+    out.refusal = "it lacks the feature " + missing;
+    return found;
+  }
+  uint32_t count = 0;
+  fn.vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  fn.vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
+  const std::optional<uint32_t> family = lent_family ? lent_family : best_family(families);
+  if (!family) {
+    out.refusal = "it has no queue with compute among its " + std::to_string(count) + " queue families";
+    return found;
+  }
+  if (*family >= count || !(families[*family].queueFlags & VK_QUEUE_COMPUTE_BIT)) {
+    out.refusal = "queue family " + std::to_string(*family) + " of " + std::to_string(count) + " has no compute";
+    return found;
+  }
+  found.queue_family = *family;
+  limits.timestamp_bits = families[*family].timestampValidBits;
+  limits.timestamp_period_ns = limits.timestamp_bits > 0 ? static_cast<double>(from.timestampPeriod) : 0.0;
+  out.draws = (families[*family].queueFlags & VK_QUEUE_GRAPHICS_BIT) && modern.f13.dynamicRendering;
+  return found;
+}
+
+Result<std::vector<Candidate>> find_candidates(const Functions& fn, VkInstance instance) {
+  uint32_t count = 0;
+  VkResult result = fn.vkEnumeratePhysicalDevices(instance, &count, nullptr);
+  std::vector<VkPhysicalDevice> devices(count);
+  if (result == VK_SUCCESS && count > 0) {
+    result = fn.vkEnumeratePhysicalDevices(instance, &count, devices.data());
+  }
+  if (result != VK_SUCCESS || count == 0) {
+    return fail("no Vulkan device on this machine (the loader reports ", count, " devices, ", result_name(result),
+                "): install a driver; on Debian, apt install mesa-vulkan-drivers brings a software one");
+  }
+  std::vector<Candidate> candidates;
+  for (uint32_t i = 0; i < count; ++i) candidates.push_back(describe(fn, devices[i], i));
+  return candidates;
+}
+
+Result<uint32_t> choose_device(std::span<const DeviceDescription> devices, std::string_view wish, bool graphics) {
+  const auto usable = [&](const DeviceDescription& device) {
+    return device.refusal.empty() && (device.draws || !graphics);
+  };
+  const auto why_not = [&](const DeviceDescription& device) {
+    return device.refusal.empty() ? std::string("it cannot draw: no queue with graphics, or no dynamic rendering")
+                                  : device.refusal;
+  };
+  const bool is_number =
+      !wish.empty() && std::all_of(wish.begin(), wish.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+  if (is_number) {
+    uint32_t index = 0;
+    const auto parsed = std::from_chars(wish.data(), wish.data() + wish.size(), index);
+    if (parsed.ec != std::errc() || index >= devices.size()) {
+      return fail("there is no Vulkan device ", wish, "; there are: ", list(devices));
+    }
+    if (!usable(devices[index])) {
+      return fail("Vulkan device ", index, " (", devices[index].name, ") cannot be used: ", why_not(devices[index]));
+    }
+    return index;
+  }
+  const DeviceDescription* best = nullptr;
+  const DeviceDescription* refused = nullptr;
+  for (const DeviceDescription& device : devices) {
+    if (lower(device.name).find(lower(wish)) == std::string::npos) continue;
+    if (!usable(device)) {
+      if (refused == nullptr) refused = &device;
+    } else if (best == nullptr || rank(device) < rank(*best)) {
+      best = &device;
+    }
+  }
+  if (best != nullptr) return static_cast<uint32_t>(best - devices.data());
+  if (refused != nullptr && wish.empty() && devices.size() > 1) {
+    return fail("none of the ", devices.size(), " Vulkan devices can be used; there are: ", list(devices));
+  }
+  if (refused != nullptr) return fail("the Vulkan device ", refused->name, " cannot be used: ", why_not(*refused));
+  return fail("no Vulkan device is called \"", wish, "\"; there are: ", list(devices));
+}
+
+}  // namespace weft::compute

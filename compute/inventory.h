@@ -1,0 +1,61 @@
+// What Vulkan offers on this machine: the instance, its devices, and which of them to take. Used by device.cpp; the
+// choice itself is pure and tested without a GPU.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "compute/device.h"
+
+namespace weft::compute {
+
+/// Validation messages as they come; the messenger holds its address.
+struct Messages {
+  mutable std::mutex mutex;
+  std::vector<std::string> heard;
+  std::function<void(const std::string&)> listener;
+};
+
+/// An instance of our own, with its loader; destroyed together.
+class Instance {
+ public:
+  static Result<Instance> create(const DeviceChoice& choice);
+  Instance(Instance&& other) noexcept;
+  Instance& operator=(Instance&&) = delete;
+  ~Instance();
+
+  VkInstance handle() const { return handle_; }
+  const Functions& functions() const { return functions_; }
+  const Messages& messages() const { return *messages_; }
+
+ private:
+  explicit Instance(Loader loader) : loader_(std::move(loader)) {}
+  Loader loader_;
+  Functions functions_;
+  VkInstance handle_ = VK_NULL_HANDLE;
+  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+  std::unique_ptr<Messages> messages_;
+};
+
+struct Candidate {
+  VkPhysicalDevice physical = VK_NULL_HANDLE;
+  VkPhysicalDeviceProperties properties{};
+  VkPhysicalDeviceMemoryProperties memory{};
+  uint32_t queue_family = 0;
+  DeviceDescription description;
+};
+
+/// `lent_family`: the queue family a host lends; without it the best one is taken.
+Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t index,
+                   std::optional<uint32_t> lent_family = std::nullopt);
+
+Result<std::vector<Candidate>> find_candidates(const Functions& fn, VkInstance instance);
+
+/// The index to take; the sentence lists what there is.
+Result<uint32_t> choose_device(std::span<const DeviceDescription> devices, std::string_view wish, bool graphics);
+
+}  // namespace weft::compute

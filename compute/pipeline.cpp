@@ -1,0 +1,212 @@
+// Compute pipelines and their cache on disk. See pipeline.h.
+#include "compute/pipeline.h"
+
+#include <cstddef>
+#include <cstring>
+#include <fstream>
+#include <random>
+#include <vector>
+
+#include "compute/reflect.h"
+
+namespace weft::compute {
+namespace {
+
+/// In front of the driver's blob. A driver update changes driver_version or the UUID, and so invalidates the file.
+struct CacheHeader {
+  char magic[8];
+  uint32_t vendor;
+  uint32_t device;
+  uint32_t driver_version;
+  uint32_t reserved;
+  uint8_t uuid[VK_UUID_SIZE];
+  uint64_t bytes;
+  uint64_t checksum;
+};
+static_assert(sizeof(CacheHeader) == 56);
+
+constexpr char kMagic[8] = {'W', 'E', 'F', 'T', 'P', 'C', '0', '1'};
+constexpr uint64_t kMaxCacheBytes = uint64_t{256} << 20;  // a cache of Weft's few dozen kernels is far below this
+
+/// FNV-1a, 64 bits (Fowler, Noll, Vo): catches damage, and is not meant to catch malice.
+uint64_t checksum(std::span<const std::byte> bytes) {
+  uint64_t hash = 0xcbf29ce484222325u;
+  for (const std::byte b : bytes) hash = (hash ^ static_cast<uint64_t>(b)) * 0x100000001b3u;
+  return hash;
+}
+
+CacheHeader header_for(const Device& device, std::span<const std::byte> blob) {
+  CacheHeader header{};
+  std::memcpy(header.magic, kMagic, sizeof kMagic);
+  header.vendor = device.properties().vendorID;
+  header.device = device.properties().deviceID;
+  header.driver_version = device.properties().driverVersion;
+  std::memcpy(header.uuid, device.properties().pipelineCacheUUID, VK_UUID_SIZE);
+  header.bytes = blob.size();
+  header.checksum = checksum(blob);
+  return header;
+}
+
+Result<std::vector<std::byte>> load(const Device& device, const std::filesystem::path& path) {
+  std::error_code problem;
+  const uint64_t size = std::filesystem::file_size(path, problem);
+  const auto refuse = [&](const auto&... why) { return fail("pipeline cache ", path.string(), " is ignored: ", why...); };
+  if (problem) return refuse(problem.message());
+  if (size < sizeof(CacheHeader) || size > kMaxCacheBytes) {
+    return refuse("it has ", size, " bytes, not between ", sizeof(CacheHeader), " and ", kMaxCacheBytes);
+  }
+  std::ifstream file(path, std::ios::binary);
+  CacheHeader header{};
+  std::vector<std::byte> blob(size - sizeof header);
+  file.read(reinterpret_cast<char*>(&header), sizeof header);
+  file.read(reinterpret_cast<char*>(blob.data()), static_cast<std::streamsize>(blob.size()));
+  if (!file) return refuse("it could not be read");
+  const CacheHeader expected = header_for(device, blob);
+  if (std::memcmp(header.magic, expected.magic, sizeof kMagic) != 0) return refuse("it is not a cache of Weft's");
+  if (header.bytes != expected.bytes) {
+    return refuse("it announces ", header.bytes, " bytes and holds ", expected.bytes);
+  }
+  if (header.checksum != expected.checksum) return refuse("its checksum does not fit its content");
+  if (std::memcmp(&header, &expected, sizeof header) != 0) return refuse("it is of another device or driver");
+  return blob;
+}
+
+VkResult create_cache(const Device& device, std::span<const std::byte> blob, VkPipelineCache& cache) {
+  auto create = typed<VkPipelineCacheCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO);
+  create.initialDataSize = blob.size();
+  create.pInitialData = blob.data();
+  return device.vk().vkCreatePipelineCache(device.handle(), &create, nullptr, &cache);
+}
+
+}  // namespace
+
+Result<PipelineCache> PipelineCache::create(const Device& device, const std::filesystem::path& path) {
+  PipelineCache made;
+  made.device_ = &device;
+  made.path_ = path;
+  std::vector<std::byte> blob;
+  std::error_code ignored;
+  if (!path.empty() && std::filesystem::exists(path, ignored)) {
+    Result<std::vector<std::byte>> loaded = load(device, path);
+    if (loaded) {
+      blob = std::move(*loaded);
+    } else {
+      made.broken_files_ = 1;
+      made.refusal_ = loaded.error();
+    }
+  }
+  VkPipelineCache cache = VK_NULL_HANDLE;
+  VkResult result = create_cache(device, blob, cache);
+  if (result != VK_SUCCESS && !blob.empty()) {
+    made.broken_files_ = 1;
+    made.refusal_ = "pipeline cache " + path.string() + " is ignored: the driver answered " + result_name(result);
+    blob.clear();
+    result = create_cache(device, blob, cache);
+  }
+  if (result != VK_SUCCESS) return fail("the pipeline cache could not be created: ", result_name(result));
+  made.loaded_bytes_ = blob.size();
+  made.cache_ = OwnedPipelineCache(device, cache);
+  device.name_object(VK_OBJECT_TYPE_PIPELINE_CACHE, cache, "weft");
+  return made;
+}
+
+Result<void> PipelineCache::save() const {
+  if (path_.empty() || !cache_) return {};
+  const Functions& fn = device_->vk();
+  size_t bytes = 0;
+  VkResult result = fn.vkGetPipelineCacheData(device_->handle(), cache_.get(), &bytes, nullptr);
+  std::vector<std::byte> blob(bytes);
+  if (result == VK_SUCCESS) result = fn.vkGetPipelineCacheData(device_->handle(), cache_.get(), &bytes, blob.data());
+  if (result != VK_SUCCESS) return fail("the pipeline cache could not be read from the driver: ", result_name(result));
+  blob.resize(bytes);
+  if (sizeof(CacheHeader) + bytes > kMaxCacheBytes) {
+    return fail("pipeline cache ", path_.string(), " would have ", bytes, " bytes, above ", kMaxCacheBytes);
+  }
+
+  std::error_code problem;
+  if (path_.has_parent_path()) std::filesystem::create_directories(path_.parent_path(), problem);
+  // Two processes may save at once: each writes its own file, and the last rename wins.
+  std::filesystem::path beside = path_;
+  beside += ".new." + std::to_string(std::random_device{}());
+  const CacheHeader header = header_for(*device_, blob);
+  std::ofstream file(beside, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(&header), sizeof header);
+  file.write(reinterpret_cast<const char*>(blob.data()), static_cast<std::streamsize>(blob.size()));
+  file.close();
+  if (!file) {
+    std::filesystem::remove(beside, problem);
+    return fail("pipeline cache ", path_.string(), " could not be written: ", beside.string(), " of ", bytes,
+                " bytes was refused");
+  }
+  std::filesystem::rename(beside, path_, problem);
+  if (problem) {
+    const std::string why = problem.message();
+    std::filesystem::remove(beside, problem);
+    return fail("pipeline cache ", path_.string(), " could not be replaced: ", why);
+  }
+  return {};
+}
+
+Result<OwnedShaderModule> create_shader_module(const Device& device, std::string_view name,
+                                               std::span<const uint32_t> spirv) {
+  auto create = typed<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
+  create.codeSize = spirv.size_bytes();
+  create.pCode = spirv.data();
+  VkShaderModule module = VK_NULL_HANDLE;
+  const VkResult result = device.vk().vkCreateShaderModule(device.handle(), &create, nullptr, &module);
+  if (result != VK_SUCCESS) return fail("shader ", name, " could not be loaded: ", result_name(result));
+  device.name_object(VK_OBJECT_TYPE_SHADER_MODULE, module, name);
+  return OwnedShaderModule(device, module);
+}
+
+Result<ComputePipeline> ComputePipeline::create(const Device& device, const PipelineCache* cache, std::string_view name,
+                                                std::span<const uint32_t> spirv,
+                                                std::span<const SpecializationConstant> constants,
+                                                VkPipelineLayout layout) {
+  // Drivers may crash on what is not SPIR-V, and on workgroups they cannot hold; a sentence is better.
+  Result<Reflection> reflection = reflect(spirv);
+  if (!reflection) return fail("shader ", name, ": ", reflection.error());
+  uint64_t invocations = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    uint32_t size = reflection->local_size[axis];
+    for (const SpecializationConstant& constant : constants) {
+      if (reflection->local_size_id[axis] == constant.id) size = constant.value;
+    }
+    invocations *= size;  // at most limit × 2^32: checked after every axis
+    if (invocations == 0 || invocations > device.limits().max_workgroup_invocations) {
+      return fail("shader ", name, " has a workgroup of ", invocations, " invocations up to axis ", axis,
+                  ", not between 1 and ", device.limits().max_workgroup_invocations,
+                  ", the maxComputeWorkGroupInvocations of ", device.name());
+    }
+  }
+  Result<OwnedShaderModule> module = create_shader_module(device, name, spirv);
+  if (!module) return module.take_error();
+
+  std::vector<VkSpecializationMapEntry> entries;
+  for (size_t i = 0; i < constants.size(); ++i) {
+    const size_t offset = i * sizeof(SpecializationConstant) + offsetof(SpecializationConstant, value);
+    entries.push_back({constants[i].id, static_cast<uint32_t>(offset), sizeof(uint32_t)});
+  }
+  VkSpecializationInfo specialization{};
+  specialization.mapEntryCount = static_cast<uint32_t>(entries.size());
+  specialization.pMapEntries = entries.data();
+  specialization.dataSize = constants.size_bytes();
+  specialization.pData = constants.data();
+  auto create = typed<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
+  create.stage = typed<VkPipelineShaderStageCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO);
+  create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+  create.stage.module = module->get();
+  create.stage.pName = "main";
+  create.stage.pSpecializationInfo = &specialization;
+  create.layout = layout;
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  const VkResult result = device.vk().vkCreateComputePipelines(
+      device.handle(), cache != nullptr ? cache->handle() : VK_NULL_HANDLE, 1, &create, nullptr, &pipeline);
+  if (result != VK_SUCCESS) return fail("pipeline ", name, " could not be compiled: ", result_name(result));
+  device.name_object(VK_OBJECT_TYPE_PIPELINE, pipeline, name);
+  ComputePipeline made;
+  made.pipeline_ = OwnedPipeline(device, pipeline);
+  return made;
+}
+
+}  // namespace weft::compute
