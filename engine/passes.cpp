@@ -75,9 +75,8 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
                                   fabric.bend.pairs.size(), bends, bends, bends, fabric.bend_uses.pairs.size(), fabric.tethers.size(),
                                   fabric.anchors.size(), scene.colliders.size(), fabric.materials.size(), vertices,
                                   fabric.corners.size(), vertices, vertices, 1, particles};
-  using namespace gpu;
   const BufferNeed all[] = {
-#define WEFT_NEED(number, name, element) {#name, gpu::name, counts[number] * sizeof(element), std::is_same_v<element, gpu::uvec4>},
+#define WEFT_NEED(number, name, element) {#name, gpu::name, counts[number] * sizeof(gpu::element), std::is_same_v<gpu::element, gpu::uvec4>},
       WEFT_BUFFERS(WEFT_NEED)
 #undef WEFT_NEED
   };

@@ -153,6 +153,12 @@ std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
   return steps_;
 }
 
+std::span<const Solver::Step> Solver::surface() {
+  steps_.clear();
+  list_stage(Stage::frame_end, {}, {});
+  return steps_;
+}
+
 void Solver::list_stage(Stage stage, const FrameInput& input, gpu::Push push) {
   for (std::uint32_t k = 0; k < plan_.passes.size(); ++k) {
     const Pass& pass = *plan_.passes[k].pass;

@@ -44,6 +44,9 @@ class Solver {
   /// Lists a frame's dispatches and moves the iterates' parity on: call once a frame, then record all of it.
   std::span<const Step> frame(const FrameInput& input);
 
+  /// The dispatches of a frame's end alone: the surface of the pose at hand.
+  std::span<const Step> surface();
+
   /// Copies what the frame is told into the GPU's buffers; visible to the steps after it.
   void record_input(compute::Recorder& recorder, const FrameInput& input) const;
   void record_step(compute::Recorder& recorder, const Step& step) const;

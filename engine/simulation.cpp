@@ -1,0 +1,164 @@
+#include "engine/simulation.h"
+
+#include <cmath>
+
+#include "engine/simulation_state.h"
+
+namespace weft {
+
+Simulation::Simulation(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+Simulation::~Simulation() {
+  // Frames that Weft submitted must be done before their buffers go; a host that recorded frames waits for them itself.
+  if (state_ && state_->submitted > 0) (void)state_->wait();
+}
+
+Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& device, const Scene& scene, const SimulationOptions& options) {
+  auto meshes = make_meshes(scene);
+  if (!meshes) return meshes.take_error();
+  return create(device, scene, std::move(*meshes), options);
+}
+
+Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& device, const Scene& scene, std::vector<Mesh> meshes,
+                                                       const SimulationOptions& options) {
+  auto state = std::make_unique<State>();
+  state->device = &device;
+  state->scene = scene;
+  state->options = options;
+  state->gravity = scene.gravity;
+  auto fabric = cook(scene, meshes);
+  if (!fabric) return fabric.take_error();
+  state->fabric = std::move(*fabric);
+  state->meshes = std::move(meshes);
+  auto cache = compute::PipelineCache::create(device, options.pipeline_cache);
+  if (!cache) return cache.take_error();
+  state->cache = std::move(*cache);
+  auto solver = Solver::create(device, state->cache, scene, state->fabric, {options.gather_storage, options.workgroup});
+  if (!solver) return solver.take_error();
+  state->solver = std::move(*solver);
+  // A cache that cannot be written costs the next start some time and nothing else.
+  if (!options.pipeline_cache.empty())
+    if (auto saved = state->cache.save(); !saved) state->fabric.notes.push_back(saved.error());
+
+  const compute::BufferRequest counters{"counters readback", sizeof(gpu::Counters), VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+  auto readback = compute::Arena::create(device, compute::Memory::readback, "weft readback", std::span(&counters, 1));
+  if (!readback) return readback.take_error();
+  state->readback = std::move(*readback);
+  std::fill_n(state->readback[0].mapped, sizeof(gpu::Counters), std::byte{0});
+  auto pool = compute::CommandPool::create(device, "weft");
+  if (!pool) return pool.take_error();
+  state->pool = std::move(*pool);
+  auto ready = compute::create_timeline(device, "weft ready");
+  if (!ready) return ready.take_error();
+  state->ready = std::move(*ready);
+  for (FrameSlot& slot : state->slots) {
+    auto commands = state->pool.allocate("weft frame");
+    if (!commands) return commands.take_error();
+    slot.commands = *commands;
+    if (!options.timings) continue;
+    const double most_substeps = std::max(scene.solver.longest_advance, 1 / scene.solver.rate) / state->fabric.h + 1;
+    const double passes = (2 + most_substeps * (1 + scene.solver.iterations * static_cast<double>(state->solver->plan().passes.size())));
+    auto timestamps = compute::Timestamps::create(device, "weft frame", static_cast<std::uint32_t>(std::min(passes, 60000.0)));
+    if (!timestamps) return timestamps.take_error();
+    slot.timestamps = std::move(*timestamps);
+  }
+
+  for (const AnchorTarget& anchor : state->fabric.anchors) {
+    const gpu::vec3 rest{anchor.rest.x, anchor.rest.y, anchor.rest.z};
+    state->anchors.push_back({anchor.particle, rest, rest});
+    state->anchors_are_keyed |= !scene.cloths[anchor.cloth].anchors[anchor.entry].keys.empty();
+  }
+  state->anchor_wishes.resize(state->anchors.size());
+  state->anchor_is_led.resize(state->anchors.size());
+  const std::size_t colliders = scene.colliders.size();
+  state->collider_wishes.resize(colliders);
+  state->collider_is_led.resize(colliders);
+  for (const Collider& collider : scene.colliders) {
+    const Key key = pose_at(collider.keys, 0);
+    state->collider_poses.push_back({collider.centre + key.translate, collider.normal});
+    state->collider_degrees.push_back(key.degrees);
+  }
+  std::unique_ptr<Simulation> simulation(new Simulation(std::move(state)));
+  // The surface exists before the first frame: a host may draw at once.
+  if (auto drawn = simulation->state_->draw_surface(); !drawn) return drawn.take_error();
+  return simulation;
+}
+
+FrameView Simulation::positions() const {
+  const compute::Buffer& buffer = state_->solver->buffer(gpu::vertex_positions);
+  return {buffer.handle, 0, sizeof(gpu::vec4), VK_FORMAT_R32G32B32A32_SFLOAT, static_cast<std::uint32_t>(state_->fabric.surface_rows.size())};
+}
+
+FrameView Simulation::normals() const {
+  FrameView view = positions();
+  view.buffer = state_->solver->buffer(gpu::vertex_normals).handle;
+  return view;
+}
+
+namespace {
+
+bool finite(Vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+}  // namespace
+
+Result<void> Simulation::move_anchors(std::uint32_t first, std::span<const Vec3> targets) {
+  if (first > state_->anchors.size() || targets.size() > state_->anchors.size() - first)
+    return fail("anchors ", first, " to ", first + targets.size(), " (exclusive) are beyond the simulation's ", state_->anchors.size());
+  for (std::size_t k = 0; k < targets.size(); ++k)
+    if (!finite(targets[k])) return fail("the target of anchor ", first + k, " is not finite");
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    state_->anchor_wishes[first + k] = targets[k];
+    state_->anchor_is_led[first + k] = true;
+  }
+  return {};
+}
+
+Result<void> Simulation::move_collider(std::uint32_t collider, const ColliderPose& pose) {
+  if (collider >= state_->collider_poses.size()) return fail("collider ", collider, " is not below the scene's ", state_->collider_poses.size());
+  if (!finite(pose.centre) || !finite(pose.normal)) return fail("the pose of collider ", collider, " is not finite");
+  const float size = length(pose.normal);
+  if (!(size > 1e-6f)) return fail("the normal of collider ", collider, " has a length of ", size, ", not above 1e-6");
+  state_->collider_wishes[collider] = {pose.centre, (1 / size) * pose.normal};
+  state_->collider_is_led[collider] = true;
+  return {};
+}
+
+Result<void> Simulation::set_gravity(Vec3 gravity) {
+  if (!finite(gravity)) return fail("the gravity is not finite");
+  state_->gravity = gravity;
+  return {};
+}
+
+VkSemaphore Simulation::ready_semaphore() const { return state_->ready.get(); }
+std::uint64_t Simulation::ready_value() const { return state_->submitted; }
+double Simulation::time() const { return state_->now(); }
+std::span<const ColliderPose> Simulation::colliders() const { return state_->collider_poses; }
+const Scene& Simulation::scene() const { return state_->scene; }
+const std::vector<Mesh>& Simulation::meshes() const { return state_->meshes; }
+const Fabric& Simulation::fabric() const { return state_->fabric; }
+const compute::Device& Simulation::device() const { return *state_->device; }
+
+std::vector<PassUse> Simulation::passes() const {
+  const std::uint32_t substeps = substeps_of(state_->scene.solver), iterations = state_->scene.solver.iterations;
+  std::vector<PassUse> uses;
+  for (const PlannedPass& planned : state_->solver->plan().passes) {
+    std::uint32_t dispatches = 1;
+    if (planned.pass->stage == Stage::substep_begin) dispatches = state_->anchors_are_keyed ? substeps : 0;
+    if (planned.pass->stage == Stage::iteration) dispatches = substeps * iterations;
+    uses.push_back({planned.pass->name, dispatches});
+  }
+  return uses;
+}
+
+std::vector<BufferUse> Simulation::buffers() const {
+  std::vector<BufferUse> uses;
+  for (const compute::Buffer& buffer : state_->solver->arena().buffers()) uses.push_back({buffer.name, buffer.bytes});
+  return uses;
+}
+
+Counts Simulation::counts() const {
+  const auto* counters = reinterpret_cast<const gpu::Counters*>(state_->readback[0].mapped);
+  return {counters->non_finite, counters->coincident};
+}
+
+}  // namespace weft

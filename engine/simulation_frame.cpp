@@ -1,0 +1,200 @@
+// A frame: how many substeps it takes, where the scene's anchors and colliders go, and the three ways to run it.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "compute/functions.h"
+#include "engine/simulation_state.h"
+
+namespace weft {
+namespace {
+
+gpu::vec3 gpu_vector(Vec3 v) { return {v.x, v.y, v.z}; }
+
+bool same(const gpu::vec3& a, const gpu::vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+// The normal turned about the axis by Rodrigues' formula.
+Vec3 turned(Vec3 v, Vec3 axis, double degrees) {
+  const double angle = degrees * std::numbers::pi / 180;
+  const auto c = static_cast<float>(std::cos(angle)), s = static_cast<float>(std::sin(angle));
+  return c * v + s * cross(axis, v) + (dot(axis, v) * (1 - c)) * axis;
+}
+
+using Clock = std::chrono::steady_clock;
+double milliseconds(Clock::time_point from, Clock::time_point to) { return std::chrono::duration<double, std::milli>(to - from).count(); }
+
+}  // namespace
+
+// Whole substeps that fit; the rest waits for the next frame. A millionth of a substep counts as rounding, so that 1/60 s
+// is always the same number of them.
+Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input) {
+  if (!std::isfinite(seconds) || seconds < 0) return fail("a frame of ", seconds, " s: it must be finite and not negative");
+  Advance advance;
+  const double taken = std::min(seconds, scene.solver.longest_advance);
+  advance.clamped = seconds - taken;
+  const double substeps = std::floor((pending + taken) / fabric.h + 1e-6);
+  advance.substeps = static_cast<std::uint32_t>(substeps);
+  advance.simulated = substeps * fabric.h;
+  pending = std::max(0.0, pending + taken - advance.simulated);
+  input.substeps = advance.substeps;
+  input.gravity = gravity;
+  if (advance.substeps == 0) return advance;
+  ticks += advance.substeps;
+  move_scene(input);
+  return advance;
+}
+
+void Simulation::State::move_scene(FrameInput& input) {
+  for (gpu::Anchor& anchor : anchors) anchor.from = anchor.to;
+  if (anchors_are_keyed) {
+    const std::vector<Vec3> keyed = anchor_targets(scene, fabric, now());
+    for (std::size_t k = 0; k < anchors.size(); ++k)
+      if (!anchor_is_led[k]) anchors[k].to = gpu_vector(keyed[k]);
+  }
+  for (std::size_t k = 0; k < anchors.size(); ++k) {
+    if (anchor_wishes[k]) anchors[k].to = gpu_vector(*anchor_wishes[k]);
+    anchor_wishes[k].reset();
+    input.anchors_move |= !same(anchors[k].from, anchors[k].to);
+  }
+  colliders.clear();
+  for (std::size_t k = 0; k < collider_poses.size(); ++k) {
+    const Collider& described = scene.colliders[k];
+    const ColliderPose from = collider_poses[k];
+    ColliderPose to = from;
+    Vec3 spin;
+    if (collider_wishes[k]) {
+      to = *collider_wishes[k];
+      collider_wishes[k].reset();
+    } else if (!collider_is_led[k] && !described.keys.empty()) {
+      const Key key = pose_at(described.keys, now());
+      to = {described.centre + key.translate, turned(described.normal, key.axis, key.degrees)};
+      spin = static_cast<float>((key.degrees - collider_degrees[k]) * std::numbers::pi / 180) * key.axis;
+      collider_degrees[k] = key.degrees;
+    }
+    colliders.push_back({described.shape == ColliderShape::plane ? WEFT_PLANE : WEFT_SPHERE, static_cast<float>(described.radius),
+                         static_cast<float>(described.friction), gpu_vector(from.centre), gpu_vector(to.centre), gpu_vector(from.normal),
+                         gpu_vector(to.normal), gpu_vector(spin)});
+    collider_poses[k] = to;
+  }
+  input.anchors = anchors;
+  input.colliders = colliders;
+}
+
+void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps) {
+  using compute::Use;
+  compute::Recorder recorder(*device, commands, timestamps);
+  recorder.barrier(Use::all, Use::compute | Use::transfer);   // earlier frames, and the renderer that still reads them
+  const auto steps = solver->frame(input);
+  if (!steps.empty()) solver->record_input(recorder, input);
+  for (const Solver::Step& step : steps) solver->record_step(recorder, step);
+  recorder.finish();
+  recorder.barrier(Use::compute, Use::compute | Use::vertex | Use::transfer);
+  const VkBufferCopy region{0, 0, sizeof(gpu::Counters)};
+  device->vk().vkCmdCopyBuffer(commands, solver->buffer(gpu::counters).handle, readback[0].handle, 1, &region);
+  recorder.barrier(Use::transfer, Use::host | Use::transfer);
+}
+
+Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits) {
+  FrameSlot& slot = slots[submitted % slots.size()];
+  if (slot.value > 0)
+    if (auto done = compute::wait_for(*device, ready.get(), slot.value); !done) return done;
+  compute::Timestamps* timestamps = options.timings && slot.timestamps.supported() ? &slot.timestamps : nullptr;
+  if (timestamps != nullptr) timestamps->rewind();
+  const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT, nullptr};
+  if (const VkResult began = device->vk().vkBeginCommandBuffer(slot.commands, &begin); began != VK_SUCCESS)
+    return fail("a frame's command buffer could not be begun (VkResult ", began, ")");
+  record_frame(slot.commands, input, timestamps);
+  if (const VkResult ended = device->vk().vkEndCommandBuffer(slot.commands); ended != VK_SUCCESS)
+    return fail("a frame's command buffer could not be ended (VkResult ", ended, ")");
+  if (timestamps != nullptr) timestamps->reset();
+  slot.value = ++submitted;
+  last_timed = timestamps != nullptr ? &slot : nullptr;
+  const VkCommandBufferSubmitInfo commands{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO, nullptr, slot.commands, 0};
+  const VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, ready.get(), slot.value, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
+  const VkSubmitInfo2 work{VK_STRUCTURE_TYPE_SUBMIT_INFO_2, nullptr, 0, static_cast<std::uint32_t>(waits.size()), waits.data(), 1, &commands, 1, &signal};
+  return device->submit(work);
+}
+
+// For devices without timestamps: every dispatch is submitted alone and timed on the CPU, waking and waiting included.
+Result<void> Simulation::State::run_pass_by_pass(const FrameInput& input) {
+  cpu_times.clear();
+  const auto start = Clock::now();
+  const auto steps = solver->frame(input);
+  const auto run = [&](const Solver::Step* step) {
+    return compute::run_once(*device, "weft pass", [&](VkCommandBuffer commands) {
+      compute::Recorder recorder(*device, commands);
+      if (step == nullptr) solver->record_input(recorder, input);
+      else solver->record_step(recorder, *step);
+      recorder.finish();
+    });
+  };
+  if (!steps.empty())
+    if (auto done = run(nullptr); !done) return done;
+  for (const Solver::Step& step : steps) {
+    const auto begun = Clock::now();
+    if (auto done = run(&step); !done) return done;
+    cpu_times.push_back({solver->plan().passes[step.pass].pass->name, milliseconds(start, begun), milliseconds(start, Clock::now())});
+  }
+  return {};
+}
+
+Result<Advance> Simulation::advance(double seconds) {
+  State& s = *state_;
+  FrameInput input;
+  auto advance = s.plan_frame(seconds, input);
+  if (!advance) return advance;
+  if (s.options.timings && timed_on_cpu()) {
+    if (auto done = s.wait(); !done) return done.take_error();
+    if (auto done = s.run_pass_by_pass(input); !done) return done.take_error();
+    input.substeps = 0;   // what is left of the frame: the counters
+  }
+  if (auto done = s.submit_frame(input, {}); !done) return done.take_error();
+  if (auto done = s.wait(); !done) return done.take_error();
+  return advance;
+}
+
+Result<Advance> Simulation::submit(double seconds, std::span<const VkSemaphoreSubmitInfo> waits) {
+  FrameInput input;
+  auto advance = state_->plan_frame(seconds, input);
+  if (!advance) return advance;
+  if (auto done = state_->submit_frame(input, waits); !done) return done.take_error();
+  return advance;
+}
+
+Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) {
+  FrameInput input;
+  auto advance = state_->plan_frame(seconds, input);
+  if (advance) state_->record_frame(commands, input, nullptr);
+  return advance;
+}
+
+bool Simulation::timed_on_cpu() const { return !state_->slots[0].timestamps.supported() && state_->options.timings; }
+
+std::vector<DispatchTime> Simulation::dispatch_times() const {
+  if (timed_on_cpu()) return state_->cpu_times;
+  if (state_->last_timed == nullptr) return {};
+  auto times = state_->last_timed->timestamps.read();
+  if (!times) return {};
+  std::vector<DispatchTime> dispatches;
+  for (const compute::PassTime& time : *times) dispatches.push_back({state_->last_timed->timestamps.names()[time.name], time.begin_ms, time.end_ms});
+  return dispatches;
+}
+
+std::vector<PassTiming> Simulation::timings() const {
+  std::vector<PassTiming> timings;
+  for (const DispatchTime& time : dispatch_times()) {
+    auto at = std::find_if(timings.begin(), timings.end(), [&](const PassTiming& t) { return t.name == time.name; });
+    if (at == timings.end()) at = timings.insert(at, {time.name, 0, 0, time.begin_ms});
+    ++at->dispatches;
+    at->milliseconds += time.end_ms - time.begin_ms;
+  }
+  return timings;
+}
+
+double Simulation::gpu_milliseconds() const {
+  const auto times = dispatch_times();
+  return times.empty() ? 0 : times.back().end_ms - times.front().begin_ms;
+}
+
+}  // namespace weft

@@ -1,0 +1,75 @@
+// Reading and writing the state from outside.
+#include "engine/simulation_state.h"
+
+#include <algorithm>
+
+namespace weft {
+
+Result<void> Simulation::State::wait() const {
+  return submitted == 0 ? Result<void>() : compute::wait_for(*device, ready.get(), submitted);
+}
+
+// The surface of the pose at hand, outside a frame.
+Result<void> Simulation::State::draw_surface() {
+  if (auto done = wait(); !done) return done;
+  return compute::run_once(*device, "weft surface", [&](VkCommandBuffer commands) {
+    compute::Recorder recorder(*device, commands);
+    for (const Solver::Step& step : solver->surface()) solver->record_step(recorder, step);
+    recorder.finish();
+  });
+}
+
+Result<std::vector<gpu::vec4>> Simulation::State::read(gpu::Binding binding, std::size_t count) const {
+  if (auto done = wait(); !done) return done.take_error();
+  std::vector<gpu::vec4> values(count);
+  if (auto done = compute::read_back(*device, solver->buffer(binding), std::as_writable_bytes(std::span(values))); !done) return done.take_error();
+  return values;
+}
+
+Result<void> Simulation::State::write(gpu::Binding binding, std::span<const gpu::vec4> values) const {
+  if (values.size() != fabric.positions.size()) return fail(values.size(), " values were given for ", fabric.positions.size(), " particles");
+  if (auto done = wait(); !done) return done;
+  // w belongs to the solver: inverse mass, split mass or material.
+  auto present = read(binding, values.size());
+  if (!present) return present.take_error();
+  for (std::size_t i = 0; i < values.size(); ++i) (*present)[i] = {values[i].x, values[i].y, values[i].z, (*present)[i].w};
+  return compute::upload(*device, solver->buffer(binding), std::as_bytes(std::span(*present)));
+}
+
+Result<std::vector<gpu::vec4>> Simulation::read_positions() const { return state_->read(gpu::positions, state_->fabric.positions.size()); }
+Result<std::vector<gpu::vec4>> Simulation::read_velocities() const { return state_->read(gpu::velocities, state_->fabric.positions.size()); }
+
+Result<void> Simulation::write_positions(std::span<const gpu::vec4> positions) {
+  // Both iterates follow: what a frame does not predict (anchors) it takes from them.
+  for (const gpu::Binding binding : {gpu::positions, gpu::predicted, gpu::relaxed})
+    if (auto done = state_->write(binding, positions); !done) return done;
+  for (gpu::Anchor& anchor : state_->anchors) {
+    const gpu::vec4& p = positions[anchor.particle];
+    anchor.from = anchor.to = {p.x, p.y, p.z};
+  }
+  return state_->draw_surface();
+}
+
+Result<void> Simulation::write_velocities(std::span<const gpu::vec4> velocities) { return state_->write(gpu::velocities, velocities); }
+
+namespace {
+
+Result<std::vector<Vec3>> narrowed(Result<std::vector<gpu::vec4>> wide) {
+  if (!wide) return wide.take_error();
+  std::vector<Vec3> values;
+  values.reserve(wide->size());
+  for (const gpu::vec4& v : *wide) values.push_back({v.x, v.y, v.z});
+  return values;
+}
+
+}  // namespace
+
+Result<std::vector<Vec3>> Simulation::read_vertex_positions() const {
+  return narrowed(state_->read(gpu::vertex_positions, state_->fabric.surface_rows.size()));
+}
+
+Result<std::vector<Vec3>> Simulation::read_vertex_normals() const {
+  return narrowed(state_->read(gpu::vertex_normals, state_->fabric.surface_rows.size()));
+}
+
+}  // namespace weft

@@ -1,0 +1,62 @@
+// What a Simulation holds; shared by simulation*.cpp.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "compute/commands.h"
+#include "engine/simulation.h"
+#include "engine/solver.h"
+
+namespace weft {
+
+/// A frame that Weft itself submits: two take turns.
+struct FrameSlot {
+  VkCommandBuffer commands = VK_NULL_HANDLE;
+  compute::Timestamps timestamps;
+  std::uint64_t value = 0;   // of the ready semaphore when it is done; 0: never submitted
+};
+
+struct Simulation::State {
+  const compute::Device* device = nullptr;
+  Scene scene;
+  SimulationOptions options;
+  std::vector<Mesh> meshes;
+  Fabric fabric;
+  compute::PipelineCache cache;
+  std::optional<Solver> solver;
+  compute::Arena readback;                     // the counters, copied at every frame's end
+  compute::CommandPool pool;
+  std::array<FrameSlot, 2> slots;
+  compute::OwnedSemaphore ready;
+  std::uint64_t submitted = 0;                 // the ready semaphore's last value
+
+  std::uint64_t ticks = 0;                     // substeps so far: the clock
+  double pending = 0;                          // s, less than a substep
+  Vec3 gravity;
+  std::vector<gpu::Anchor> anchors;            // from: where they are; to: where the frame takes them
+  std::vector<std::optional<Vec3>> anchor_wishes;
+  std::vector<bool> anchor_is_led;             // by the host, instead of by keys
+  std::vector<ColliderPose> collider_poses;    // where they are
+  std::vector<double> collider_degrees;
+  std::vector<std::optional<ColliderPose>> collider_wishes;
+  std::vector<bool> collider_is_led;
+  std::vector<gpu::Collider> colliders;        // of the frame at hand
+  bool anchors_are_keyed = false;
+
+  std::vector<DispatchTime> cpu_times;         // on devices without timestamps
+  const FrameSlot* last_timed = nullptr;
+
+  double now() const { return static_cast<double>(ticks) * fabric.h; }
+  Result<Advance> plan_frame(double seconds, FrameInput& input);
+  void move_scene(FrameInput& input);
+  void record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps);
+  Result<void> submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits);
+  Result<void> run_pass_by_pass(const FrameInput& input);
+  Result<void> draw_surface();
+  Result<void> wait() const;
+  Result<std::vector<gpu::vec4>> read(gpu::Binding binding, std::size_t count) const;
+  Result<void> write(gpu::Binding binding, std::span<const gpu::vec4> values) const;
+};
+
+}  // namespace weft
