@@ -27,7 +27,7 @@ uint32_t memory_type(const Device& device, uint32_t allowed) {
 }
 
 VkRenderingAttachmentInfo attachment(const DeviceImage& image, VkImageLayout layout, bool keep) {
-  VkRenderingAttachmentInfo info{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+  auto info = typed<VkRenderingAttachmentInfo>(VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO);
   info.imageView = image.view();
   info.imageLayout = layout;
   info.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
@@ -46,7 +46,7 @@ VkImageAspectFlags DeviceImage::aspect() const {
 Result<DeviceImage> DeviceImage::create(const Device& device, const ImageRequest& request) {
   DeviceImage made;
   made.request_ = request;
-  VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
+  auto info = typed<VkImageCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO);
   info.imageType = VK_IMAGE_TYPE_2D;
   info.format = request.format;
   info.extent = {request.size.width, request.size.height, 1};
@@ -67,7 +67,7 @@ Result<DeviceImage> DeviceImage::create(const Device& device, const ImageRequest
 
   VkMemoryRequirements needs;
   device.vk().vkGetImageMemoryRequirements(device.handle(), image, &needs);
-  VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+  auto allocate = typed<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
   allocate.allocationSize = needs.size;
   allocate.memoryTypeIndex = memory_type(device, needs.memoryTypeBits);
   VkDeviceMemory memory = VK_NULL_HANDLE;
@@ -77,7 +77,7 @@ Result<DeviceImage> DeviceImage::create(const Device& device, const ImageRequest
   device.name_object(VK_OBJECT_TYPE_DEVICE_MEMORY, memory, request.name);
   if (VkResult r = device.vk().vkBindImageMemory(device.handle(), image, memory, 0)) return refused("memory of image", request.name, r);
 
-  VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+  auto view = typed<VkImageViewCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO);
   view.image = image;
   view.viewType = VK_IMAGE_VIEW_TYPE_2D;
   view.format = request.format;
@@ -90,7 +90,7 @@ Result<DeviceImage> DeviceImage::create(const Device& device, const ImageRequest
 }
 
 void change_use(const Device& device, VkCommandBuffer commands, const DeviceImage& image, const ImageUse& from, const ImageUse& to) {
-  VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+  auto barrier = typed<VkImageMemoryBarrier2>(VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2);
   barrier.srcStageMask = from.stages;
   barrier.srcAccessMask = from.access;
   barrier.dstStageMask = to.stages;
@@ -100,7 +100,7 @@ void change_use(const Device& device, VkCommandBuffer commands, const DeviceImag
   barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
   barrier.image = image.handle();
   barrier.subresourceRange = {image.aspect(), 0, image.request().levels, 0, 1};
-  VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  auto dependency = typed<VkDependencyInfo>(VK_STRUCTURE_TYPE_DEPENDENCY_INFO);
   dependency.imageMemoryBarrierCount = 1;
   dependency.pImageMemoryBarriers = &barrier;
   device.vk().vkCmdPipelineBarrier2(commands, &dependency);
@@ -134,7 +134,7 @@ Result<DeviceImage> create_texture(const Device& device, std::string_view name, 
 }
 
 Result<OwnedSampler> create_sampler(const Device& device, std::string_view name, const SamplerRequest& request) {
-  VkSamplerCreateInfo info{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
+  auto info = typed<VkSamplerCreateInfo>(VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO);
   info.magFilter = info.minFilter = request.linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
   info.mipmapMode = request.linear ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST;
   info.addressModeU = info.addressModeV = info.addressModeW =
@@ -152,7 +152,7 @@ Result<DrawSet> DrawSet::create(const Device& device, std::string_view name, con
                                 std::span<const DrawBinding> bindings) {
   std::vector<VkDescriptorPoolSize> sizes;
   for (const DescriptorBinding& binding : layout.bindings()) sizes.push_back({binding.type, 1});
-  VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+  auto info = typed<VkDescriptorPoolCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO);
   info.maxSets = 1;
   info.poolSizeCount = static_cast<uint32_t>(sizes.size());
   info.pPoolSizes = sizes.data();
@@ -163,7 +163,7 @@ Result<DrawSet> DrawSet::create(const Device& device, std::string_view name, con
   device.name_object(VK_OBJECT_TYPE_DESCRIPTOR_POOL, pool, name);
 
   VkDescriptorSetLayout handle = layout.handle();
-  VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+  auto allocate = typed<VkDescriptorSetAllocateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO);
   allocate.descriptorPool = pool;
   allocate.descriptorSetCount = 1;
   allocate.pSetLayouts = &handle;
@@ -172,7 +172,7 @@ Result<DrawSet> DrawSet::create(const Device& device, std::string_view name, con
 
   std::vector<VkWriteDescriptorSet> writes;
   for (const DrawBinding& bound : bindings) {
-    VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+    auto write = typed<VkWriteDescriptorSet>(VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET);
     write.descriptorType = VK_DESCRIPTOR_TYPE_MAX_ENUM;
     for (const DescriptorBinding& binding : layout.bindings())
       if (binding.binding == bound.binding) write.descriptorType = binding.type;
@@ -199,24 +199,24 @@ Result<OwnedPipeline> create_draw_pipeline(const Device& device, const DrawPipel
     if (!module) return module.take_error();
     fragment = std::move(*module);
   }
-  VkPipelineShaderStageCreateInfo stages[2] = {{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO},
-                                               {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO}};
+  VkPipelineShaderStageCreateInfo stages[2] = {typed<VkPipelineShaderStageCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO),
+                                               typed<VkPipelineShaderStageCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO)};
   stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT;
   stages[0].module = vertex->get();
   stages[1].stage = VK_SHADER_STAGE_FRAGMENT_BIT;
   stages[1].module = fragment.get();
   stages[0].pName = stages[1].pName = "main";
 
-  VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+  auto input = typed<VkPipelineVertexInputStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO);
   input.vertexBindingDescriptionCount = static_cast<uint32_t>(request.bindings.size());
   input.pVertexBindingDescriptions = request.bindings.data();
   input.vertexAttributeDescriptionCount = static_cast<uint32_t>(request.attributes.size());
   input.pVertexAttributeDescriptions = request.attributes.data();
-  VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
+  auto assembly = typed<VkPipelineInputAssemblyStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO);
   assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
-  VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
+  auto viewport = typed<VkPipelineViewportStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO);
   viewport.viewportCount = viewport.scissorCount = 1;
-  VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
+  auto raster = typed<VkPipelineRasterizationStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO);
   raster.polygonMode = VK_POLYGON_MODE_FILL;
   raster.cullMode = request.cull;
   raster.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE;
@@ -224,27 +224,27 @@ Result<OwnedPipeline> create_draw_pipeline(const Device& device, const DrawPipel
   raster.depthBiasConstantFactor = request.bias;
   raster.depthBiasSlopeFactor = request.slope_bias;
   raster.lineWidth = 1;
-  VkPipelineMultisampleStateCreateInfo multisample{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
+  auto multisample = typed<VkPipelineMultisampleStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO);
   multisample.rasterizationSamples = request.samples;
-  VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
+  auto depth = typed<VkPipelineDepthStencilStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO);
   depth.depthTestEnable = request.depth != VK_FORMAT_UNDEFINED;
   depth.depthWriteEnable = request.depth_write;
   depth.depthCompareOp = request.compare;
   VkPipelineColorBlendAttachmentState all{};
   all.colorWriteMask = 0xf;
-  VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
+  auto blend = typed<VkPipelineColorBlendStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO);
   blend.attachmentCount = request.colour == VK_FORMAT_UNDEFINED ? 0 : 1;
   blend.pAttachments = &all;
   const VkDynamicState set_later[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-  VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
+  auto dynamic = typed<VkPipelineDynamicStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO);
   dynamic.dynamicStateCount = 2;
   dynamic.pDynamicStates = set_later;
-  VkPipelineRenderingCreateInfo rendering{VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO};
+  auto rendering = typed<VkPipelineRenderingCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO);
   rendering.colorAttachmentCount = blend.attachmentCount;
   rendering.pColorAttachmentFormats = &request.colour;
   rendering.depthAttachmentFormat = request.depth;
 
-  VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
+  auto info = typed<VkGraphicsPipelineCreateInfo>(VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO);
   info.pNext = &rendering;
   info.stageCount = fragment ? 2 : 1;
   info.pStages = stages;
@@ -268,7 +268,7 @@ void begin_drawing(const Device& device, VkCommandBuffer commands, const DrawTar
   assert(targets.colour || targets.depth);
   const VkExtent2D size = (targets.colour ? targets.colour : targets.depth)->request().size;
   VkRenderingAttachmentInfo colour{}, depth{};
-  VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
+  auto info = typed<VkRenderingInfo>(VK_STRUCTURE_TYPE_RENDERING_INFO);
   info.renderArea = {{0, 0}, size};
   info.layerCount = 1;
   if (targets.colour) {

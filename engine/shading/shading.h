@@ -5,8 +5,8 @@
 // bitwise the same each time it is drawn on one device.
 //
 // Limitations: no reflections of one thing in another; ambient occlusion is found in screen space, so what is outside the
-// picture occludes nothing; the shadow map covers the picture's surroundings or the scene, whichever is smaller.
-// A plane is drawn from the side its normal points to only.
+// picture occludes nothing; the shadow map covers the cloths' rest places and the colliders with a margin, so what is
+// thrown far out of there casts no shadow. A plane is drawn from the side its normal points to only, and casts none.
 #pragma once
 
 #include <memory>
@@ -49,6 +49,9 @@ class Shading {
   ~Shading();
   Shading(const Shading&) = delete;
   Shading& operator=(const Shading&) = delete;
+
+  /// Pictures from now on are taken from here.
+  void look_from(const Camera& camera);
 
   /// Draws, waits and reads back: sRGB, opaque.
   /// Errors: views of a foreign format or too short, colliders that do not match the scene's, a lost device.

@@ -27,30 +27,38 @@ vec2 disc_point(int i, int count) {
 }
 
 // The share of the sun that reaches a point: 0 ... 1. First the mean distance to what stands in the way, which says how wide
-// the penumbra is, then that many comparisons. The point is moved off its surface, so that it does not shadow itself.
-float sun_share(vec3 position, vec3 towards_light) {
+// the penumbra is, then that many comparisons. `side` is the surface's normal on the sun's side: the point moves a little off
+// its surface, and taps beside it are compared with the surface's own plane, so that nothing shadows itself.
+float sun_share(vec3 position, vec3 side) {
   const int kSearch = 8, kTaps = 20;
   const float kNarrow = 1.6, kWide = 7.0;  // texels: below, steps show; above, single taps show
   const float kSun = 0.035;                // m of penumbra a metre of distance: a sun behind thin haze
-  vec4 clip = frame.sun * vec4(position + 1.5 * frame.sun_texel * (towards_light + frame.to_sun), 1.0);
-  vec2 uv = 0.5 * clip.xy + 0.5;
-  if (any(greaterThan(abs(clip.xy), vec2(0.999))) || clip.z >= 1.0) return 1.0;
-  vec2 texel = 1.0 / vec2(textureSize(sampler2D(sun_depths, depth_sampler), 0));
+  const float kSteepest = 4.0;             // m of depth a metre across; what is steeper gets next to no light anyway
+  vec4 clip = frame.sun * vec4(position + frame.sun_texel * (1.5 * side + frame.to_sun), 1.0);
+  if (any(greaterThan(abs(clip.xy), vec2(0.99)))) return 1.0;
+  float texels = float(textureSize(sampler2D(sun_depths, depth_sampler), 0).x);
+  vec3 at = vec3(0.5 * texels * (clip.xy + 1.0), min(clip.z, 1.0));
+  // How deep the surface's plane gets a texel to the right and a texel down. Both rows have the length 2 / (texels sun_texel).
+  vec3 right = vec3(frame.sun[0][0], frame.sun[1][0], frame.sun[2][0]), down = vec3(frame.sun[0][1], frame.sun[1][1], frame.sun[2][1]);
+  vec2 across = vec2(dot(side, right), dot(side, down)) * (0.5 * texels * frame.sun_texel);
+  vec2 slope = across / max(dot(side, frame.to_sun), 1e-3);
+  slope *= min(1.0, kSteepest / max(length(slope), 1e-6)) * frame.sun_texel / frame.sun_depth;
+
   float sum = 0.0, found = 0.0;
   for (int i = 0; i < kSearch; ++i) {
-    float depth = texture(sampler2D(sun_depths, depth_sampler), uv + kWide * texel * disc_point(i, kSearch)).r;
-    if (depth < clip.z) {
-      sum += clip.z - depth;
+    vec2 beside = kWide * disc_point(i, kSearch);
+    float nearer = at.z + dot(slope, beside) - texture(sampler2D(sun_depths, depth_sampler), (at.xy + beside) / texels).r;
+    if (nearer > 0.0) {
+      sum += nearer;
       found += 1.0;
     }
   }
   if (found == 0.0) return 1.0;
-  float distance = sum / found * frame.sun_depth;
-  float radius = clamp(kSun * distance / frame.sun_texel, kNarrow, kWide);
+  float radius = clamp(kSun * sum / found * frame.sun_depth / frame.sun_texel, kNarrow, kWide);
   float lit = 0.0;
   for (int i = 0; i < kTaps; ++i) {
-    vec2 at = uv + radius * texel * disc_point(i, kTaps);
-    lit += texture(sampler2DShadow(sun_depths, compare_sampler), vec3(at, clip.z));
+    vec2 beside = radius * disc_point(i, kTaps);
+    lit += texture(sampler2DShadow(sun_depths, compare_sampler), vec3((at.xy + beside) / texels, at.z + dot(slope, beside)));
   }
   return lit / float(kTaps);
 }

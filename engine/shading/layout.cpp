@@ -1,0 +1,101 @@
+#include "engine/shading/layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace weft::shading {
+namespace {
+
+struct Box {
+  Vec3 low{std::numeric_limits<float>::max(), std::numeric_limits<float>::max(), std::numeric_limits<float>::max()};
+  Vec3 high = -1.0f * low;
+
+  void add(Vec3 p) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+};
+
+// What hangs from a moving anchor goes with it.
+void add_moved(Box& box, const Box& what, std::span<const Key> keys) {
+  for (const Key& key : keys) {
+    box.add(what.low + key.translate);
+    box.add(what.high + key.translate);
+  }
+}
+
+vec4 with_zero(Vec3 v) { return {v.x, v.y, v.z, 0}; }
+
+}  // namespace
+
+Extent extent_of(const Scene& scene, std::span<const std::span<const Vec3>> cloths) {
+  Box box;
+  for (std::size_t i = 0; i < cloths.size(); ++i) {
+    Box cloth;
+    for (Vec3 p : cloths[i]) cloth.add(p);
+    box.add(cloth.low);
+    box.add(cloth.high);
+    if (i < scene.cloths.size())
+      for (const Anchor& anchor : scene.cloths[i].anchors) add_moved(box, cloth, anchor.keys);
+  }
+  for (const Collider& collider : scene.colliders) {
+    if (collider.shape != ColliderShape::sphere) continue;
+    const auto r = static_cast<float>(collider.radius);
+    const Box sphere{collider.centre - Vec3{r, r, r}, collider.centre + Vec3{r, r, r}};
+    box.add(sphere.low);
+    box.add(sphere.high);
+    add_moved(box, sphere, collider.keys);
+  }
+  for (const Collider& collider : scene.colliders)
+    if (collider.shape == ColliderShape::plane && collider.normal.y > 0.7f) box.low.y = std::min(box.low.y, collider.centre.y);
+  const Vec3 size = box.high - box.low;
+  // Cloth swings out of its rest place.
+  return {0.5f * (box.low + box.high), std::max(0.6f * length(size), 1e-3f)};
+}
+
+float tile_size(float radius) {
+  const float wanted = 0.25f * radius, power = std::pow(10.0f, std::floor(std::log10(wanted)));
+  for (float step : {1.0f, 2.0f, 5.0f})
+    if (wanted <= 1.5f * step * power) return step * power;
+  return 10 * power;
+}
+
+Solid solid_of(const Collider& collider, const ColliderPose& pose, const Frame& frame, Vec3 target, float tile) {
+  Solid solid{};
+  solid.colour = collider.colour;
+  if (collider.shape == ColliderShape::sphere) {
+    const auto r = static_cast<float>(collider.radius);
+    solid.shape = WEFT_SHAPE_SPHERE;
+    solid.axis_x = {r, 0, 0, 0};
+    solid.axis_y = {0, r, 0, 0};
+    solid.axis_z = {0, 0, r, 0};
+    solid.centre = with_zero(pose.centre);
+    solid.roughness = 0.45f;
+    return solid;
+  }
+  const Vec3 normal = (1 / length(pose.normal)) * pose.normal;
+  const Vec3 across = cross(normal, std::abs(normal.z) > 0.9f ? Vec3{0, 1, 0} : Vec3{0, 0, 1});
+  const Vec3 x = (1 / length(across)) * across, z = cross(x, normal);
+  // The quad lies where the camera looks, a whole number of pattern periods from the plane's own point: so the pattern
+  // moves with the plane and not with the camera.
+  const float period = 2 * tile;
+  const Vec3 away = target - pose.centre;
+  const Vec3 centre = pose.centre + std::round(dot(away, x) / period) * period * x + std::round(dot(away, z) / period) * period * z;
+  // Beyond three times `fade` nothing but horizon is left of it.
+  const float half = std::ceil((3 * frame.fade + length(target - frame.eye)) / period) * period;
+  solid.shape = WEFT_SHAPE_PLANE;
+  solid.axis_x = with_zero(half * x);
+  solid.axis_y = with_zero(normal);
+  solid.axis_z = with_zero(half * z);
+  solid.centre = with_zero(centre);
+  solid.roughness = 0.8f;
+  solid.cell = tile;
+  return solid;
+}
+
+std::uint32_t vertex_count(const Solid& solid) {
+  return solid.shape == WEFT_SHAPE_SPHERE ? 6 * WEFT_SPHERE_SLICES * WEFT_SPHERE_STACKS : 6;
+}
+
+}  // namespace weft::shading

@@ -1,0 +1,226 @@
+#include "engine/shading/shading.h"
+
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "engine/shading/sky.h"
+#include "engine/shading/state.h"
+
+namespace weft {
+namespace {
+
+template <class T>
+std::span<const std::byte> bytes_of(const std::vector<T>& values) {
+  return std::as_bytes(std::span(values));
+}
+
+// One vertex view of a frame must be what the pipelines were made for.
+Result<void> check(const FrameView& view, const char* name, std::uint32_t vertices) {
+  if (view.buffer == VK_NULL_HANDLE) return fail("the frame's ", name, " have no buffer");
+  if (view.format != VK_FORMAT_R32G32B32A32_SFLOAT || view.stride != 16)
+    return fail("the frame's ", name, " have format ", static_cast<int>(view.format), " and a stride of ", view.stride,
+                " bytes; drawn are RGBA32F (", static_cast<int>(VK_FORMAT_R32G32B32A32_SFLOAT), ") with a stride of 16");
+  if (view.count < vertices) return fail("the frame has ", view.count, " ", name, ", but the cloths have ", vertices, " vertices");
+  return {};
+}
+
+Vec3 floor_colour(const Scene& scene) {
+  for (const Collider& collider : scene.colliders)
+    if (collider.shape == ColliderShape::plane && collider.normal.y > 0.7f) return collider.colour;
+  return {0.3f, 0.3f, 0.3f};
+}
+
+}  // namespace
+
+Shading::State::~State() {
+  // A draw that failed while waiting may still be on the GPU.
+  if (in_flight) (void)compute::wait_for(*device, fence.get());
+}
+
+Shading::Shading() = default;
+Shading::~Shading() = default;
+
+Result<void> Shading::State::create_targets() {
+  const compute::BufferRequest block{"shading frame", sizeof(shading::Frame), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT};
+  auto uploaded = compute::Arena::create(*device, compute::Memory::upload, "shading frame", {&block, 1});
+  if (!uploaded) return uploaded.take_error();
+  upload = std::move(*uploaded);
+
+  const compute::BufferRequest pixels{"shading picture", VkDeviceSize{4} * size.width * size.height, VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+  auto read = compute::Arena::create(*device, compute::Memory::readback, "shading picture", {&pixels, 1});
+  if (!read) return read.take_error();
+  readback = std::move(*read);
+
+  auto made = shading::Targets::create(*device, size);
+  if (!made) return made.take_error();
+  targets = std::move(*made);
+  auto set = shading::FrameSet::create(*device, targets, upload[0]);
+  if (!set) return set.take_error();
+  frame_set = std::move(*set);
+
+  auto commands_from = compute::CommandPool::create(*device, "shading");
+  if (!commands_from) return commands_from.take_error();
+  pool = std::move(*commands_from);
+  auto buffer = pool.allocate("shading");
+  if (!buffer) return buffer.take_error();
+  commands = *buffer;
+  auto signal = compute::create_fence(*device, "shading");
+  if (!signal) return signal.take_error();
+  fence = std::move(*signal);
+  return {};
+}
+
+Result<void> Shading::State::create_cloths(const Scene& scene, std::span<const ShadedCloth> shaded) {
+  auto sampler = compute::create_sampler(*device, "map sampler", {.linear = true, .repeat = true});
+  if (!sampler) return sampler.take_error();
+  map_sampler = std::move(*sampler);
+  constexpr VkDescriptorType kMap = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+  const std::array bindings = {compute::DescriptorBinding{0, kMap}, compute::DescriptorBinding{1, kMap},
+                               compute::DescriptorBinding{2, kMap}, compute::DescriptorBinding{3, kMap}};
+  auto layout = compute::DescriptorLayout::create(*device, "cloth maps", bindings, VK_SHADER_STAGE_FRAGMENT_BIT);
+  if (!layout) return layout.take_error();
+  map_layout = std::move(*layout);
+
+  std::vector<Vec2> uvs;
+  std::vector<Triangle> triangles;
+  for (std::size_t i = 0; i < shaded.size(); ++i) {
+    const RenderMesh& mesh = *shaded[i].mesh;
+    const Appearance& look = *shaded[i].appearance;
+    const std::string name = i < scene.cloths.size() ? scene.cloths[i].name : "cloth " + std::to_string(i);
+    if (mesh.triangles.empty()) return fail("cloth \"", name, "\" has no triangle to draw");
+    for (const Triangle& triangle : mesh.triangles)
+      for (std::uint32_t vertex : triangle)
+        if (vertex >= mesh.positions.size())
+          return fail("a triangle of cloth \"", name, "\" refers to vertex ", vertex, ", but there are ", mesh.positions.size());
+
+    DrawnCloth drawn;
+    drawn.first_vertex = vertices;
+    drawn.first_index = static_cast<std::uint32_t>(3 * triangles.size());
+    drawn.index_count = static_cast<std::uint32_t>(3 * mesh.triangles.size());
+    drawn.push = {look.base_colour, static_cast<float>(look.roughness_factor), look.repeat, static_cast<float>(look.metallic),
+                  static_cast<float>(shaded[i].transmission), WEFT_VIEW_CAMERA};
+    vertices += static_cast<std::uint32_t>(mesh.positions.size());
+    uvs.insert(uvs.end(), mesh.uvs.begin(), mesh.uvs.end());
+    uvs.resize(vertices);  // a mesh without texture coordinates has zeros
+    triangles.insert(triangles.end(), mesh.triangles.begin(), mesh.triangles.end());
+
+    const struct {
+      const std::string& file;
+      shading::Content content;
+      std::array<std::uint8_t, 4> fallback;
+    } maps[] = {
+        {look.albedo, shading::Content::colour, {255, 255, 255, 255}},
+        {look.normal, shading::Content::data, {128, 128, 255, 255}},
+        {look.roughness, shading::Content::data, {255, 255, 255, 255}},
+        {look.occlusion, shading::Content::data, {255, 255, 255, 255}},
+    };
+    std::vector<compute::DrawBinding> bound;
+    for (const auto& [file, content, fallback] : maps) {
+      auto texture = textures.load(file.empty() ? std::filesystem::path() : scene.folder / file, content, fallback);
+      if (!texture) return fail("cloth \"", name, "\": ", texture.error());
+      bound.push_back({static_cast<std::uint32_t>(bound.size()), {}, {map_sampler.get(), (*texture)->view(), compute::kSampled.layout}});
+    }
+    auto set = compute::DrawSet::create(*device, "maps of " + name, map_layout, bound);
+    if (!set) return set.take_error();
+    drawn.maps = std::move(*set);
+    cloths.push_back(std::move(drawn));
+  }
+
+  const std::array requests = {
+      compute::BufferRequest{"shading uvs", uvs.size() * sizeof(Vec2), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT},
+      compute::BufferRequest{"shading indices", triangles.size() * sizeof(Triangle),
+                             VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT},
+  };
+  auto arena = compute::Arena::create(*device, compute::Memory::device, "shading geometry", requests);
+  if (!arena) return arena.take_error();
+  geometry = std::move(*arena);
+  if (cloths.empty()) return {};
+  const std::array uploads = {compute::Upload{&geometry[0], bytes_of(uvs)}, compute::Upload{&geometry[1], bytes_of(triangles)}};
+  return compute::upload_all(*device, uploads);
+}
+
+Result<std::unique_ptr<Shading>> Shading::create(compute::Device& device, const Scene& scene, std::span<const ShadedCloth> cloths,
+                                                 VkExtent2D size) {
+  constexpr std::uint32_t kLargest = 8192;
+  if (size.width < 1 || size.height < 1 || size.width > kLargest || size.height > kLargest)
+    return fail("a picture of ", size.width, " x ", size.height, " pixels is outside 1 x 1 ... ", kLargest, " x ", kLargest);
+  if (!device.draws()) return fail("device \"", device.name(), "\" has no queue that draws, or no dynamic rendering");
+  if (length(scene.light.direction) == 0) return fail("the light's direction has no length");
+
+  std::unique_ptr<Shading> made(new Shading);
+  made->state_ = std::make_unique<State>(device);
+  State& state = *made->state_;
+  state.size = size;
+  state.colliders = scene.colliders;
+  state.solids.reserve(scene.colliders.size());
+
+  std::vector<std::span<const Vec3>> places;
+  for (const ShadedCloth& cloth : cloths) places.emplace_back(cloth.mesh->positions);
+  if (places.empty() && scene.colliders.empty()) return fail("there is neither a cloth nor a collider to draw");
+  const shading::Extent extent = shading::extent_of(scene, places);
+  state.tile = shading::tile_size(extent.radius);
+  shading::set_sky(state.frame, scene.light, floor_colour(scene));
+  shading::set_sun(state.frame, extent, shading::kSunTexels);
+  state.frame.occlusion_radius = 0.15f * extent.radius;
+  state.frame.fade = 6 * (extent.radius + length(scene.camera.target - scene.camera.eye));
+
+  if (auto ready = state.create_targets(); !ready) return ready.take_error();
+  if (auto ready = state.create_cloths(scene, cloths); !ready) return ready.take_error();
+  auto pipelines = shading::Pipelines::create(device, state.frame_set.layout.handle(), state.map_layout.handle());
+  if (!pipelines) return pipelines.take_error();
+  state.pipelines = std::move(*pipelines);
+  made->look_from(scene.camera);
+  return made;
+}
+
+void Shading::look_from(const Camera& camera) {
+  state_->camera = camera;
+  shading::set_camera(state_->frame, camera, state_->size.width, state_->size.height);
+}
+
+Result<Image> Shading::draw(const Poses& poses) {
+  State& state = *state_;
+  if (state.vertices > 0) {
+    if (auto good = check(poses.positions, "positions", state.vertices); !good) return good.take_error();
+    if (auto good = check(poses.normals, "normals", state.vertices); !good) return good.take_error();
+  }
+  if (poses.colliders.size() != state.colliders.size())
+    return fail("the frame has ", poses.colliders.size(), " collider poses, but the scene has ", state.colliders.size(), " colliders");
+  if (state.in_flight) {
+    if (auto done = compute::wait_for(*state.device, state.fence.get()); !done) return done.take_error();
+    state.in_flight = false;
+  }
+
+  std::memcpy(state.upload[0].mapped, &state.frame, sizeof(state.frame));
+  state.solids.clear();
+  for (std::size_t i = 0; i < state.colliders.size(); ++i)
+    state.solids.push_back(shading::solid_of(state.colliders[i], poses.colliders[i], state.frame, state.camera.target, state.tile));
+  state.record(poses);
+
+  const VkFence fence = state.fence.get();
+  if (VkResult r = state.device->vk().vkResetFences(state.device->handle(), 1, &fence))
+    return fail("the shading fence could not be reset: ", compute::result_name(r));
+  auto commands = compute::typed<VkCommandBufferSubmitInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO);
+  commands.commandBuffer = state.commands;
+  auto wait = compute::typed<VkSemaphoreSubmitInfo>(VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO);
+  wait.semaphore = poses.ready;
+  wait.value = poses.ready_value;
+  wait.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  auto submit = compute::typed<VkSubmitInfo2>(VK_STRUCTURE_TYPE_SUBMIT_INFO_2);
+  submit.waitSemaphoreInfoCount = poses.ready == VK_NULL_HANDLE ? 0 : 1;
+  submit.pWaitSemaphoreInfos = &wait;
+  submit.commandBufferInfoCount = 1;
+  submit.pCommandBufferInfos = &commands;
+  if (auto sent = state.device->submit(submit, fence); !sent) return sent.take_error();
+  state.in_flight = true;
+  if (auto done = compute::wait_for(*state.device, fence); !done) return done.take_error();
+  state.in_flight = false;
+
+  Image image{state.size.width, state.size.height, {}};
+  const auto* pixels = reinterpret_cast<const std::uint8_t*>(state.readback[0].mapped);
+  image.rgba.assign(pixels, pixels + std::size_t{4} * image.width * image.height);
+  return image;
+}
+
+}  // namespace weft

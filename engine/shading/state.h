@@ -1,0 +1,62 @@
+// What a Shading holds: made once in create, only recorded from in draw.
+#pragma once
+
+#include <vector>
+
+#include "compute/buffer.h"
+#include "compute/commands.h"
+#include "engine/shading/layout.h"
+#include "engine/shading/pipelines.h"
+#include "engine/shading/shading.h"
+#include "engine/shading/targets.h"
+#include "engine/shading/textures.h"
+
+namespace weft {
+
+struct Shading::State {
+  explicit State(compute::Device& on) : device(&on), textures(on) {}
+  ~State();
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  /// One cloth's share of the vertex and index buffers, and its four maps.
+  struct DrawnCloth {
+    std::uint32_t first_vertex = 0, first_index = 0, index_count = 0;
+    shading::Cloth push;
+    compute::DrawSet maps;
+  };
+
+  compute::Device* device;
+  VkExtent2D size{};
+  Camera camera;
+  std::vector<Collider> colliders;
+  shading::Frame frame{};
+  float tile = 1;
+  std::uint32_t vertices = 0;
+
+  compute::Arena upload;    // the frame block
+  compute::Arena readback;  // the picture
+  compute::Arena geometry;  // texture coordinates, indices
+  shading::Targets targets;
+  shading::FrameSet frame_set;
+  compute::OwnedSampler map_sampler;
+  compute::DescriptorLayout map_layout;
+  shading::Textures textures;
+  shading::Pipelines pipelines;
+  std::vector<DrawnCloth> cloths;
+  std::vector<shading::Solid> solids;  // of the frame that is being drawn
+  compute::CommandPool pool;
+  VkCommandBuffer commands = VK_NULL_HANDLE;
+  compute::OwnedFence fence;
+  bool in_flight = false;
+
+  Result<void> create_targets();
+  Result<void> create_cloths(const Scene& scene, std::span<const ShadedCloth> shaded);
+
+  void record(const Poses& poses);
+  void record_cloths(const Poses& poses, VkPipeline pipeline, std::uint32_t view);
+  void record_solids(VkPipeline pipeline, std::uint32_t view);
+  void record_screen(const compute::DeviceImage& target, VkPipeline pipeline);
+};
+
+}  // namespace weft
