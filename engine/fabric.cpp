@@ -50,7 +50,7 @@ class Cook {
     return {};
   }
 
-  Result<Fabric> finish() {
+  Result<CookedFabric> finish() {
     lay_out_links();
     if (!fabric_.bends.empty()) lay_out_bends();
     lay_out_tethers();
@@ -215,7 +215,7 @@ class Cook {
 
   const Scene& scene_;
   double inverse_h2_;
-  Fabric fabric_;
+  CookedFabric fabric_;
   std::vector<std::uint32_t> particle_of_;             // of the cloth at hand: point -> particle
   std::vector<std::vector<gpu::Tether>> tethers_;
 };
@@ -258,7 +258,7 @@ Result<std::vector<Mesh>> make_meshes(const Scene& scene) {
   return meshes;
 }
 
-Result<Fabric> cook(const Scene& scene, std::span<const Mesh> meshes) {
+Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) {
   if (meshes.size() != scene.cloths.size()) return fail("the scene has ", scene.cloths.size(), " cloths but ", meshes.size(), " meshes were given");
   if (meshes.empty()) return fail("the scene has no cloth");
   Cook cook(scene);

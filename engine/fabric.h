@@ -46,7 +46,7 @@ struct PairRows {
   std::vector<gpu::uvec4> pairs;
 };
 
-struct Fabric {
+struct CookedFabric {
   std::vector<ClothRange> cloths;
   std::vector<gpu::vec4> positions;          // particles: xyz (m), w inverse mass (1/kg), 0 for anchors
   std::vector<gpu::vec4> velocities;         // particles: xyz (m/s), w the cloth's index as bits
@@ -76,9 +76,9 @@ Result<std::vector<Mesh>> make_meshes(const Scene& scene);
 
 /// Errors: no particle, more than WEFT_MAX_PARTICLES, an anchor that chooses nothing or a vertex the mesh does not have,
 /// mass or a coefficient that is not finite. `meshes` has one entry a cloth.
-Result<Fabric> cook(const Scene& scene, std::span<const Mesh> meshes);
+Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes);
 
-/// Where every anchor should be at a time, in Fabric::anchors' order, by the scene's keys.
-std::vector<Vec3> anchor_targets(const Scene& scene, const Fabric& fabric, double time);
+/// Where every anchor should be at a time, in CookedFabric::anchors' order, by the scene's keys.
+std::vector<Vec3> anchor_targets(const Scene& scene, const CookedFabric& fabric, double time);
 
 }  // namespace weft

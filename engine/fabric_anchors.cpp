@@ -83,7 +83,7 @@ Result<std::vector<AnchorChoice>> choose_anchors(const Cloth& cloth, const Mesh&
 
 }  // namespace cooking
 
-std::vector<Vec3> anchor_targets(const Scene& scene, const Fabric& fabric, double time) {
+std::vector<Vec3> anchor_targets(const Scene& scene, const CookedFabric& fabric, double time) {
   // What an entry holds turns about the centre of its points.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<Eigen::Vector3d, int>> centres;
   for (const AnchorTarget& anchor : fabric.anchors) {

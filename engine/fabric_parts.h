@@ -1,7 +1,7 @@
 // What the files of the cook (fabric*.cpp) share; not part of the public API.
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <span>
 #include <utility>

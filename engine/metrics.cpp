@@ -20,7 +20,7 @@ double strain_of(const StretchLink& link, std::span<const gpu::vec4> x) {
 
 }  // namespace
 
-Strain measure_strain(const Fabric& fabric, std::span<const gpu::vec4> positions) {
+Strain measure_strain(const CookedFabric& fabric, std::span<const gpu::vec4> positions) {
   Strain strain;
   std::size_t count = 0;
   for (const StretchLink& link : fabric.links) {
@@ -37,7 +37,7 @@ Strain measure_strain(const Fabric& fabric, std::span<const gpu::vec4> positions
   return strain;
 }
 
-std::vector<float> vertex_strain(const Fabric& fabric, std::span<const gpu::vec4> positions) {
+std::vector<float> vertex_strain(const CookedFabric& fabric, std::span<const gpu::vec4> positions) {
   std::vector<float> of_particle(positions.size());
   for (const StretchLink& link : fabric.links) {
     if (link.only_pulls) continue;

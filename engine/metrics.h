@@ -13,9 +13,9 @@ namespace weft {
 struct Strain {
   double mean = 0, rms = 0, max = 0;
 };
-Strain measure_strain(const Fabric& fabric, std::span<const gpu::vec4> positions);
+Strain measure_strain(const CookedFabric& fabric, std::span<const gpu::vec4> positions);
 /// The largest strain of a link at each render vertex.
-std::vector<float> vertex_strain(const Fabric& fabric, std::span<const gpu::vec4> positions);
+std::vector<float> vertex_strain(const CookedFabric& fabric, std::span<const gpu::vec4> positions);
 /// 64 bits over the bits of all xyz (FNV-1a): equal hashes, equal results.
 std::uint64_t position_hash(std::span<const gpu::vec4> positions);
 

@@ -12,18 +12,18 @@ using namespace feature;
 // All that C++ says about passes. What a pass touches stands in its shader alone.
 constexpr Pass kPasses[] = {
     // name                  shader                      stage                 one thread per     only with                    not with                    relaxes
-    {"predict",              "predict",                  Stage::frame_begin,   Domain::particles, kNone,                       kNone,                      false},
-    {"anchor",               "anchor",                   Stage::substep_begin, Domain::anchors,   kAnchors,                    kNone,                      false},
-    {"stretch",              "stretch",                  Stage::iteration,     Domain::particles, kNone,                       kIterated,                  true},
-    {"stretch",              "stretch_iterated",         Stage::iteration,     Domain::particles, kIterated,                   kNone,                      true},
+    {"predict",              "predict",                  Stage::frame_begin,   Domain::particles, kPlain,                       kPlain,                     false},
+    {"anchor",               "anchor",                   Stage::substep_begin, Domain::anchors,   kAnchors,                    kPlain,                     false},
+    {"stretch",              "stretch",                  Stage::iteration,     Domain::particles, kPlain,                       kIterated,                  true},
+    {"stretch",              "stretch_iterated",         Stage::iteration,     Domain::particles, kIterated,                   kPlain,                      true},
     {"bend",                 "bend",                     Stage::iteration,     Domain::particles, kBending,                    kIterated,                  true},
-    {"bend_lambda",          "bend_lambda",              Stage::iteration,     Domain::bends,     kBending | kIterated,        kNone,                      false},
-    {"bend_gather",          "bend_gather",              Stage::iteration,     Domain::particles, kBending | kIterated,        kNone,                      true},
-    {"settle",               "settle",                   Stage::iteration,     Domain::particles, kNone,                       kTethers | kColliders,      false},
+    {"bend_lambda",          "bend_lambda",              Stage::iteration,     Domain::bends,     kBending | kIterated,        kPlain,                     false},
+    {"bend_gather",          "bend_gather",              Stage::iteration,     Domain::particles, kBending | kIterated,        kPlain,                      true},
+    {"settle",               "settle",                   Stage::iteration,     Domain::particles, kPlain,                       kTethers | kColliders,      false},
     {"tether+settle",        "settle_tethers",           Stage::iteration,     Domain::particles, kTethers,                    kColliders,                 false},
     {"collide+settle",       "settle_colliders",         Stage::iteration,     Domain::particles, kColliders,                  kTethers,                   false},
-    {"tether+collide+settle","settle_tethers_colliders", Stage::iteration,     Domain::particles, kTethers | kColliders,       kNone,                      false},
-    {"surface",              "surface",                  Stage::frame_end,     Domain::vertices,  kNone,                       kNone,                      false},
+    {"tether+collide+settle","settle_tethers_colliders", Stage::iteration,     Domain::particles, kTethers | kColliders,       kPlain,                     false},
+    {"surface",              "surface",                  Stage::frame_end,     Domain::vertices,  kPlain,                       kPlain,                     false},
 };
 
 std::span<const std::uint32_t> shader_of(const Pass& pass, bool gather_storage) {
@@ -36,8 +36,8 @@ std::span<const std::uint32_t> shader_of(const Pass& pass, bool gather_storage) 
 
 std::span<const Pass> all_passes() { return kPasses; }
 
-std::uint32_t features_of(const Scene& scene, const Fabric& fabric) {
-  std::uint32_t features = kNone;
+std::uint32_t features_of(const Scene& scene, const CookedFabric& fabric) {
+  std::uint32_t features = kPlain;
   if (!fabric.anchors.empty()) features |= kAnchors;
   if (!fabric.bends.empty()) features |= kBending;
   if (!fabric.tethers.empty()) features |= kTethers;
@@ -68,7 +68,7 @@ Result<Plan> make_plan(std::uint32_t features, bool gather_storage) {
   return plan;
 }
 
-std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const Fabric& fabric) {
+std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const CookedFabric& fabric) {
   const std::uint64_t particles = fabric.positions.size(), vertices = fabric.surface_rows.size();
   const std::uint64_t stretch_pairs = fabric.stretch.pairs.size(), bends = fabric.bends.size();
   const std::uint64_t counts[] = {particles, particles, particles, particles, particles, stretch_pairs, stretch_pairs, particles,
@@ -87,7 +87,7 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
   return needs;
 }
 
-std::uint32_t domain_size(Domain domain, const Fabric& fabric) {
+std::uint32_t domain_size(Domain domain, const CookedFabric& fabric) {
   switch (domain) {
     case Domain::particles: return static_cast<std::uint32_t>(fabric.positions.size());
     case Domain::anchors: return static_cast<std::uint32_t>(fabric.anchors.size());

@@ -18,7 +18,7 @@
 namespace weft {
 
 namespace feature {
-inline constexpr std::uint32_t kNone = 0;
+inline constexpr std::uint32_t kPlain = 0;
 inline constexpr std::uint32_t kAnchors = 1;
 inline constexpr std::uint32_t kBending = 2;
 inline constexpr std::uint32_t kTethers = 4;
@@ -43,7 +43,7 @@ struct Pass {
 std::span<const Pass> all_passes();
 
 /// What a cooked scene calls for.
-std::uint32_t features_of(const Scene& scene, const Fabric& fabric);
+std::uint32_t features_of(const Scene& scene, const CookedFabric& fabric);
 
 struct PlannedPass {
   const Pass* pass = nullptr;
@@ -72,9 +72,9 @@ struct BufferNeed {
 };
 
 /// All buffers with the sizes this fabric gives them, in the order of bindings; those the plan does not use are left out.
-std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const Fabric& fabric);
+std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const CookedFabric& fabric);
 
 /// Threads of a domain.
-std::uint32_t domain_size(Domain domain, const Fabric& fabric);
+std::uint32_t domain_size(Domain domain, const CookedFabric& fabric);
 
 }  // namespace weft

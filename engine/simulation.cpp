@@ -135,7 +135,7 @@ double Simulation::time() const { return state_->now(); }
 std::span<const ColliderPose> Simulation::colliders() const { return state_->collider_poses; }
 const Scene& Simulation::scene() const { return state_->scene; }
 const std::vector<Mesh>& Simulation::meshes() const { return state_->meshes; }
-const Fabric& Simulation::fabric() const { return state_->fabric; }
+const CookedFabric& Simulation::fabric() const { return state_->fabric; }
 const compute::Device& Simulation::device() const { return *state_->device; }
 
 std::vector<PassUse> Simulation::passes() const {

@@ -115,7 +115,7 @@ class Simulation {
   FrameView positions() const;
   FrameView normals() const;
 
-  /// Targets for the end of the next frame, in world space, in Fabric::anchors' order from `first` on; they replace the
+  /// Targets for the end of the next frame, in world space, in CookedFabric::anchors' order from `first` on; they replace the
   /// scene's keys for these anchors from now on. Errors: beyond the last anchor; not finite.
   Result<void> move_anchors(std::uint32_t first, std::span<const Vec3> targets);
   /// Pose for the end of the next frame; replaces the scene's keys for this collider. Errors: no such collider; not finite.
@@ -143,13 +143,13 @@ class Simulation {
 
   const Scene& scene() const;
   const std::vector<Mesh>& meshes() const;
-  const Fabric& fabric() const;
+  const CookedFabric& fabric() const;
   const compute::Device& device() const;
 
-  /// Copies particles back (Fabric's order). Waits for the last submitted frame.
+  /// Copies particles back (CookedFabric's order). Waits for the last submitted frame.
   Result<std::vector<gpu::vec4>> read_positions() const;
   Result<std::vector<gpu::vec4>> read_velocities() const;
-  /// Overwrites the state of all particles (Fabric's order; w is ignored): a pose to start from. Waits.
+  /// Overwrites the state of all particles (CookedFabric's order; w is ignored): a pose to start from. Waits.
   Result<void> write_positions(std::span<const gpu::vec4> positions);
   Result<void> write_velocities(std::span<const gpu::vec4> velocities);
   /// What the renderer sees, copied back: positions and normals of all render vertices. Waits.

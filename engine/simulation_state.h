@@ -22,7 +22,7 @@ struct Simulation::State {
   Scene scene;
   SimulationOptions options;
   std::vector<Mesh> meshes;
-  Fabric fabric;
+  CookedFabric fabric;
   compute::PipelineCache cache;
   std::optional<Solver> solver;
   compute::Arena readback;                     // the counters, copied at every frame's end

@@ -21,7 +21,7 @@ std::span<const std::byte> bytes_of(const std::vector<T>& values) {
 
 }  // namespace
 
-Result<Solver> Solver::create(const compute::Device& device, const compute::PipelineCache& cache, const Scene& scene, const Fabric& fabric,
+Result<Solver> Solver::create(const compute::Device& device, const compute::PipelineCache& cache, const Scene& scene, const CookedFabric& fabric,
                               const SolverOptions& options) {
   Solver solver;
   solver.device_ = &device;
@@ -46,7 +46,7 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   return solver;
 }
 
-Result<void> Solver::create_buffers(const compute::Device& device, const Scene& scene, const Fabric& fabric) {
+Result<void> Solver::create_buffers(const compute::Device& device, const Scene& scene, const CookedFabric& fabric) {
   needs_ = buffer_needs(plan_, scene, fabric);
   std::vector<compute::BufferRequest> requests;
   for (const BufferNeed& need : needs_) {

@@ -31,7 +31,7 @@ struct FrameInput {
 
 class Solver {
  public:
-  static Result<Solver> create(const compute::Device& device, const compute::PipelineCache& cache, const Scene& scene, const Fabric& fabric,
+  static Result<Solver> create(const compute::Device& device, const compute::PipelineCache& cache, const Scene& scene, const CookedFabric& fabric,
                                const SolverOptions& options);
 
   /// One dispatch of a frame, in order. record() is the same list without gaps.
@@ -62,7 +62,7 @@ class Solver {
   std::uint32_t workgroup() const { return workgroup_; }
 
  private:
-  Result<void> create_buffers(const compute::Device& device, const Scene& scene, const Fabric& fabric);
+  Result<void> create_buffers(const compute::Device& device, const Scene& scene, const CookedFabric& fabric);
   Result<void> create_pipelines(const compute::Device& device, const compute::PipelineCache& cache);
   void list_stage(Stage stage, const FrameInput& input, gpu::Push push);
   std::uint64_t mask(std::uint64_t bindings, std::uint32_t parity) const;
