@@ -60,7 +60,7 @@ Result<void> write_png(const std::filesystem::path& file, const Image& image) {
 
   // Two programs that write the same picture at once must not share the temporary name.
   auto part = file;
-  part += "." + std::to_string(std::random_device{}()) + ".part";
+  part += std::to_string(std::random_device{}()) + ".part";
   std::error_code code;
   {
     std::ofstream stream(part, std::ios::binary);

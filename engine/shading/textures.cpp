@@ -61,7 +61,7 @@ Result<const compute::DeviceImage*> Textures::load(const std::filesystem::path& 
   // A fallback's name holds its texel: fallbacks differ in colour, not in path.
   std::string name = file.string();
   if (file.empty())
-    for (std::uint8_t value : fallback) name += " " + std::to_string(value);
+    for (std::uint8_t value : fallback) name += std::to_string(value) + " ";
   const auto key = std::pair(name, content);
   if (const auto known = found_.find(key); known != found_.end()) return known->second;
 

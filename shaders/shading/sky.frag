@@ -4,10 +4,10 @@
 #include "sky.glsl"
 #include "tone.glsl"
 
-layout(location = 0) in vec2 in_at;
 layout(location = 0) out vec4 out_colour;
 
 void main() {
-  vec3 ray = normalize(frame.ray_z.xyz + in_at.x * frame.ray_x.xyz + in_at.y * frame.ray_y.xyz);
+  vec2 at = 2.0 * gl_FragCoord.xy * frame.size.zw - 1.0;
+  vec3 ray = normalize(frame.ray_z.xyz + at.x * frame.ray_x.xyz + at.y * frame.ray_y.xyz);
   out_colour = picture(sky_seen(ray), gl_FragCoord.xy);
 }
