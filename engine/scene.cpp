@@ -1,4 +1,4 @@
-// A scene file's way in: bytes, JSON, assignments, values, and all faults at once.
+// A scene file's way in: bytes, JSON, assignments, values, and all faults at once; and its way out.
 #include "engine/scene.h"
 
 #include <fstream>
@@ -6,6 +6,7 @@
 #include "engine/scene_faults.h"
 #include "engine/scene_json.h"
 #include "engine/scene_reader.h"
+#include "engine/scene_writer.h"
 
 namespace weft {
 
@@ -55,6 +56,11 @@ Result<Scene> load_scene(const std::filesystem::path& file, std::span<const Assi
   Result<Scene> scene = parse_scene(*text, file.parent_path(), assignments);
   if (scene && scene->name.empty()) scene->name = file.stem().string();
   return scene;
+}
+
+std::string scene_text(const Scene& scene) {
+  constexpr int kIndent = 2;
+  return SceneWriter::written(scene).dump(kIndent, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
 }
 
 }  // namespace weft

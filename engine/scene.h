@@ -149,6 +149,9 @@ Result<Scene> load_scene(const std::filesystem::path& file, std::span<const Assi
 /// The same from text; `folder` is what relative paths start from.
 Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& folder, std::span<const Assignment> assignments = {});
 
+/// A scene as JSON, every key written out: parse_scene with the same folder reads it back to the same scene.
+std::string scene_text(const Scene& scene);
+
 /// The scene a bare mesh gets: pinned along its top, a floor below, a camera that sees all of it.
 Scene default_scene(const std::filesystem::path& mesh, Vec3 low, Vec3 high);
 

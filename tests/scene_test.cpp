@@ -171,6 +171,29 @@ TEST(SceneFile, its_folder_is_where_its_files_are_and_its_name_is_the_files) {
   EXPECT_EQ(scene->name, "hung");
 }
 
+TEST(SceneText, a_written_scene_reads_back_the_same) {
+  for (const char* text : {kGrid, kFull}) {
+    const Result<Scene> first = parse(text);
+    ASSERT_TRUE(first) << first.error();
+    const std::string written = scene_text(*first);
+    const Result<Scene> second = parse(written);
+    ASSERT_TRUE(second) << second.error();
+    EXPECT_EQ(scene_text(*second), written);
+    EXPECT_EQ(second->cloths[0].fabric, first->cloths[0].fabric);
+    EXPECT_EQ(second->cloths[0].anchors.size(), first->cloths[0].anchors.size());
+    EXPECT_EQ(second->light.colour, first->light.colour);
+  }
+}
+
+TEST(SceneText, a_default_scene_can_be_written_and_read) {
+  const Scene scene = default_scene(Folder::path() / "sheet.glb", {-1, 0, -1}, {1, 2, 1});
+  const Result<Scene> read = parse(scene_text(scene), {{"cloths[0].fabric", "denim"}});
+  ASSERT_TRUE(read) << read.error();
+  EXPECT_EQ(read->cloths[0].fabric, *fabric_preset("denim"));
+  EXPECT_EQ(read->camera.eye, scene.camera.eye);
+  EXPECT_EQ(read->colliders[0].centre, scene.colliders[0].centre);
+}
+
 TEST(SceneFile, cut_short_anywhere_it_is_refused) {
   const std::string_view full = kFull;
   for (std::size_t size = 0; size + 1 < full.size(); ++size) ASSERT_FALSE(parse(full.substr(0, size))) << size;
