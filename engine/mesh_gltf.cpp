@@ -219,6 +219,21 @@ class Stripper {
     return number;
   }
 
+  /// assimp drops triangles with bad indices without a word.
+  void check_indices(const json& accessor, std::uint64_t count, std::uint64_t vertices) {
+    if (count > kMostIndices) return;
+    const json& view = out_["bufferViews"][accessor["bufferView"].get<std::size_t>()];
+    const std::size_t component = accessor["componentType"].get<std::size_t>(), size = component == 5121 ? 1 : component == 5123 ? 2 : 4;
+    const std::size_t start = view["byteOffset"].get<std::size_t>() + accessor["byteOffset"].get<std::size_t>(), step = view.value("byteStride", size);
+    for (std::size_t i = 0; i < count; ++i) {
+      std::uint32_t index = 0;
+      for (std::size_t k = 0; k < size; ++k) index |= std::uint32_t{static_cast<unsigned char>(bytes_[start + i * step + k])} << (8 * k);
+      if (index < vertices) continue;
+      say("index ", i, " is ", index, ", past the last of ", vertices, " vertices");
+      return;
+    }
+  }
+
   void copy_meshes() {
     out_["meshes"] = json::array();
     for (const json& mesh : list(document_, "meshes")) {
@@ -240,10 +255,11 @@ class Stripper {
           copy["attributes"][name] = *accessor;
         }
         indices = vertices;
-        if (primitive.contains("indices")) {
+        if (fault_.empty() && primitive.contains("indices")) {
           const auto accessor = copy_accessor(primitive, "indices", "SCALAR", true, indices);
           if (!accessor) return;
           copy["indices"] = *accessor;
+          check_indices(out_["accessors"][*accessor], indices, vertices);
         }
         vertex_total_ += vertices;
         index_total_ += indices;

@@ -91,7 +91,7 @@ void append(const aiMesh& mesh, const Affine3d& place, Harvest& harvest) {
     Vec3 normal;
     if (mesh.HasNormals()) {
       normal = narrow((side * (cofactors * wide(mesh.mNormals[v]))).normalized());
-      harvest.bad_normals += !parts::finite(normal);
+      harvest.bad_normals += !parts::finite(normal) || normal == Vec3{};
     }
     render.normals.push_back(normal);
     Vec2 uv{missing, missing};
@@ -201,13 +201,13 @@ Result<Mesh> load(const std::filesystem::path& file) {
   Result<Mesh> mesh = weld_mesh(std::move(harvest.render));
   if (!mesh) return fail(file.string(), ": ", mesh.error());
 
-  const auto note = [&](std::size_t count, const char* sentence) {
-    if (count) mesh->mended.insert(mesh->mended.begin(), std::to_string(count) + sentence);
+  const auto note = [&](std::size_t count, const char* one, const char* many, const char* what) {
+    if (count) mesh->mended.insert(mesh->mended.begin(), fail(count, " ", count == 1 ? one : many, what).message);
   };
-  note(harvest.bad_uvs, " texture coordinates were not finite and were projected instead");
-  note(harvest.bad_normals, " normals were not finite or had no direction and were made anew");
-  note(harvest.lines, " lines were left out");
-  note(harvest.points, " points were left out");
+  note(harvest.bad_uvs, "texture coordinate was", "texture coordinates were", " not finite; projected instead");
+  note(harvest.bad_normals, "normal was", "normals were", " not finite or had no direction; made anew");
+  note(harvest.lines, "line was", "lines were", " left out");
+  note(harvest.points, "point was", "points were", " left out");
   return mesh;
 }
 
