@@ -24,7 +24,7 @@ function(weft_reflect_test_kernels target)
   weft_test_kernel(${target} touch_vulkan13 touch.comp vulkan1.3)
 endfunction()
 
-function(weft_device_test_kernels target)
+function(weft_recorder_test_kernels target)
   weft_test_kernel(${target} scale scale.comp vulkan1.2)
   weft_test_kernel(${target} arguments arguments.comp vulkan1.2)
 endfunction()
