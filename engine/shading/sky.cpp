@@ -21,8 +21,8 @@ namespace {
 Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 
 // A clear day with thin haze. Upward faces see about (Z + H / 15): close to 1 in luminance.
-constexpr Vec3 kZenith{0.52f, 0.80f, 1.30f};
-constexpr Vec3 kHorizon{1.75f, 1.95f, 2.10f};
+constexpr Vec3 kZenith{0.60f, 0.84f, 1.22f};
+constexpr Vec3 kHorizon{1.90f, 2.12f, 2.40f};
 
 }  // namespace
 
@@ -49,7 +49,7 @@ void set_sky(Frame& frame, const Light& light, Vec3 floor) {
   store(2, (2.5f * 1 / 4) * m2);
 
   // As an incident-light meter would: white cloth that half faces the sun comes out just below white.
-  constexpr float kKey = 0.85f;
+  constexpr float kKey = 0.6f;
   frame.exposure = kKey / std::max(0.7f * sun + sky, 1e-4f);
 }
 

@@ -33,21 +33,12 @@ vec3 mapped_normal(vec3 n, vec3 map) {
   return normalize(scale * (map.x * u - map.y * v) + map.z * n);
 }
 
-// The triangle's normal, towards the viewer.
-vec3 flat_normal(vec3 fallback) {
-  vec3 n = cross(dFdx(in_position), dFdy(in_position));
-  float size = dot(n, n);
-  if (size < 1e-24) return fallback;
-  n *= inversesqrt(size);
-  return dot(n, frame.eye - in_position) < 0.0 ? -n : n;
-}
-
 void main() {
   Surface s;
   s.position = in_position;
   vec3 smooth_normal = dot(in_normal, in_normal) > 1e-12 ? normalize(in_normal) : vec3(0, 1, 0);
   if (!gl_FrontFacing) smooth_normal = -smooth_normal;
-  s.flat_normal = flat_normal(smooth_normal);
+  s.smooth_normal = smooth_normal;
   vec3 map = 2.0 * texture(normal_map, in_uv).xyz - 1.0;
   s.normal = mapped_normal(smooth_normal, map);
   s.albedo = cloth.colour * texture(albedo_map, in_uv).rgb;

@@ -11,7 +11,7 @@ layout(set = 0, binding = 4) uniform texture2D occlusion_map;
 struct Surface {
   vec3 position;      // m
   vec3 normal;        // unit, towards the viewer
-  vec3 flat_normal;   // unit, the triangle's, towards the viewer
+  vec3 smooth_normal; // the same without a normal map
   vec3 albedo;
   float roughness;
   float metallic;
@@ -30,9 +30,9 @@ vec2 disc_point(int i, int count) {
 // the penumbra is, then that many comparisons. `side` is the surface's normal on the sun's side: the point moves a little off
 // its surface, and taps beside it are compared with the surface's own plane, so that nothing shadows itself.
 float sun_share(vec3 position, vec3 side) {
-  const int kSearch = 8, kTaps = 20;
-  const float kNarrow = 1.6, kWide = 7.0;  // texels: below, steps show; above, single taps show
-  const float kSun = 0.035;                // m of penumbra a metre of distance: a sun behind thin haze
+  const int kSearch = 10, kTaps = 24;
+  const float kNarrow = 1.6, kWide = 9.0;  // texels: below, steps show; above, single taps show
+  const float kSun = 0.05;                 // m of penumbra a metre of distance: a sun behind thin haze
   const float kSteepest = 4.0;             // m of depth a metre across; what is steeper gets next to no light anyway
   vec4 clip = frame.sun * vec4(position + frame.sun_texel * (1.5 * side + frame.to_sun), 1.0);
   if (any(greaterThan(abs(clip.xy), vec2(0.99)))) return 1.0;
@@ -91,11 +91,11 @@ vec3 environment_brdf(vec3 f0, float roughness, float n_v) {
 
 vec3 sun_reflected(Surface s, vec3 view, float n_v, vec3 f0, vec3 matt) {
   float n_l = dot(s.normal, frame.to_sun);
-  float flat_l = dot(s.flat_normal, frame.to_sun);
+  float smooth_l = dot(s.smooth_normal, frame.to_sun);
   // Light from behind shines through a thin cloth, spread evenly.
-  float side = flat_l < 0.0 ? -1.0 : 1.0;
+  float side = smooth_l < 0.0 ? -1.0 : 1.0;
   if (side < 0.0 && s.transmission == 0.0) return vec3(0);
-  float share = sun_share(s.position, side * s.flat_normal);
+  float share = sun_share(s.position, side * s.smooth_normal);
   if (share == 0.0) return vec3(0);
   vec3 through = s.transmission * matt * clamp(-n_l, 0.0, 1.0);
   if (n_l <= 0.0 || side < 0.0) return share * through * frame.sun_light;

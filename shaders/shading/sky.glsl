@@ -24,11 +24,15 @@ vec3 sky_blurred(vec3 d, float roughness) {
   return mix(sharp, sky_diffuse(d), roughness * roughness);
 }
 
-// The sky in the picture: with the glow around the sun, which lights nothing since the sun itself does.
+// The sky in the picture: with the glow around the sun, which lights nothing since the sun itself does, and in the deeper
+// colours that a photograph gives it.
 vec3 sky_seen(vec3 d) {
+  const float kDeeper = 1.9, kBrighter = 1.5;
   float towards = max(dot(d, frame.to_sun), 0.0);
-  float glow = 0.06 * pow(towards, 8.0) + 0.25 * pow(towards, 256.0);
+  float glow = 0.05 * pow(towards, 8.0) + 0.25 * pow(towards, 256.0);
   float up = clamp(d.y, 0.0, 1.0);
   float low = (1.0 - up) * (1.0 - up);
-  return mix(frame.zenith, frame.horizon, low * low) + glow * frame.sun_light;
+  vec3 sky = mix(frame.zenith, frame.horizon, low * low);
+  float grey = dot(sky, vec3(0.2126, 0.7152, 0.0722));
+  return kBrighter * max(mix(vec3(grey), sky, kDeeper), vec3(0)) + glow * frame.sun_light;
 }

@@ -30,7 +30,7 @@ void main() {
   Surface s;
   s.position = in_position;
   s.normal = normalize(in_normal);
-  s.flat_normal = s.normal;
+  s.smooth_normal = s.normal;
   s.albedo = solid.colour;
   if (solid.cell > 0.0) s.albedo *= tiles(in_plane / solid.cell);
   s.roughness = solid.roughness;
