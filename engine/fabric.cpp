@@ -77,7 +77,7 @@ class Cook {
       fabric_.anchors.push_back({index, entry, particle_of_[point], vertex, mesh.points[point]});
     }
     fabric_.materials.push_back({static_cast<float>(std::exp(-cloth.fabric.damping * fabric_.h)), static_cast<float>(cloth.fabric.friction),
-                                 static_cast<float>(cloth.fabric.thickness)});
+                                 static_cast<float>(cloth.fabric.thickness), 0});
     return {};
   }
 
@@ -199,6 +199,7 @@ class Cook {
   void lay_out_tethers() {
     std::size_t longest = 0;
     for (const auto& list : tethers_) longest = std::max(longest, list.size());
+    longest += longest % 2;   // two a fetch
     fabric_.tethers_per_particle = static_cast<std::uint32_t>(longest);
     if (longest == 0) return;
     tethers_.resize(fabric_.positions.size());

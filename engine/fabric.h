@@ -56,7 +56,7 @@ struct CookedFabric {
   std::vector<gpu::Bend> bends;
   PairRows bend;                             // entries: (particle, coefficient bits); one iteration a substep only
   PairRows bend_uses;                        // entries: (bend, K w bits); several iterations only
-  std::vector<gpu::Tether> tethers;          // particles x tethers_per_particle
+  std::vector<gpu::Tether> tethers;          // particles x tethers_per_particle, an even number
   std::uint32_t tethers_per_particle = 0;
   std::uint64_t tether_count = 0;            // without the unused places
   std::vector<AnchorTarget> anchors;

@@ -11,25 +11,36 @@ using namespace feature;
 
 // All that C++ says about passes. What a pass touches stands in its shader alone.
 constexpr Pass kPasses[] = {
-    // name                  shader                      stage                 one thread per     only with                    not with                    relaxes
-    {"predict",              "predict",                  Stage::frame_begin,   Domain::particles, kPlain,                       kPlain,                     false},
-    {"anchor",               "anchor",                   Stage::substep_begin, Domain::anchors,   kAnchors,                    kPlain,                     false},
-    {"stretch",              "stretch",                  Stage::iteration,     Domain::particles, kPlain,                       kIterated,                  true},
-    {"stretch",              "stretch_iterated",         Stage::iteration,     Domain::particles, kIterated,                   kPlain,                      true},
-    {"bend",                 "bend",                     Stage::iteration,     Domain::particles, kBending,                    kIterated,                  true},
-    {"bend_lambda",          "bend_lambda",              Stage::iteration,     Domain::bends,     kBending | kIterated,        kPlain,                     false},
-    {"bend_gather",          "bend_gather",              Stage::iteration,     Domain::particles, kBending | kIterated,        kPlain,                      true},
-    {"settle",               "settle",                   Stage::iteration,     Domain::particles, kPlain,                       kTethers | kColliders,      false},
-    {"tether+settle",        "settle_tethers",           Stage::iteration,     Domain::particles, kTethers,                    kColliders,                 false},
-    {"collide+settle",       "settle_colliders",         Stage::iteration,     Domain::particles, kColliders,                  kTethers,                   false},
-    {"tether+collide+settle","settle_tethers_colliders", Stage::iteration,     Domain::particles, kTethers | kColliders,       kPlain,                     false},
-    {"surface",              "surface",                  Stage::frame_end,     Domain::vertices,  kPlain,                       kPlain,                     false},
+    // name         shader              stage                 one thread per     only with              not with                relaxes settles
+    {"predict",     "predict",          Stage::frame_begin,   Domain::particles, kPlain,                kPlain,                 false,  false},
+    {"anchor",      "anchor",           Stage::substep_begin, Domain::anchors,   kAnchors,              kPlain,                 false,  false},
+    {"stretch",     "stretch",          Stage::iteration,     Domain::particles, kBending,              kIterated,              true,   false},
+    {"stretch",     "stretch",          Stage::iteration,     Domain::particles, kPlain,                kBending | kIterated,   true,   true},
+    {"stretch",     "stretch_iterated", Stage::iteration,     Domain::particles, kBending | kIterated,  kPlain,                 true,   false},
+    {"stretch",     "stretch_iterated", Stage::iteration,     Domain::particles, kIterated,             kBending,               true,   true},
+    {"bend",        "bend",             Stage::iteration,     Domain::particles, kBending,              kIterated,              true,   true},
+    {"bend_lambda", "bend_lambda",      Stage::iteration,     Domain::bends,     kBending | kIterated,  kPlain,                 false,  false},
+    {"bend_gather", "bend_gather",      Stage::iteration,     Domain::particles, kBending | kIterated,  kPlain,                 true,   true},
+    {"surface",     "surface",          Stage::frame_end,     Domain::vertices,  kPlain,                kPlain,                 false,  false},
 };
 
-std::span<const std::uint32_t> shader_of(const Pass& pass, bool gather_storage) {
+std::string fused_with(const Pass& pass, std::uint32_t features) {
+  if (!pass.settles) return "";
+  return std::string(features & kTethers ? "+tether" : "") + (features & kColliders ? "+collide" : "") + "+settle";
+}
+
+template <class Element>
+constexpr BufferNeed::Texel texel_of() {
+  if (std::is_same_v<Element, gpu::vec4>) return BufferNeed::Texel::float4;
+  if (std::is_same_v<Element, gpu::uvec4>) return BufferNeed::Texel::uint4;
+  if (std::is_same_v<Element, gpu::uvec2>) return BufferNeed::Texel::uint2;
+  return BufferNeed::Texel::none;
+}
+
+std::span<const std::uint32_t> shader_named(const std::string& name, bool gather_storage) {
   if (gather_storage)
-    if (const auto variant = shader(std::string(pass.shader) + ".storage"); !variant.empty()) return variant;
-  return shader(pass.shader);
+    if (const auto variant = shader(name + ".storage"); !variant.empty()) return variant;
+  return shader(name);
 }
 
 }  // namespace
@@ -50,15 +61,16 @@ Result<Plan> make_plan(std::uint32_t features, bool gather_storage) {
   Plan plan;
   for (const Pass& pass : kPasses) {
     if ((features & pass.needs) != pass.needs || (features & pass.without) != 0) continue;
-    PlannedPass planned{&pass, shader_of(pass, gather_storage), 0, 0, 0};
+    const std::string fused = fused_with(pass, features);
+    PlannedPass planned{&pass, pass.name + fused, shader_named(pass.shader + fused, gather_storage), 0, 0, 0};
     auto touched = compute::reflect(planned.spirv);
-    if (!touched) return fail("pass ", pass.name, ": ", touched.error());
+    if (!touched) return fail("pass ", planned.label, ": ", touched.error());
     if (!touched->local_size_id[0] || touched->push_constant_bytes > sizeof(gpu::Push))
-      return fail("pass ", pass.name, ": its workgroup's width is fixed or its push block is longer than ", sizeof(gpu::Push), " bytes");
+      return fail("pass ", planned.label, ": its workgroup's width is fixed or its push block is longer than ", sizeof(gpu::Push), " bytes");
     planned.group_size_constant = *touched->local_size_id[0];
     for (const compute::Binding& binding : touched->bindings) {
       const std::uint64_t bit = std::uint64_t(1) << binding.binding;
-      if (binding.binding >= 64 || binding.set > WEFT_TEXEL_SET) return fail("pass ", pass.name, ": set ", binding.set, ", binding ", binding.binding, " is not in shared.h");
+      if (binding.binding >= 64 || binding.set > WEFT_TEXEL_SET) return fail("pass ", planned.label, ": set ", binding.set, ", binding ", binding.binding, " is not in shared.h");
       (binding.set == WEFT_TEXEL_SET ? plan.texels : plan.storage) |= bit;
       if (binding.read) planned.reads |= bit;
       if (binding.written) planned.writes |= bit;
@@ -72,11 +84,11 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
   const std::uint64_t particles = fabric.positions.size(), vertices = fabric.surface_rows.size();
   const std::uint64_t stretch_pairs = fabric.stretch.pairs.size(), bends = fabric.bends.size();
   const std::uint64_t counts[] = {particles, particles, particles, particles, particles, stretch_pairs, stretch_pairs, particles,
-                                  fabric.bend.pairs.size(), bends, bends, bends, fabric.bend_uses.pairs.size(), fabric.tethers.size(),
+                                  fabric.bend.pairs.size(), bends, bends, bends, fabric.bend_uses.pairs.size(), fabric.tethers.size() / 2,
                                   fabric.anchors.size(), scene.colliders.size(), fabric.materials.size(), vertices,
                                   fabric.corners.size(), vertices, vertices, 1, particles};
   const BufferNeed all[] = {
-#define WEFT_NEED(number, name, element) {#name, gpu::name, counts[number] * sizeof(gpu::element), std::is_same_v<gpu::element, gpu::uvec4>},
+#define WEFT_NEED(number, name, element) {#name, gpu::name, counts[number] * sizeof(gpu::element), texel_of<gpu::element>()},
       WEFT_BUFFERS(WEFT_NEED)
 #undef WEFT_NEED
   };

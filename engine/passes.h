@@ -30,13 +30,14 @@ enum class Stage { frame_begin, substep_begin, iteration, frame_end };
 enum class Domain { particles, anchors, bends, vertices };   // one thread per
 
 struct Pass {
-  const char* name;        // in timings, labels and reports; a fused pass names its parts
+  const char* name;        // in timings, labels and reports; what a pass is fused with is appended
   const char* shader;
   Stage stage;
   Domain domain;
   std::uint32_t needs;     // features the scene must have ...
   std::uint32_t without;   // ... and must not have
   bool relaxes;            // writes the next iterate: `predicted` and `relaxed` swap afterwards
+  bool settles;            // ends the iteration: fused with tethers, colliders and the velocity (settle.glsl)
 };
 
 /// Every pass there is, in the order in which they run within their stage.
@@ -47,6 +48,7 @@ std::uint32_t features_of(const Scene& scene, const CookedFabric& fabric);
 
 struct PlannedPass {
   const Pass* pass = nullptr;
+  std::string label;                     // "bend+tether+settle": all that the dispatch does
   std::span<const std::uint32_t> spirv;
   std::uint64_t reads = 0, writes = 0;   // bit per gpu::Binding
   std::uint32_t group_size_constant = 0; // id of the specialisation constant for the workgroup's width
@@ -68,7 +70,7 @@ struct BufferNeed {
   const char* name;
   gpu::Binding binding;
   std::uint64_t bytes;
-  bool integer_texels;   // as a texel buffer: RGBA32UI, else RGBA32F
+  enum class Texel { float4, uint4, uint2, none } texel;   // what a fetch returns
 };
 
 /// All buffers with the sizes this fabric gives them, in the order of bindings; those the plan does not use are left out.

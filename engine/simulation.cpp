@@ -145,7 +145,7 @@ std::vector<PassUse> Simulation::passes() const {
     std::uint32_t dispatches = 1;
     if (planned.pass->stage == Stage::substep_begin) dispatches = state_->anchors_are_keyed ? substeps : 0;
     if (planned.pass->stage == Stage::iteration) dispatches = substeps * iterations;
-    uses.push_back({planned.pass->name, dispatches});
+    uses.push_back({planned.label, dispatches});
   }
   return uses;
 }

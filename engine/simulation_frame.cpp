@@ -134,7 +134,7 @@ Result<void> Simulation::State::run_pass_by_pass(const FrameInput& input) {
   for (const Solver::Step& step : steps) {
     const auto begun = Clock::now();
     if (auto done = run(&step); !done) return done;
-    cpu_times.push_back({solver->plan().passes[step.pass].pass->name, milliseconds(start, begun), milliseconds(start, Clock::now())});
+    cpu_times.push_back({solver->plan().passes[step.pass].label, milliseconds(start, begun), milliseconds(start, Clock::now())});
   }
   return {};
 }

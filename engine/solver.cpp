@@ -14,6 +14,16 @@ gpu::Binding in_role(gpu::Binding binding, std::uint32_t parity) {
   return binding;
 }
 
+VkFormat texel_format(BufferNeed::Texel texel) {
+  switch (texel) {
+    case BufferNeed::Texel::float4: return VK_FORMAT_R32G32B32A32_SFLOAT;
+    case BufferNeed::Texel::uint4: return VK_FORMAT_R32G32B32A32_UINT;
+    case BufferNeed::Texel::uint2: return VK_FORMAT_R32G32_UINT;
+    case BufferNeed::Texel::none: break;
+  }
+  return VK_FORMAT_UNDEFINED;
+}
+
 template <class T>
 std::span<const std::byte> bytes_of(const std::vector<T>& values) {
   return std::as_bytes(std::span(values));
@@ -27,7 +37,7 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   solver.device_ = &device;
   solver.settings_ = scene.solver;
   solver.h_ = fabric.h;
-  solver.tethers_per_particle_ = fabric.tethers_per_particle;
+  solver.tether_pairs_ = fabric.tethers_per_particle / 2;
   solver.colliders_ = static_cast<std::uint32_t>(scene.colliders.size());
   // Both are measured choices: the software driver runs a workgroup on one core, GPUs want full warps and waves.
   solver.workgroup_ = options.workgroup != 0 ? options.workgroup : device.is_software() ? 128 : 64;
@@ -39,7 +49,7 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   for (const PlannedPass& planned : solver.plan_.passes) {
     solver.counts_.push_back(domain_size(planned.pass->domain, fabric));
     if ((solver.counts_.back() + solver.workgroup_ - 1) / solver.workgroup_ > device.limits().max_workgroups_x)
-      return fail("pass ", planned.pass->name, ": ", solver.counts_.back(), " threads need more workgroups than the device's ", device.limits().max_workgroups_x);
+      return fail("pass ", planned.label, ": ", solver.counts_.back(), " threads need more workgroups than the device's ", device.limits().max_workgroups_x);
   }
   if (auto made = solver.create_buffers(device, scene, fabric); !made) return made.take_error();
   if (auto made = solver.create_pipelines(device, cache); !made) return made.take_error();
@@ -57,7 +67,7 @@ Result<void> Solver::create_buffers(const compute::Device& device, const Scene& 
     if (used_as(plan_.storage)) request.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
     if (used_as(plan_.texels)) {
       request.usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
-      request.texel_format = need.integer_texels ? VK_FORMAT_R32G32B32A32_UINT : VK_FORMAT_R32G32B32A32_SFLOAT;
+      request.texel_format = texel_format(need.texel);
     }
     if (need.binding == gpu::vertex_positions || need.binding == gpu::vertex_normals) request.usage |= VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
     requests.push_back(std::move(request));
@@ -120,7 +130,7 @@ Result<void> Solver::create_pipelines(const compute::Device& device, const compu
   layout_ = std::move(*layout);
   for (const PlannedPass& planned : plan_.passes) {
     const compute::SpecializationConstant width{planned.group_size_constant, workgroup_};
-    auto pipeline = compute::ComputePipeline::create(device, &cache, planned.pass->name, planned.spirv, std::span(&width, 1), layout_.get());
+    auto pipeline = compute::ComputePipeline::create(device, &cache, planned.label, planned.spirv, std::span(&width, 1), layout_.get());
     if (!pipeline) return pipeline.take_error();
     pipelines_.push_back(std::move(*pipeline));
   }
@@ -131,7 +141,7 @@ std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
   steps_.clear();
   if (input.substeps == 0) return {};
   gpu::Push push{};
-  push.tethers_per_particle = tethers_per_particle_;
+  push.tether_pairs = tether_pairs_;
   push.colliders = colliders_;
   push.h = static_cast<float>(h_);
   push.inverse_h = static_cast<float>(1 / h_);
@@ -183,7 +193,7 @@ void Solver::record_input(compute::Recorder& recorder, const FrameInput& input) 
 
 void Solver::record_step(compute::Recorder& recorder, const Step& step) const {
   const PlannedPass& planned = plan_.passes[step.pass];
-  recorder.begin_pass(planned.pass->name, mask(planned.reads, step.parity), mask(planned.writes, step.parity));
+  recorder.begin_pass(planned.label.c_str(), mask(planned.reads, step.parity), mask(planned.writes, step.parity));
   const VkDescriptorSet sets[] = {storage_sets_[step.parity].handle(), texel_sets_[step.parity].handle()};
   recorder.bind(pipelines_[step.pass].handle(), layout_.get(), sets);
   recorder.push(layout_.get(), std::as_bytes(std::span(&step.push, 1)));

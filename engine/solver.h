@@ -78,7 +78,7 @@ class Solver {
   compute::OwnedPipelineLayout layout_;
   std::vector<compute::ComputePipeline> pipelines_;
   std::vector<Step> steps_;
-  std::uint32_t tethers_per_particle_ = 0, colliders_ = 0, workgroup_ = 0, parity_ = 0;
+  std::uint32_t tether_pairs_ = 0, colliders_ = 0, workgroup_ = 0, parity_ = 0;
   double h_ = 0;
 };
 

@@ -6,7 +6,7 @@
 #include "shared.h"
 
 READ(Anchor, anchors)
-READ_WRITE(vec4, predicted)
+WRITE(vec4, predicted)
 
 layout(push_constant, scalar) uniform Constants { Push push; };
 

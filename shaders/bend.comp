@@ -9,11 +9,14 @@
 #include "shared.h"
 
 GATHER(predicted)
-READ(uvec2, bend_rows)
-GATHER_LIST(bend_entries)
+GATHER_UINT2(bend_rows)
+GATHER_UINT4(bend_entries)
 WRITE(vec4, relaxed)
+READ_WRITE(Counters, counters)
 
 layout(push_constant, scalar) uniform Constants { Push push; };
+
+#include "settle.glsl"
 
 vec3 share(vec3 p, uvec2 entry) {
   return uintBitsToFloat(entry.y) * (FETCH(predicted, entry.x).xyz - p);
@@ -23,7 +26,7 @@ void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.count) return;
   const vec4 p = FETCH(predicted, i);
-  const uvec2 row = bend_rows[i];
+  const uvec2 row = FETCH_UINT2(bend_rows, i);
   const uint end = row.x + ((row.y + 1) >> 1);
   vec3 sum = vec3(0);
   for (uint k = row.x; k < end; ++k) {
@@ -32,5 +35,5 @@ void main() {
   }
   // A lost neighbour must not take this particle along.
   const bool usable = dot(sum, sum) < 1e20;
-  relaxed[i] = vec4(usable ? p.xyz - push.relaxation * sum : p.xyz, p.w);
+  settle(i, vec4(usable ? p.xyz - push.relaxation * sum : p.xyz, p.w));
 }

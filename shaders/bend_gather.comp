@@ -3,13 +3,16 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 
-READ(vec4, predicted)
+GATHER(predicted)
 GATHER(bend_impulses)
-READ(uvec2, bend_use_rows)
-GATHER_LIST(bend_uses)
+GATHER_UINT2(bend_use_rows)
+GATHER_UINT4(bend_uses)
 WRITE(vec4, relaxed)
+READ_WRITE(Counters, counters)
 
 layout(push_constant, scalar) uniform Constants { Push push; };
+
+#include "settle.glsl"
 
 vec3 share(uvec2 use) {
   return uintBitsToFloat(use.y) * FETCH(bend_impulses, use.x).xyz;
@@ -18,13 +21,13 @@ vec3 share(uvec2 use) {
 void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.count) return;
-  const vec4 p = predicted[i];
-  const uvec2 row = bend_use_rows[i];
+  const vec4 p = FETCH(predicted, i);
+  const uvec2 row = FETCH_UINT2(bend_use_rows, i);
   const uint end = row.x + ((row.y + 1) >> 1);
   vec3 sum = vec3(0);
   for (uint k = row.x; k < end; ++k) {
     const uvec4 pair = FETCH(bend_uses, k);
     sum += share(pair.xy) + share(pair.zw);
   }
-  relaxed[i] = vec4(p.xyz + push.relaxation * sum, p.w);
+  settle(i, vec4(p.xyz + push.relaxation * sum, p.w));
 }

@@ -52,9 +52,9 @@ vec3 out_of_sphere(Surface s, float radius, vec3 x, vec3 p, float thickness, flo
   return rub(x, p, s.moved + cross(s.spin, reach * normal), normal, depth, friction);
 }
 
-vec3 out_of_collider(Collider collider, float from, float to, vec3 x, vec3 p, Material material) {
+vec3 out_of_collider(Collider collider, float from, float to, vec3 x, vec3 p, float cloth_friction, float thickness) {
   const Surface s = surface_at(collider, from, to);
-  const float friction = sqrt(collider.friction * material.friction);
-  if (collider.shape == WEFT_PLANE) return out_of_plane(s, x, p, material.thickness, friction);
-  return out_of_sphere(s, collider.radius, x, p, material.thickness, friction);
+  const float friction = sqrt(collider.friction * cloth_friction);
+  if (collider.shape == WEFT_PLANE) return out_of_plane(s, x, p, thickness, friction);
+  return out_of_sphere(s, collider.radius, x, p, thickness, friction);
 }

@@ -1,4 +1,4 @@
-// The free motion of a substep. `predict` makes the prediction and `settle` makes it again to see what the constraints
+// The free motion of a substep. `predict` makes the prediction and settle makes it again to see what the constraints
 // changed: only then does rounding in the position leave the velocity alone (a falling sheet keeps its closed form).
 // `precise` keeps both evaluations the same to the bit.
 

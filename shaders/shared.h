@@ -22,10 +22,10 @@
   X(10, bend_lambda,    vec4)     /* bends          multiplier of each stencil */                                        \
   X(11, bend_impulses,  vec4)     /* bends          change of the multiplier */                                          \
   X(12, bend_uses,      uvec4)    /* use pairs      (bend, K times inverse mass as float bits) twice */                  \
-  X(13, tethers,        Tether)   /* particles x k  nearest anchors first */                                             \
+  X(13, tethers,        uvec4)    /* particles x k  two tethers (anchor, reach as float bits), nearest first */          \
   X(14, anchors,        Anchor)   /* anchors        targets of this frame */                                             \
   X(15, colliders,      Collider) /* colliders      poses of this frame */                                               \
-  X(16, materials,      Material) /* cloths */                                                                           \
+  X(16, materials,      vec4)     /* cloths         Material */                                                          \
   X(17, surface_rows,   uvec4)    /* vertices       particle, first corner, number of corners, unused */                 \
   X(18, corners,        uvec2)    /* corners        the triangle's two other particles, in order */                      \
   X(19, vertex_positions, vec4)   /* vertices       for the renderer: xyz, 1 */                                          \
@@ -70,16 +70,25 @@ WEFT_BUFFERS(WEFT_BINDING)
 #define WRITE(element, name) WEFT_BUFFER(writeonly, element, name)
 #define READ_WRITE(element, name) WEFT_BUFFER(, element, name)
 
-// A gather reads neighbours in no particular order. On the software driver a texel fetch is twice as fast as a storage
-// load; GATHER_STORAGE builds the other variant, for devices that prefer it or whose texel buffers are too short.
+// A gather reads through texel buffers, which the software driver fetches twice as fast as it loads from storage buffers;
+// that holds for the thread's own elements too. GATHER_STORAGE builds the other variant, for devices that prefer it or whose
+// texel buffers are too short. GATHER_WRITE is for buffers whose elements a thread fetches and then writes itself.
 #ifdef GATHER_STORAGE
 #define GATHER(name) READ(vec4, name)
-#define GATHER_LIST(name) READ(uvec4, name)
+#define GATHER_UINT4(name) READ(uvec4, name)
+#define GATHER_UINT2(name) READ(uvec2, name)
+#define GATHER_WRITE(name) READ_WRITE(vec4, name)
 #define FETCH(name, i) name[i]
+#define FETCH_UINT2(name, i) name[i]
 #else
-#define GATHER(name) layout(set = WEFT_TEXEL_SET, binding = name##_binding) uniform samplerBuffer name;
-#define GATHER_LIST(name) layout(set = WEFT_TEXEL_SET, binding = name##_binding) uniform usamplerBuffer name;
-#define FETCH(name, i) texelFetch(name, int(i))
+#define WEFT_TEXELS(sampler, name) layout(set = WEFT_TEXEL_SET, binding = name##_binding) uniform sampler name##_texels;
+#define GATHER(name) WEFT_TEXELS(samplerBuffer, name)
+#define GATHER_UINT4(name) WEFT_TEXELS(usamplerBuffer, name)
+#define GATHER_UINT2(name) WEFT_TEXELS(usamplerBuffer, name)
+#define GATHER_WRITE(name) WEFT_TEXELS(samplerBuffer, name) \
+  layout(set = WEFT_STORAGE_SET, binding = name##_binding, scalar) writeonly buffer name##_block { vec4 name[]; };
+#define FETCH(name, i) texelFetch(name##_texels, int(i))
+#define FETCH_UINT2(name, i) texelFetch(name##_texels, int(i)).xy
 #endif
 
 layout(local_size_x_id = 0) in;
@@ -94,7 +103,7 @@ struct Bend {
   float split_weight; // sum n_j w_j K_j^2 (1/kg)
 };
 
-/// One-sided link to an anchor; anchor == WEFT_NONE ends a particle's list.
+/// One-sided link to an anchor; anchor == WEFT_NONE ends a particle's list. Lists are padded to an even length.
 struct Tether {
   uint anchor;        // particle that never moves by itself
   float reach;        // m
@@ -122,6 +131,7 @@ struct Material {
   float keep;         // fraction of the velocity that a substep keeps: exp(-damping h)
   float friction;     // Coulomb
   float thickness;    // m
+  float unused;       // a material is one texel
 };
 
 struct Counters {
@@ -132,7 +142,7 @@ struct Counters {
 /// What every pass is told. 96 of the 128 bytes that every device has.
 struct Push {
   uint count;         // threads with work
-  uint tethers_per_particle;
+  uint tether_pairs;  // per particle
   uint colliders;
   uint flags;         // WEFT_LAST_ITERATION ...
   float h;            // s, substep
@@ -181,7 +191,7 @@ inline uvec2 pack_link(const Link& link) {
 }
 
 static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 72);
-static_assert(sizeof(Material) == 12 && sizeof(Counters) == 8 && sizeof(Push) == 52);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 8 && sizeof(Push) == 52);
 static_assert(std::is_trivially_copyable_v<Push>);
 
 enum Binding : uint {

@@ -10,8 +10,8 @@
 #include "shared.h"
 
 GATHER(predicted)
-READ(uvec2, stretch_rows)
-GATHER_LIST(stretch_links)
+GATHER_UINT2(stretch_rows)
+GATHER_UINT4(stretch_links)
 #ifdef ITERATED
 READ_WRITE(vec2, stretch_lambda)
 #endif
@@ -19,6 +19,10 @@ WRITE(vec4, relaxed)
 READ_WRITE(Counters, counters)
 
 layout(push_constant, scalar) uniform Constants { Push push; };
+
+#ifdef SETTLE
+#include "settle.glsl"
+#endif
 
 // The impulse of one link on the particle at p, per unit of its inverse mass. Its multiplier is read and renewed.
 vec3 impulse(vec4 p, uvec2 packed, inout float lambda) {
@@ -43,7 +47,7 @@ void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.count) return;
   const vec4 p = FETCH(predicted, i);
-  const uvec2 row = stretch_rows[i];
+  const uvec2 row = FETCH_UINT2(stretch_rows, i);
   const uint end = row.x + ((row.y + 1) >> 1);
   vec3 sum = vec3(0);
   for (uint k = row.x; k < end; ++k) {
@@ -58,5 +62,10 @@ void main() {
     stretch_lambda[k] = lambda;
 #endif
   }
-  relaxed[i] = vec4(p.xyz + (push.relaxation * p.w / max(float(row.y), 1)) * sum, p.w);
+  const vec4 next = vec4(p.xyz + (push.relaxation * p.w / max(float(row.y), 1)) * sum, p.w);
+#ifdef SETTLE
+  settle(i, next);
+#else
+  relaxed[i] = next;
+#endif
 }

@@ -6,8 +6,8 @@
 #include "shared.h"
 
 GATHER(positions)
-READ(uvec4, surface_rows)
-READ(uvec2, corners)
+GATHER_UINT4(surface_rows)
+GATHER_UINT2(corners)
 WRITE(vec4, vertex_positions)
 WRITE(vec4, vertex_normals)
 
@@ -16,7 +16,7 @@ layout(push_constant, scalar) uniform Constants { Push push; };
 vec3 normal_at(vec3 x, uint first, uint end) {
   vec3 sum = vec3(0);
   for (uint k = first; k < end; ++k) {
-    const uvec2 others = corners[k];
+    const uvec2 others = FETCH_UINT2(corners, k);
     sum += cross(FETCH(positions, others.x).xyz - x, FETCH(positions, others.y).xyz - x);
   }
   const float len = length(sum);
@@ -26,7 +26,7 @@ vec3 normal_at(vec3 x, uint first, uint end) {
 void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.count) return;
-  const uvec4 row = surface_rows[i];
+  const uvec4 row = FETCH(surface_rows, i);
   const vec3 x = FETCH(positions, row.x).xyz;
   vertex_positions[i] = vec4(x, 1);
   vertex_normals[i] = vec4(normal_at(x, row.y, row.y + row.z), 0);
