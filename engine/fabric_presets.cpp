@@ -20,7 +20,7 @@
 
 namespace weft {
 
-std::optional<Material> fabric_preset(std::string_view name) {
+std::optional<Fabric> fabric_preset(std::string_view name) {
   struct Row {
     std::string_view name;
     double area_density, stretch, shear, bend, friction;  // kg/m^2, N/m, N/m, N m, 1
@@ -33,7 +33,7 @@ std::optional<Material> fabric_preset(std::string_view name) {
   };
   for (const Row& row : kPresets) {
     if (row.name != name) continue;
-    Material fabric;
+    Fabric fabric;
     fabric.preset = row.name;
     fabric.area_density = row.area_density;
     fabric.stretch = row.stretch;

@@ -44,7 +44,7 @@ struct Transform {
 
 /// What the cloth is made of; the defaults are cotton's. Stiffnesses are per width of cloth, so they do not change with
 /// the resolution.
-struct Material {
+struct Fabric {
   std::string preset = "cotton";
   double area_density = 0.12;   // kg/m^2
   double stretch = 10e3;        // N/m: tension per width and strain; 0 is not "rigid": infinity is (JSON: "rigid")
@@ -53,7 +53,7 @@ struct Material {
   double damping = 0.1;         // 1/s: v *= exp(-damping h)
   double friction = 0.4;        // Coulomb, >= 0
   double thickness = 0.002;     // m: distance kept to colliders
-  bool operator==(const Material&) const = default;
+  bool operator==(const Fabric&) const = default;
 };
 
 enum class Corner { low_low, high_low, low_high, high_high };  // of a mesh's bounding box in its grid's own axes, x then y
@@ -82,7 +82,7 @@ struct Cloth {
   std::optional<Grid> grid;     // either a grid ...
   std::string mesh;             // ... or a glTF/GLB/OBJ file, relative to the scene
   Transform transform;
-  Material fabric;
+  Fabric fabric;
   bool bending = true;
   bool tethers = true;          // takes effect when there are anchors
   std::uint32_t tethers_per_vertex = 4;   // 1 ... 8
@@ -156,7 +156,7 @@ std::string scene_text(const Scene& scene);
 Scene default_scene(const std::filesystem::path& mesh, Vec3 low, Vec3 high);
 
 /// Silk, cotton, denim, leather with their figures; nothing for another name. Sources stand beside the table.
-std::optional<Material> fabric_preset(std::string_view name);
+std::optional<Fabric> fabric_preset(std::string_view name);
 
 /// Where a key list puts things at `time`: before the first and after the last it holds still. In between, translations
 /// are interpolated linearly; angles too where both keys turn about one axis (720 degrees turn twice), and along the

@@ -83,7 +83,7 @@ void fields(V& v, Transform& transform) {
 }
 
 template <class V>
-void fields(V& v, Material& fabric) {
+void fields(V& v, Fabric& fabric) {
   v.text("preset", fabric.preset);
   v.number("area_density", fabric.area_density, above(0, 1e3, "kg/m^2"));
   v.stiffness("stretch", fabric.stretch, kStiffness);

@@ -183,7 +183,7 @@ class Reader {
   }
 
   /// A preset's name, or an object that starts from a preset's figures.
-  void fabric(std::string_view key, Material& out) {
+  void fabric(std::string_view key, Fabric& out) {
     const json* value = find(key);
     if (!value) return;
     if (value->is_string()) return read_preset(*value, path_of(key), out);
@@ -280,7 +280,7 @@ class Reader {
     return true;
   }
 
-  void read_preset(const json& value, const std::string& path, Material& out) {
+  void read_preset(const json& value, const std::string& path, Fabric& out) {
     static constexpr std::string_view kNames[] = {"silk", "cotton", "denim", "leather"};
     const std::string& name = value.get_ref<const std::string&>();
     if (const auto preset = fabric_preset(name))

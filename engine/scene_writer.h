@@ -77,7 +77,7 @@ struct SceneWriter {
     for (const T& entry : value) list.push_back(written(entry));
     put(key, list);
   }
-  void fabric(std::string_view key, const Material& value) { put(key, written(value)); }
+  void fabric(std::string_view key, const Fabric& value) { put(key, written(value)); }
   void tethers(std::string_view key, const Cloth& value) {
     if (value.tethers)
       put(key, written(scene_fields::Tethers{value.tethers_per_vertex, value.tether_slack}));

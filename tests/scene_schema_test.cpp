@@ -118,8 +118,8 @@ struct Lister {
   void list(std::string_view key, std::vector<T>&, std::size_t least, std::size_t most) {
     put(key, array_of(least, most, properties_of(T{})));
   }
-  void fabric(std::string_view key, weft::Material& value) {
-    put(key, {{"oneOf", {{{"type", "string"}, {"enum", {"silk", "cotton", "denim", "leather"}}}, properties_of(weft::Material{})}},
+  void fabric(std::string_view key, weft::Fabric& value) {
+    put(key, {{"oneOf", {{{"type", "string"}, {"enum", {"silk", "cotton", "denim", "leather"}}}, properties_of(weft::Fabric{})}},
               {"default", value.preset}});
   }
   void tethers(std::string_view key, weft::Cloth& value) {

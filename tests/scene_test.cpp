@@ -41,7 +41,7 @@ TEST(Scene, every_key_arrives) {
   EXPECT_EQ(curtain.transform.axis, (Vec3{0, 0, 1}));
   EXPECT_EQ(curtain.transform.degrees, 90);
   EXPECT_EQ(curtain.transform.scale, 0.5);
-  EXPECT_EQ(curtain.fabric, (Material{"denim", 0.3, std::numeric_limits<double>::infinity(), 5, 0, 0, 0.1, 0.004}));
+  EXPECT_EQ(curtain.fabric, (Fabric{"denim", 0.3, std::numeric_limits<double>::infinity(), 5, 0, 0, 0.1, 0.004}));
   EXPECT_FALSE(curtain.bending);
   EXPECT_TRUE(curtain.tethers);
   EXPECT_EQ(curtain.tethers_per_vertex, 2u);
@@ -81,12 +81,12 @@ TEST(Scene, every_key_arrives) {
 TEST(Scene, a_fabric_object_starts_from_its_preset) {
   const Result<Scene> scene = parse(cloth_with(R"("fabric": {"preset": "leather", "shear": 7})"));
   ASSERT_TRUE(scene) << scene.error();
-  Material expected = *fabric_preset("leather");
+  Fabric expected = *fabric_preset("leather");
   expected.shear = 7;
   EXPECT_EQ(scene->cloths[0].fabric, expected);
 }
 
-TEST(Scene, a_default_fabric_is_cotton) { EXPECT_EQ(Material{}, *fabric_preset("cotton")); }
+TEST(Scene, a_default_fabric_is_cotton) { EXPECT_EQ(Fabric{}, *fabric_preset("cotton")); }
 
 TEST(Scene, presets_grow_heavier_and_stiffer_in_bending_from_silk_to_leather) {
   const char* names[] = {"silk", "cotton", "denim", "leather"};
@@ -130,7 +130,7 @@ TEST(SceneAssignment, short_forms_grow_into_objects) {
   const Result<Scene> scene = parse(cloth_with(R"("fabric": "silk", "tethers": true)"),
                                     {{"cloths[0].fabric.bend", "0.001"}, {"cloths[0].tethers.slack", "0.5"}});
   ASSERT_TRUE(scene) << scene.error();
-  Material expected = *fabric_preset("silk");
+  Fabric expected = *fabric_preset("silk");
   expected.bend = 0.001;
   EXPECT_EQ(scene->cloths[0].fabric, expected);
   EXPECT_EQ(scene->cloths[0].tether_slack, 0.5);
