@@ -18,7 +18,8 @@ Result<OwnedSemaphore> create_semaphore(const Device& device, std::string_view n
   return OwnedSemaphore(device, semaphore);
 }
 
-uint64_t nanoseconds(double seconds) { return static_cast<uint64_t>(seconds * 1e9); }
+/// 64 bits of nanoseconds end after 584 years; anything near that is for ever.
+uint64_t nanoseconds(double seconds) { return seconds < 1e10 ? static_cast<uint64_t>(seconds * 1e9) : UINT64_MAX; }
 
 Result<void> waited(const Device& device, VkResult result, double seconds) {
   if (result == VK_SUCCESS) return {};

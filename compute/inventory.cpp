@@ -9,6 +9,8 @@
 namespace weft::compute {
 namespace {
 
+constexpr VkDeviceSize kEndless = VkDeviceSize{1} << 62;  // bytes; no memory is larger, and sums stay in 64 bits
+
 std::string version_text(uint32_t version) {
   return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) + "." +
          std::to_string(VK_API_VERSION_PATCH(version));
@@ -134,8 +136,8 @@ Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t inde
   Modern modern;
   modern.ask(fn, physical);
   out.driver = std::string(modern.v12.driverName) + " " + modern.v12.driverInfo;
-  limits.max_allocation_bytes = modern.v11.maxMemoryAllocationSize;
-  limits.max_buffer_bytes = modern.v13.maxBufferSize;
+  limits.max_allocation_bytes = std::min(modern.v11.maxMemoryAllocationSize, kEndless);
+  limits.max_buffer_bytes = std::min(modern.v13.maxBufferSize, kEndless);
   limits.subgroup_size = modern.v11.subgroupSize;
   if (const std::string missing = missing_features(modern); !missing.empty()) {
     out.refusal = "it lacks the feature " + missing;
