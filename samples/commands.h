@@ -1,0 +1,45 @@
+// The commands of `weft`, one source file each. A command prints its own errors, a sentence each, and returns an exit code.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/scene.h"
+
+namespace weft::command {
+
+enum Exit : int {
+  kDone = 0,
+  kFailed = 1,         // the machine's fault: no device, a full disk
+  kBadInput = 2,       // the caller's: a scene, a mesh or a flag
+  kInterrupted = 130,  // 128 + SIGINT, as shells count
+};
+
+struct RunOptions {
+  std::filesystem::path file;   // scene or mesh
+  std::filesystem::path out = "out";
+  std::optional<std::uint32_t> frames;   // none: the scene's
+  std::uint32_t every = 0;      // 0: only the final frame is drawn
+  bool picture = true;
+  std::string device;           // as compute::DeviceChoice::name
+  std::vector<Assignment> assignments;
+};
+Exit run(const RunOptions& options);
+
+struct TimeOptions {
+  std::filesystem::path file;
+  std::filesystem::path out = "out";
+  std::uint32_t frames = 120;
+  std::uint32_t warm_up = 30;
+  std::string device;
+  std::vector<Assignment> assignments;
+};
+Exit time(const TimeOptions& options);
+
+Exit info();
+Exit check(const std::filesystem::path& file);
+
+}  // namespace weft::command

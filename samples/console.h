@@ -1,0 +1,38 @@
+// What a command says while it works, and how it hears ctrl-C.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace weft::command {
+
+/// One or more sentences to stderr, a line each.
+void complain(std::string_view sentences);
+
+/// From now on the first ctrl-C only sets interrupted(); the second ends the program.
+void listen_for_interrupts();
+bool interrupted();
+
+/// A bar on stderr where that is a terminal, and a few plain lines where it is not.
+class Progress {
+ public:
+  Progress(std::string_view what, std::uint32_t total);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void step();
+
+ private:
+  void draw();
+
+  using Clock = std::chrono::steady_clock;
+  std::string what_;
+  std::uint32_t total_, done_ = 0, quarters_ = 0;
+  bool terminal_;
+  Clock::time_point start_ = Clock::now(), drawn_ = start_;
+};
+
+}  // namespace weft::command

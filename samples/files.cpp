@@ -1,0 +1,52 @@
+// Writing text, and where things are kept.
+#include "samples/files.h"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+
+namespace weft::command {
+
+Result<void> write_text(const std::filesystem::path& file, std::string_view text) {
+  std::filesystem::path part = file;
+  part += '.' + std::to_string(getpid()) + ".part";
+  std::ofstream stream(part, std::ios::binary);
+  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+  stream.close();
+  std::error_code error;
+  if (stream) {
+    std::filesystem::rename(part, file, error);
+    if (!error) return {};
+  }
+  const std::string reason = error ? error.message() : "is the folder there, writable, and the disk not full?";
+  std::filesystem::remove(part, error);
+  return fail(file.string(), ": cannot be written: ", reason);
+}
+
+Result<void> make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!std::filesystem::is_directory(folder))
+    return fail(folder.string(), ": cannot be made a folder: ", error ? error.message() : "a file is there");
+  return {};
+}
+
+std::filesystem::path pipeline_cache() {
+  const auto in = [](const char* variable, const char* rest) {
+    const char* value = std::getenv(variable);
+    return value && *value ? std::filesystem::path(value) / rest : std::filesystem::path();
+  };
+  std::filesystem::path file = in("XDG_CACHE_HOME", "weft/pipelines");
+  if (file.empty()) file = in("HOME", ".cache/weft/pipelines");
+  return file;
+}
+
+std::string file_name(std::string_view name) {
+  std::string plain(name.substr(0, 100));
+  for (char& c : plain)
+    if (static_cast<unsigned char>(c) < 0x20 || c == '/' || c == '\\') c = '_';
+  return plain.empty() || plain[0] == '.' ? "scene" + plain : plain;
+}
+
+}  // namespace weft::command

@@ -1,0 +1,24 @@
+// Files that are there whole or not at all.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "compute/result.h"
+
+namespace weft::command {
+
+/// Writes under a temporary name in the same folder and renames.
+Result<void> write_text(const std::filesystem::path& file, std::string_view text);
+
+/// Makes the folder and those above it.
+Result<void> make_folder(const std::filesystem::path& folder);
+
+/// Where compiled pipelines are kept between runs; empty where no home is known.
+std::filesystem::path pipeline_cache();
+
+/// `name` without what a file's name cannot hold.
+std::string file_name(std::string_view name);
+
+}  // namespace weft::command

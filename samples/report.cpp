@@ -1,0 +1,115 @@
+// Medians, CSV and JSON.
+#include "samples/report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace weft::command {
+
+Spread spread_of(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const std::size_t count = values.size();
+  const double median = count % 2 == 1 ? values[count / 2] : (values[count / 2 - 1] + values[count / 2]) / 2;
+  const auto rank = static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(count)));
+  return {median, values[rank - 1]};
+}
+
+PassTimes::PassTimes(std::vector<PassUse> passes) : passes_(std::move(passes)) {
+  for (std::size_t i = 0; i < passes_.size(); ++i) column_[passes_[i].name] = i;
+}
+
+void PassTimes::add_frame(const std::vector<PassTiming>& timings) {
+  std::vector<double>& row = rows_.emplace_back(passes_.size(), 0.0);
+  for (const PassTiming& timing : timings)
+    if (const auto found = column_.find(timing.name); found != column_.end()) row[found->second] += timing.milliseconds;
+}
+
+Spread PassTimes::spread(std::size_t pass) const {
+  std::vector<double> values;
+  for (const std::vector<double>& row : rows_) values.push_back(row[pass]);
+  return spread_of(std::move(values));
+}
+
+Spread PassTimes::total() const {
+  std::vector<double> values;
+  for (const std::vector<double>& row : rows_) {
+    double sum = 0;
+    for (const double value : row) sum += value;
+    values.push_back(sum);
+  }
+  return spread_of(std::move(values));
+}
+
+std::string PassTimes::csv() const {
+  std::ostringstream text;
+  text.precision(6);
+  text << "frame";
+  for (const PassUse& pass : passes_) text << ',' << pass.name;
+  text << '\n';
+  for (std::size_t frame = 0; frame < rows_.size(); ++frame) {
+    text << frame;
+    for (const double value : rows_[frame]) text << ',' << value;
+    text << '\n';
+  }
+  return text.str();
+}
+
+Result<Figures> figures_of(const Simulation& simulation) {
+  const Result<std::vector<gpu::vec4>> positions = simulation.read_positions();
+  if (!positions) return fail(positions.error());
+  const CookedFabric& fabric = simulation.fabric();
+  Figures figures;
+  figures.scene = simulation.scene().name;
+  figures.device = simulation.device().name();
+  figures.timed_on_cpu = simulation.timed_on_cpu();
+  figures.particles = fabric.positions.size();
+  figures.edges = fabric.links.size();
+  figures.bends = fabric.bends.size();
+  figures.tethers = fabric.tether_count;
+  figures.buffers = simulation.buffers();
+  figures.strain = measure_strain(fabric, *positions);
+  figures.counts = simulation.counts();
+  figures.hash = position_hash(*positions);
+  return figures;
+}
+
+std::string report_json(const Figures& figures, const PassTimes& times) {
+  using Json = nlohmann::ordered_json;
+  // JSON's numbers hold 53 bits; a hash is text.
+  char hash[17];
+  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(figures.hash));
+
+  Json report;
+  report["scene"] = figures.scene;
+  report["device"] = figures.device;
+  report["frames"] = figures.frames;
+  report["interrupted"] = figures.interrupted;
+  report["particles"] = figures.particles;
+  report["edges"] = figures.edges;
+  report["bends"] = figures.bends;
+  report["tethers"] = figures.tethers;
+  report["timed_on_cpu"] = figures.timed_on_cpu;
+  report["passes"] = Json::array();
+  for (std::size_t i = 0; i < times.passes().size(); ++i) {
+    const Spread spread = times.spread(i);
+    const PassUse& pass = times.passes()[i];
+    report["passes"].push_back({{"name", pass.name}, {"dispatches", pass.dispatches_per_frame}, {"ms_median", spread.median}, {"ms_p95", spread.p95}});
+  }
+  report["buffers"] = Json::array();
+  for (const BufferUse& buffer : figures.buffers) report["buffers"].push_back({{"name", buffer.name}, {"bytes", buffer.bytes}});
+  report["frame"] = figures.frame ? Json{{"ms_median", figures.frame->median}, {"ms_p95", figures.frame->p95}}
+                                  : Json{{"ms_median", nullptr}, {"ms_p95", nullptr}};
+  report["strain"] = {{"mean", figures.strain.mean}, {"rms", figures.strain.rms}, {"max", figures.strain.max}};
+  report["non_finite"] = figures.counts.non_finite;
+  report["coincident"] = figures.counts.coincident;
+  report["clamped_seconds"] = figures.clamped_seconds;
+  report["hash"] = hash;
+  constexpr int kIndent = 2;
+  return report.dump(kIndent, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace weft::command

@@ -1,0 +1,63 @@
+// Times and figures of a run, as files: timings.csv and report.json.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/metrics.h"
+#include "engine/simulation.h"
+
+namespace weft::command {
+
+/// The middle value and the one that 95 % stay below (nearest rank); zero of an empty list.
+struct Spread {
+  double median = 0, p95 = 0;
+};
+Spread spread_of(std::vector<double> values);
+
+/// Milliseconds of every pass in every frame.
+class PassTimes {
+ public:
+  explicit PassTimes(std::vector<PassUse> passes);
+
+  void add_frame(const std::vector<PassTiming>& timings);
+
+  const std::vector<PassUse>& passes() const { return passes_; }
+  std::size_t frames() const { return rows_.size(); }
+  Spread spread(std::size_t pass) const;
+  /// The sum of all passes, frame by frame.
+  Spread total() const;
+  /// A line a frame, a column a pass, milliseconds.
+  std::string csv() const;
+
+ private:
+  std::vector<PassUse> passes_;
+  std::map<std::string, std::size_t> column_;
+  std::vector<std::vector<double>> rows_;
+};
+
+/// What report.json says besides the pass times.
+struct Figures {
+  std::string scene, device;
+  std::uint32_t frames = 0;      // that were simulated
+  bool interrupted = false;
+  bool timed_on_cpu = false;     // no timestamps on this device
+  std::size_t particles = 0, edges = 0, bends = 0;
+  std::uint64_t tethers = 0;
+  std::vector<BufferUse> buffers;
+  std::optional<Spread> frame;   // ms, whole frames without timestamps; none when interrupted before
+  Strain strain;
+  Counts counts;
+  double clamped_seconds = 0;
+  std::uint64_t hash = 0;
+};
+
+/// Everything about a simulation's state but times. Waits for it.
+Result<Figures> figures_of(const Simulation& simulation);
+
+std::string report_json(const Figures& figures, const PassTimes& times);
+
+}  // namespace weft::command

@@ -1,0 +1,92 @@
+// The command line of Weft: flags to options, and nothing else.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "samples/commands.h"
+#include "samples/console.h"
+
+namespace {
+
+using namespace weft;
+using namespace weft::command;
+
+// `path.to.value=X`; the path is checked where it is followed.
+std::string split(const std::vector<std::string>& texts, std::vector<Assignment>& assignments) {
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) return "--set " + text + ": is not path.to.value=X";
+    assignments.push_back({text.substr(0, equals), text.substr(equals + 1)});
+  }
+  return "";
+}
+
+// One value a flag, as often as wanted: "--set a=1 b=2" must not swallow what follows.
+void add_set(CLI::App& command, std::vector<std::string>& texts) {
+  command.add_option("--set", texts, "Change a value of the scene: --set solver.substeps=20 --set cloths[0].fabric=denim")
+      ->type_name("PATH=X")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  CLI::App app("Weft: cloth by position-based dynamics in Vulkan compute", "weft");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "weft 0.1.0");
+  std::vector<std::string> sets;
+  std::string file;
+
+  constexpr unsigned kMostFrames = 1'000'000;
+  RunOptions run_options;
+  std::uint32_t frames = 0;
+  bool no_picture = false;
+  CLI::App* run_command = app.add_subcommand("run", "Simulate a scene; write a picture, times, figures and the final mesh");
+  run_command->add_option("scene", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ)")->required()->type_name("SCENE|MESH");
+  CLI::Option* frames_option = run_command->add_option("--frames", frames, "How many frames; the scene says otherwise")->check(CLI::Range(0u, kMostFrames));
+  run_command->add_option("--out", run_options.out, "Where files go")->type_name("DIR")->capture_default_str();
+  add_set(*run_command, sets);
+  run_command->add_option("--every", run_options.every, "Draw every K-th frame too, as frame_0000.png")->type_name("K")->check(CLI::Range(1u, kMostFrames));
+  run_command->add_flag("--no-picture", no_picture, "Draw nothing: needs no graphics queue");
+  run_command->add_option("--device", run_options.device, "Index or part of the name; weft info lists them");
+
+  TimeOptions time_options;
+  CLI::App* time_command = app.add_subcommand("time", "Time a scene pass by pass; write a table, CSV and a trace");
+  time_command->add_option("scene", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ)")->required()->type_name("SCENE|MESH");
+  time_command->add_option("--frames", time_options.frames, "Frames that are timed")->check(CLI::Range(1u, kMostFrames))->capture_default_str();
+  time_command->add_option("--warm-up", time_options.warm_up, "Frames before these")->check(CLI::Range(0u, kMostFrames))->capture_default_str();
+  time_command->add_option("--out", time_options.out, "Where files go")->type_name("DIR")->capture_default_str();
+  add_set(*time_command, sets);
+  time_command->add_option("--device", time_options.device, "Index or part of the name; weft info lists them");
+
+  CLI::App* info_command = app.add_subcommand("info", "List Vulkan devices and what they support");
+  CLI::App* check_command = app.add_subcommand("check", "Name everything that is wrong with a scene or a mesh");
+  check_command->add_option("file", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ)")->required()->type_name("FILE");
+
+  try {
+    app.parse(count, arguments);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    complain(std::string("weft: ") + error.what() + " (weft --help tells what there is)");
+    return kBadInput;
+  }
+
+  std::vector<Assignment> assignments;
+  if (const std::string fault = split(sets, assignments); !fault.empty()) {
+    complain(fault);
+    return kBadInput;
+  }
+  if (*info_command) return info();
+  if (*check_command) return check(file);
+  if (*time_command) {
+    time_options.file = file;
+    time_options.assignments = std::move(assignments);
+    return time(time_options);
+  }
+  run_options.file = file;
+  run_options.assignments = std::move(assignments);
+  run_options.picture = !no_picture;
+  if (*frames_option) run_options.frames = frames;
+  return run(run_options);
+}
