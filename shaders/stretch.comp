@@ -24,6 +24,8 @@ layout(push_constant, scalar) uniform Constants { Push push; };
 #include "settle.glsl"
 #endif
 
+uint coincident = 0;
+
 // The impulse of one link on the particle at p, per unit of its inverse mass. Its multiplier is read and renewed.
 vec3 impulse(vec4 p, uvec2 packed, inout float lambda) {
   const Link link = unpack_link(packed.x, packed.y);
@@ -32,7 +34,7 @@ vec3 impulse(vec4 p, uvec2 packed, inout float lambda) {
   const float squared = dot(d, d);
   // Ends at one place have no direction and a lost neighbour none that helps: both are left to the other constraints.
   const bool usable = squared > 1e-20 && squared < 1e20;
-  if (!usable && link.rest > 0) atomicAdd(counters[0].coincident, 1);
+  coincident += uint(squared <= 1e-20 && link.rest > 0);
   const float len = sqrt(usable ? squared : 1);
   const float stretched = len - link.rest;
   const float alpha = link.compliance * push.inverse_h2;
@@ -62,6 +64,7 @@ void main() {
     stretch_lambda[k] = lambda;
 #endif
   }
+  if (coincident > 0) atomicAdd(counters[0].coincident, coincident);
   const vec4 next = vec4(p.xyz + (push.relaxation * p.w / max(float(row.y), 1)) * sum, p.w);
 #ifdef SETTLE
   settle(i, next);
