@@ -168,22 +168,21 @@ void join_copies(RenderMesh& render) {
     for (std::uint32_t& v : triangle) v = renamed[v];
 }
 
-/// OBJ materials are other files that a cloth does not need; commented out, assimp does not go looking for them.
-void drop_material_libraries(std::string& text) {
-  for (std::size_t at = text.find("mtllib"); at != std::string::npos; at = text.find("mtllib", at + 1)) text[at] = '#';
-}
-
 Result<Mesh> load(const std::filesystem::path& file) {
   std::string kind = file.extension().string();
   for (char& c : kind) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
   Result<std::string> content = parts::read_file(file);
   if (!content) return content.take_error();
+  std::array<std::size_t, 2> left_out{};   // points and lines
   if (kind == ".gltf" || kind == ".glb") {
     content = parts::gltf_geometry(*content, file.parent_path());
     if (!content) return fail(file.string(), ": ", content.error());
     kind = ".glb";
   } else if (kind == ".obj") {
-    drop_material_libraries(*content);
+    Result<parts::ObjGeometry> geometry = parts::obj_geometry(*content);
+    if (!geometry) return fail(file.string(), ": ", geometry.error());
+    content = std::move(geometry->text);
+    left_out = {geometry->points, geometry->lines};
   } else {
     return fail(file.string(), " has the extension \"", kind, "\"; .gltf, .glb and .obj can be read");
   }
@@ -206,8 +205,8 @@ Result<Mesh> load(const std::filesystem::path& file) {
   };
   note(harvest.bad_uvs, "texture coordinate was", "texture coordinates were", " not finite; projected instead");
   note(harvest.bad_normals, "normal was", "normals were", " not finite or had no direction; made anew");
-  note(harvest.lines, "line was", "lines were", " left out");
-  note(harvest.points, "point was", "points were", " left out");
+  note(harvest.lines + left_out[1], "line was", "lines were", " left out");
+  note(harvest.points + left_out[0], "point was", "points were", " left out");
   return mesh;
 }
 

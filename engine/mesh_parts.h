@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "compute/result.h"
@@ -53,6 +54,14 @@ void complete_tangents(RenderMesh& render);
 /// nothing else. Every length and index in it has been checked. `folder` is where the file's relative URIs start from.
 /// Errors: not JSON, nested too deeply, cut short, a reference or a range out of bounds, a required extension, sparse or quantised accessors.
 Result<std::string> gltf_geometry(const std::string& content, const std::filesystem::path& folder);
+
+/// The geometry of an OBJ file as another OBJ: v, vt, vn and f only, indices positive and in range. The elements left out are counted.
+/// Errors: a line that does not read as what it claims to be, an index without its vertex, no face.
+struct ObjGeometry {
+  std::string text;
+  std::size_t points = 0, lines = 0;
+};
+Result<ObjGeometry> obj_geometry(std::string_view content);
 
 /// The whole file. Errors: missing, a folder, empty, unreadable.
 Result<std::string> read_file(const std::filesystem::path& file);

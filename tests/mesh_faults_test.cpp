@@ -116,6 +116,22 @@ TEST(MeshFaults, a_vertex_that_is_not_finite_is_refused_with_its_place) {
   expect_says(refusal(gltf.write(folder)), "not finite");
 }
 
+TEST(MeshFaults, a_damaged_line_of_an_obj_is_named_by_its_number) {
+  const Folder folder;
+  const auto refuse = [&](const std::string& line, const char* part) {
+    expect_says(refusal(folder.write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + line + "\n")), part);
+  };
+  refuse("f 1 2 4", "line 4 refers to v number 4 of 3");
+  refuse("f 1 2 -4", "line 4: \"-4\" is not the index of a v; there are 3 so far");
+  refuse("f 1 2 0", "\"0\" is not the index");
+  refuse("f 1/1 2/1 3/1", "line 4 refers to vt number 1 of 0");
+  refuse("f 1 2", "a face has 2 corners; 3 are needed");
+  refuse("f 1 2 3/1/1/1", "is not the corner of a face");
+  refuse("f 1 2 \\\n x", "line 5: \"x\" is not the index");
+  refuse("v 1 2", "v has 2 numbers; 3 are needed");
+  refuse("v 1 2 3.5f", "\"3.5f\" is not a number");
+}
+
 TEST(MeshFaults, nothing_but_lines_has_no_triangle) {
   const Folder folder;
   expect_says(refusal(folder.write("line.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n")), "no triangle");

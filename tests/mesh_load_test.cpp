@@ -184,6 +184,14 @@ TEST(MeshLoad, an_obj_with_quads_and_without_normals_or_uvs_loads) {
   expect_near(mesh->render.normals[0], {0, 0, 1});
 }
 
+TEST(MeshLoad, an_obj_s_lines_points_comments_and_continued_lines_are_understood) {
+  const Folder folder;
+  const Result<Mesh> mesh = load_mesh(folder.write("a.obj", "v +0 0 0 # origin\r\nv 1 0 0\r\nv 0 \\\r\n 1e0 0\r\np 1 2\r\nl 1 2 3\r\ncurv 0 1 2\r\nf 1// 2/ \\\r\n 3"));
+  ASSERT_TRUE(mesh) << mesh.error();
+  EXPECT_EQ(mesh->points, (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+  EXPECT_EQ(mesh->mended, (std::vector<std::string>{"2 points were left out", "2 lines were left out"}));
+}
+
 TEST(MeshLoad, an_obj_s_v_is_turned_to_point_down) {
   const Folder folder;
   const Result<Mesh> mesh = load_mesh(folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"));
