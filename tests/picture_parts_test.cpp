@@ -55,6 +55,9 @@ TEST(MipLevels, average_colours_in_linear_light_and_data_as_it_is) {
   ASSERT_EQ(colour.size(), 2u);
   EXPECT_EQ(std::to_integer<int>(colour[1][0]), 188);  // half the light, encoded as sRGB
   EXPECT_EQ(std::to_integer<int>(data[1][0]), 128);
+  const Image greys{2, 1, {100, 100, 100, 255, 200, 200, 200, 255}};
+  const auto grey = shading::mip_levels(greys, shading::Content::colour);
+  EXPECT_EQ(std::to_integer<int>(grey[1][0]), 160);  // 0.127 and 0.578 of white: 0.352
 }
 
 TEST(MipLevels, go_down_to_one_texel_for_any_shape) {

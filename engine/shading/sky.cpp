@@ -49,7 +49,7 @@ void set_sky(Frame& frame, const Light& light, Vec3 floor) {
   store(2, (2.5f * 1 / 4) * m2);
 
   // As an incident-light meter would: white cloth that half faces the sun comes out just below white.
-  constexpr float kKey = 0.6f;
+  constexpr float kKey = 0.72f;
   frame.exposure = kKey / std::max(0.7f * sun + sky, 1e-4f);
 }
 
