@@ -60,7 +60,7 @@ Result<void> check_indices(const std::filesystem::path& file, std::span<const Tr
   return {};
 }
 
-}  // namespace
+}   // namespace
 
 Result<void> write_ply(const std::filesystem::path& file, std::span<const Vec3> positions, std::span<const Vec3> normals,
                        std::span<const float> strain, std::span<const Triangle> triangles) {
@@ -68,8 +68,8 @@ Result<void> write_ply(const std::filesystem::path& file, std::span<const Vec3> 
   if (Result<void> checked = check_length(file, "strains", strain.size(), positions.size()); !checked) return checked;
   if (Result<void> checked = check_indices(file, triangles, positions.size()); !checked) return checked;
 
-  std::string bytes = "ply\nformat binary_little_endian 1.0\ncomment strain is a fraction of the rest length\nelement vertex " + std::to_string(positions.size()) +
-                      "\nproperty float x\nproperty float y\nproperty float z\n";
+  std::string bytes = "ply\nformat binary_little_endian 1.0\ncomment strain is a fraction of the rest length\nelement vertex " +
+                      std::to_string(positions.size()) + "\nproperty float x\nproperty float y\nproperty float z\n";
   if (!normals.empty()) bytes += "property float nx\nproperty float ny\nproperty float nz\n";
   if (!strain.empty()) bytes += "property float strain\n";
   bytes += "element face " + std::to_string(triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
@@ -89,7 +89,9 @@ Result<void> write_ply(const std::filesystem::path& file, std::span<const Vec3> 
 Result<void> write_glb(const std::filesystem::path& file, const RenderMesh& mesh) {
   using json = nlohmann::json;
   const std::size_t vertices = mesh.positions.size();
-  if (mesh.triangles.empty() || vertices == 0) return fail(file.string(), " is not written: a mesh of ", vertices, " vertices and ", mesh.triangles.size(), " triangles has nothing to draw");
+  if (mesh.triangles.empty() || vertices == 0)
+    return fail(file.string(), " is not written: a mesh of ", vertices, " vertices and ", mesh.triangles.size(),
+                " triangles has nothing to draw");
   if (Result<void> checked = check_length(file, "normals", mesh.normals.size(), vertices); !checked) return checked;
   if (Result<void> checked = check_length(file, "texture coordinates", mesh.uvs.size(), vertices); !checked) return checked;
   if (Result<void> checked = check_indices(file, mesh.triangles, vertices); !checked) return checked;
@@ -114,14 +116,16 @@ Result<void> write_glb(const std::filesystem::path& file, const RenderMesh& mesh
   accessors.back()["max"] = {high.x, high.y, high.z};
   if (!mesh.normals.empty()) attributes["NORMAL"] = add(std::span<const Vec3>(mesh.normals), float_type, "VEC3", vertices, vertex_target);
   if (!mesh.uvs.empty()) attributes["TEXCOORD_0"] = add(std::span<const Vec2>(mesh.uvs), float_type, "VEC2", vertices, vertex_target);
-  const std::size_t indices = add(std::span<const Triangle>(mesh.triangles), integer_type, "SCALAR", mesh.triangles.size() * 3, index_target);
+  const std::size_t indices =
+      add(std::span<const Triangle>(mesh.triangles), integer_type, "SCALAR", mesh.triangles.size() * 3, index_target);
 
   json document;
   document["asset"] = {{"version", "2.0"}, {"generator", "Weft"}};
   document["scene"] = 0;
   document["scenes"] = json::array({{{"nodes", json::array({0})}}});
   document["nodes"] = json::array({{{"mesh", 0}}});
-  document["materials"] = json::array({{{"doubleSided", true}, {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0.8}}}}});
+  document["materials"] =
+      json::array({{{"doubleSided", true}, {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0.8}}}}});
   document["meshes"] = json::array({{{"primitives", json::array({{{"attributes", attributes}, {"indices", indices}, {"material", 0}}})}}});
   document["accessors"] = std::move(accessors);
   document["bufferViews"] = std::move(views);
@@ -130,7 +134,8 @@ Result<void> write_glb(const std::filesystem::path& file, const RenderMesh& mesh
   std::string text = document.dump();
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const std::size_t size = 12 + 8 + text.size() + 8 + binary.size();
-  if (size > 0xffffffffu) return fail(file.string(), " is not written: it would have ", size, " bytes, and a GLB has at most ", 0xffffffffu);
+  if (size > 0xffffffffu)
+    return fail(file.string(), " is not written: it would have ", size, " bytes, and a GLB has at most ", 0xffffffffu);
   std::string bytes = "glTF";
   for (const std::size_t value : {std::size_t{2}, size, text.size()}) put(bytes, static_cast<std::uint32_t>(value));
   bytes += "JSON" + text;
@@ -139,4 +144,4 @@ Result<void> write_glb(const std::filesystem::path& file, const RenderMesh& mesh
   return write_whole(file, bytes + binary);
 }
 
-}  // namespace weft
+}   // namespace weft

@@ -43,7 +43,7 @@ Vector3d any_perpendicular(const Vector3d& normal) {
   return normal.cross(Vector3d::Unit(least)).normalized();
 }
 
-}  // namespace
+}   // namespace
 
 void complete_normals(RenderMesh& render, std::span<const std::uint32_t> point_of, std::span<const Vec3> points,
                       std::span<const Triangle> triangles) {
@@ -122,11 +122,12 @@ void complete_tangents(RenderMesh& render) {
     Vector3d tangent = raw - normal * normal.dot(raw);
     tangent = tangent.norm() > 1e-6 * raw.norm() ? tangent.normalized() : any_perpendicular(normal);
     const double w = keep ? file.w : normal.cross(tangent).dot(upward[v]) < 0 ? -1 : 1;
-    render.tangents[v] = {static_cast<float>(tangent.x()), static_cast<float>(tangent.y()), static_cast<float>(tangent.z()), static_cast<float>(w)};
+    render.tangents[v] = {static_cast<float>(tangent.x()), static_cast<float>(tangent.y()), static_cast<float>(tangent.z()),
+                          static_cast<float>(w)};
   }
 }
 
-}  // namespace parts
+}   // namespace parts
 
 void transform_mesh(Mesh& mesh, const Transform& transform) {
   assert(transform.scale > 0);
@@ -144,4 +145,4 @@ void transform_mesh(Mesh& mesh, const Transform& transform) {
   mesh.weld_tolerance *= transform.scale;
 }
 
-}  // namespace weft
+}   // namespace weft

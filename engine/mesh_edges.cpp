@@ -89,7 +89,7 @@ Orientation orient(std::span<const Triangle> triangles) {
   return result;
 }
 
-}  // namespace parts
+}   // namespace parts
 
 std::vector<WingedEdge> winged_edges(std::span<const Triangle> triangles, std::uint32_t* non_manifold) {
   const std::vector<parts::HalfEdge> halves = parts::half_edges(triangles);
@@ -99,7 +99,8 @@ std::vector<WingedEdge> winged_edges(std::span<const Triangle> triangles, std::u
   for (std::size_t i = 0; i < halves.size();) {
     const std::size_t end = parts::run_end(halves, i);
     const parts::HalfEdge& first = halves[i];
-    WingedEdge edge{first.forward ? first.low : first.high, first.forward ? first.high : first.low, {first.triangle, kNone}, {first.across, kNone}};
+    WingedEdge edge{
+        first.forward ? first.low : first.high, first.forward ? first.high : first.low, {first.triangle, kNone}, {first.across, kNone}};
     for (std::size_t j = i + 1; j < end; ++j)
       if (halves[j].forward != first.forward) {
         edge.triangle[1] = halves[j].triangle;
@@ -114,4 +115,4 @@ std::vector<WingedEdge> winged_edges(std::span<const Triangle> triangles, std::u
   return edges;
 }
 
-}  // namespace weft
+}   // namespace weft

@@ -15,8 +15,8 @@ namespace {
 
 using json = nlohmann::json;
 
-constexpr int kDeepestNesting = 64;         // brackets; glTF itself needs about ten
-constexpr std::size_t kDeepestNodes = 256;  // a cloth's file has one or two levels
+constexpr int kDeepestNesting = 64;                                        // brackets; glTF itself needs about ten
+constexpr std::size_t kDeepestNodes = 256;                                 // a cloth's file has one or two levels
 constexpr std::uint64_t kMostIndices = std::uint64_t{6} * kMostVertices;   // a closed triangle mesh has two triangles a vertex
 
 std::uint32_t little_endian(const std::string& bytes, std::size_t at) {
@@ -55,13 +55,20 @@ std::optional<std::string> decode_base64(std::string_view text) {
   int count = 0;
   for (const char c : text) {
     int value;
-    if (c >= 'A' && c <= 'Z') value = c - 'A';
-    else if (c >= 'a' && c <= 'z') value = c - 'a' + 26;
-    else if (c >= '0' && c <= '9') value = c - '0' + 52;
-    else if (c == '+') value = 62;
-    else if (c == '/') value = 63;
-    else if (c == '=') break;
-    else return std::nullopt;
+    if (c >= 'A' && c <= 'Z')
+      value = c - 'A';
+    else if (c >= 'a' && c <= 'z')
+      value = c - 'a' + 26;
+    else if (c >= '0' && c <= '9')
+      value = c - '0' + 52;
+    else if (c == '+')
+      value = 62;
+    else if (c == '/')
+      value = 63;
+    else if (c == '=')
+      break;
+    else
+      return std::nullopt;
     bits = bits << 6 | static_cast<std::uint32_t>(value);
     if (++count == 4) {
       for (const int shift : {16, 8, 0}) bytes.push_back(static_cast<char>(bits >> shift));
@@ -75,7 +82,9 @@ std::optional<std::string> decode_base64(std::string_view text) {
 }
 
 std::string decode_percent(const std::string& text) {
-  const auto digit = [](char c) { return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1; };
+  const auto digit = [](char c) {
+    return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+  };
   std::string plain;
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (text[i] == '%' && i + 2 < text.size() && digit(text[i + 1]) >= 0 && digit(text[i + 2]) >= 0) {
@@ -92,7 +101,8 @@ std::string decode_percent(const std::string& text) {
 /// need to look only once, at the end.
 class Stripper {
  public:
-  Stripper(const json& document, const std::string* chunk, const std::filesystem::path& folder) : document_(document), chunk_(chunk), folder_(folder) {}
+  Stripper(const json& document, const std::string* chunk, const std::filesystem::path& folder)
+      : document_(document), chunk_(chunk), folder_(folder) {}
 
   Result<std::string> strip() {
     if (!version_is_2()) return fail("it is not a glTF 2.0 document: \"asset.version\" does not start with 2");
@@ -143,7 +153,9 @@ class Stripper {
   }
 
   bool version_is_2() const {
-    const json* version = document_.contains("asset") && document_["asset"].is_object() && document_["asset"].contains("version") ? &document_["asset"]["version"] : nullptr;
+    const json* version = document_.contains("asset") && document_["asset"].is_object() && document_["asset"].contains("version")
+                              ? &document_["asset"]["version"]
+                              : nullptr;
     return version && version->is_string() && version->get<std::string>().starts_with("2.");
   }
 
@@ -164,7 +176,8 @@ class Stripper {
         const std::string uri = buffer["uri"].is_string() ? buffer["uri"].get<std::string>() : std::string();
         if (uri.starts_with("data:")) {
           const std::size_t comma = uri.find(";base64,");
-          std::optional<std::string> decoded = comma == std::string::npos ? std::nullopt : decode_base64(std::string_view(uri).substr(comma + 8));
+          std::optional<std::string> decoded =
+              comma == std::string::npos ? std::nullopt : decode_base64(std::string_view(uri).substr(comma + 8));
           if (!decoded) say("buffer ", number, " is not base64");
           bytes = std::move(decoded).value_or("");
         } else {
@@ -194,18 +207,23 @@ class Stripper {
     const std::uint64_t component = natural(*accessor, "componentType", 0);
     const std::size_t size = component == 5121 ? 1 : component == 5123 ? 2 : 4;
     const bool right_component = indices ? component == 5121 || component == 5123 || component == 5125 : component == 5126;
-    if (!right_component) say("the accessor of \"", key, "\" has the component type ", component, "; ", indices ? "5121, 5123 and 5125 (integers)" : "only 5126 (float)", " can be read");
+    if (!right_component)
+      say("the accessor of \"", key, "\" has the component type ", component, "; ",
+          indices ? "5121, 5123 and 5125 (integers)" : "only 5126 (float)", " can be read");
     if (!accessor->is_object() || accessor->value("type", json()) != type) say("the accessor of \"", key, "\" is not a ", type);
     const std::size_t width = std::strcmp(type, "SCALAR") == 0 ? 1 : static_cast<std::size_t>(type[3] - '0');
     const json* view = entry(list(document_, "bufferViews"), *accessor, "bufferView");
     if (!view) return std::nullopt;
-    const std::uint64_t buffer = natural(*view, "buffer", 0), view_offset = natural(*view, "byteOffset", 0), view_size = natural(*view, "byteLength", 0);
+    const std::uint64_t buffer = natural(*view, "buffer", 0), view_offset = natural(*view, "byteOffset", 0),
+                        view_size = natural(*view, "byteLength", 0);
     const std::uint64_t offset = natural(*accessor, "byteOffset", 0), elements = natural(*accessor, "count", 0);
     const std::uint64_t stride = natural(*view, "byteStride", 0), step = stride ? stride : size * width;
     if (buffer >= buffer_size_.size() || view_offset + view_size > buffer_size_[buffer])
       say("the buffer view of \"", key, "\" reaches past the end of its buffer: ", view_offset, " + ", view_size, " bytes");
-    if (step < size * width || step > 252) say("the buffer view of \"", key, "\" has a stride of ", step, " bytes, outside ", size * width, " ... 252");
-    if (elements > kMostIndices) say("the accessor of \"", key, "\" has ", elements, " elements; at most ", kMostIndices, " are allowed");
+    if (step < size * width || step > 252)
+      say("the buffer view of \"", key, "\" has a stride of ", step, " bytes, outside ", size * width, " ... 252");
+    if (elements > kMostIndices)
+      say("the accessor of \"", key, "\" has ", elements, " elements; at most ", kMostIndices, " are allowed");
     else if (elements > 0 && offset + (elements - 1) * step + size * width > view_size)
       say("the accessor of \"", key, "\" reaches past the end of its buffer view: ", elements, " elements in ", view_size, " bytes");
     if (!fault_.empty()) return std::nullopt;
@@ -215,7 +233,8 @@ class Stripper {
     if (stride) new_view["byteStride"] = stride;
     out_["bufferViews"].push_back(std::move(new_view));
     const std::size_t number = out_["bufferViews"].size() - 1;
-    out_["accessors"].push_back({{"bufferView", number}, {"byteOffset", offset}, {"componentType", component}, {"count", elements}, {"type", type}});
+    out_["accessors"].push_back(
+        {{"bufferView", number}, {"byteOffset", offset}, {"componentType", component}, {"count", elements}, {"type", type}});
     return number;
   }
 
@@ -224,7 +243,8 @@ class Stripper {
     if (count > kMostIndices) return;
     const json& view = out_["bufferViews"][accessor["bufferView"].get<std::size_t>()];
     const std::size_t component = accessor["componentType"].get<std::size_t>(), size = component == 5121 ? 1 : component == 5123 ? 2 : 4;
-    const std::size_t start = view["byteOffset"].get<std::size_t>() + accessor["byteOffset"].get<std::size_t>(), step = view.value("byteStride", size);
+    const std::size_t start = view["byteOffset"].get<std::size_t>() + accessor["byteOffset"].get<std::size_t>(),
+                      step = view.value("byteStride", size);
     for (std::size_t i = 0; i < count; ++i) {
       std::uint32_t index = 0;
       for (std::size_t k = 0; k < size; ++k) index |= std::uint32_t{static_cast<unsigned char>(bytes_[start + i * step + k])} << (8 * k);
@@ -278,16 +298,20 @@ class Stripper {
     json copies = json::array(), roots = json::array();
     for (std::size_t n = 0; n < nodes.size(); ++n) {
       json copy = json::object();
-      for (const auto& [key, length] : {std::pair{"matrix", 16u}, std::pair{"translation", 3u}, std::pair{"rotation", 4u}, std::pair{"scale", 3u}}) {
+      for (const auto& [key, length] :
+           {std::pair{"matrix", 16u}, std::pair{"translation", 3u}, std::pair{"rotation", 4u}, std::pair{"scale", 3u}}) {
         const json& numbers = list(nodes[n], key);
         if (numbers.empty()) continue;
-        if (numbers.size() != length || !std::ranges::all_of(numbers, [](const json& x) { return x.is_number(); })) say("node ", n, ": \"", key, "\" is not ", length, " numbers");
+        if (numbers.size() != length || !std::ranges::all_of(numbers, [](const json& x) { return x.is_number(); }))
+          say("node ", n, ": \"", key, "\" is not ", length, " numbers");
         copy[key] = numbers;
       }
       if (nodes[n].is_object() && nodes[n].contains("mesh")) {
         const std::uint64_t mesh = natural(nodes[n], "mesh", 0);
-        if (mesh >= mesh_kept_.size()) say("node ", n, ": \"mesh\" points to ", mesh, " of ", mesh_kept_.size());
-        else if (mesh_kept_[mesh] != kNone) copy["mesh"] = mesh_kept_[mesh];
+        if (mesh >= mesh_kept_.size())
+          say("node ", n, ": \"mesh\" points to ", mesh, " of ", mesh_kept_.size());
+        else if (mesh_kept_[mesh] != kNone)
+          copy["mesh"] = mesh_kept_[mesh];
       }
       for (const json& child : list(nodes[n], "children")) {
         const std::uint64_t c = child.is_number_unsigned() ? child.get<std::uint64_t>() : kNone;
@@ -310,8 +334,10 @@ class Stripper {
     if (!scenes.empty()) {
       const json* scene = document_.contains("scene") ? entry(scenes, document_, "scene") : &scenes[0];
       for (const json& root : list(scene ? *scene : scenes[0], "nodes")) {
-        if (root.is_number_unsigned() && root.get<std::uint64_t>() < nodes.size()) roots.push_back(root);
-        else say("its scene has the node ", root.dump().substr(0, 40), " of ", nodes.size());
+        if (root.is_number_unsigned() && root.get<std::uint64_t>() < nodes.size())
+          roots.push_back(root);
+        else
+          say("its scene has the node ", root.dump().substr(0, 40), " of ", nodes.size());
       }
     } else {
       for (std::size_t n = 0; n < parent.size(); ++n)
@@ -337,17 +363,20 @@ class Stripper {
   std::uint64_t vertex_total_ = 0, index_total_ = 0;
 };
 
-}  // namespace
+}   // namespace
 
 Result<std::string> gltf_geometry(const std::string& content, const std::filesystem::path& folder) {
   std::string text = content, chunk;
   bool has_chunk = false;
   if (content.starts_with("glTF")) {
     if (content.size() < 20) return fail("it is cut short: ", content.size(), " bytes, and a GLB's header alone has 20");
-    if (const std::uint32_t version = little_endian(content, 4); version != 2) return fail("it is GLB version ", version, "; only 2 can be read");
-    if (const std::uint32_t size = little_endian(content, 8); size > content.size()) return fail("it is cut short: it has ", content.size(), " of ", size, " bytes");
+    if (const std::uint32_t version = little_endian(content, 4); version != 2)
+      return fail("it is GLB version ", version, "; only 2 can be read");
+    if (const std::uint32_t size = little_endian(content, 8); size > content.size())
+      return fail("it is cut short: it has ", content.size(), " of ", size, " bytes");
     const std::size_t text_size = little_endian(content, 12);
-    if (text_size > content.size() - 20 || content.compare(16, 4, "JSON") != 0) return fail("its first chunk is not JSON or is ", text_size, " bytes long, more than the file has");
+    if (text_size > content.size() - 20 || content.compare(16, 4, "JSON") != 0)
+      return fail("its first chunk is not JSON or is ", text_size, " bytes long, more than the file has");
     text = content.substr(20, text_size);
     const std::size_t next = 20 + (text_size + 3) / 4 * 4;
     if (next + 8 <= content.size() && content.compare(next + 4, 4, std::string("BIN\0", 4)) == 0) {
@@ -363,4 +392,4 @@ Result<std::string> gltf_geometry(const std::string& content, const std::filesys
   return Stripper(document, has_chunk ? &chunk : nullptr, folder).strip();
 }
 
-}  // namespace weft::parts
+}   // namespace weft::parts

@@ -15,7 +15,7 @@ void add_vertex(Mesh& mesh, const Grid& grid, double s, double t) {
   mesh.render.uvs.push_back({static_cast<float>(s), static_cast<float>(grid.upright ? 1 - t : t)});
 }
 
-}  // namespace
+}   // namespace
 
 Mesh make_grid(const Grid& grid) {
   assert(grid.cells_x >= 1 && grid.cells_x <= 2048 && grid.cells_y >= 1 && grid.cells_y <= 2048);
@@ -67,4 +67,4 @@ Mesh make_grid(const Grid& grid) {
   return mesh;
 }
 
-}  // namespace weft
+}   // namespace weft

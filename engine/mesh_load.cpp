@@ -29,7 +29,7 @@ Result<std::string> read_file(const std::filesystem::path& file) {
   return content;
 }
 
-}  // namespace parts
+}   // namespace parts
 
 namespace {
 
@@ -140,7 +140,9 @@ void join_copies(RenderMesh& render) {
     const Vec3 p = render.positions[v], n = render.normals[v];
     const Vec4 t = render.tangents[v];
     const Vec2 uv = render.uvs[v];
-    keys[v] = {std::bit_cast<std::array<std::uint32_t, 12>>(std::array<float, 12>{p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y, t.z, t.w, uv.x, uv.y}), v};
+    keys[v] = {
+        std::bit_cast<std::array<std::uint32_t, 12>>(std::array<float, 12>{p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y, t.z, t.w, uv.x, uv.y}),
+        v};
   }
   std::sort(keys.begin(), keys.end());
   std::vector<std::uint32_t> first(keys.size());
@@ -195,7 +197,8 @@ Result<Mesh> load(const std::filesystem::path& file) {
   }
   Harvest harvest = gather(*scene);
   if (harvest.too_many) return fail(file.string(), " has more than ", kMostVertices, " vertices");
-  if (harvest.bad_indices) return fail(file.string(), ": ", harvest.bad_indices, " triangles point past the last vertex of their primitive");
+  if (harvest.bad_indices)
+    return fail(file.string(), ": ", harvest.bad_indices, " triangles point past the last vertex of their primitive");
   if (kind == ".obj" || harvest.render.positions.size() >= 3 * harvest.render.triangles.size()) join_copies(harvest.render);
   Result<Mesh> mesh = weld_mesh(std::move(harvest.render));
   if (!mesh) return fail(file.string(), ": ", mesh.error());
@@ -210,7 +213,7 @@ Result<Mesh> load(const std::filesystem::path& file) {
   return mesh;
 }
 
-}  // namespace
+}   // namespace
 
 Result<Mesh> load_mesh(const std::filesystem::path& file) {
   // assimp throws on some damaged files, and memory can run out on any; neither may reach a caller.
@@ -221,4 +224,4 @@ Result<Mesh> load_mesh(const std::filesystem::path& file) {
   }
 }
 
-}  // namespace weft
+}   // namespace weft

@@ -53,7 +53,8 @@ class Stripper {
     }
     for (const Kind kind : {position, uv, normal})
       if (fault_.empty() && highest_[kind] > count_[kind])
-        fault_ = fail("line ", highest_line_[kind], " refers to ", kKeyword[kind], " number ", highest_[kind], " of ", count_[kind]).message;
+        fault_ =
+            fail("line ", highest_line_[kind], " refers to ", kKeyword[kind], " number ", highest_[kind], " of ", count_[kind]).message;
     if (!fault_.empty()) return Error{fault_};
     if (face_count_ == 0) return fail("it has no triangle; perhaps it is not an OBJ file");
     return std::move(out_);
@@ -74,8 +75,10 @@ class Stripper {
     if (keyword != "l" && keyword != "p") return;
     std::size_t corners = 0;
     while (!next_word(line).empty()) ++corners;
-    if (keyword == "p") out_.points += corners;
-    else if (corners > 1) out_.lines += corners - 1;
+    if (keyword == "p")
+      out_.points += corners;
+    else if (corners > 1)
+      out_.lines += corners - 1;
   }
 
   void take_numbers(Kind kind, std::string_view line) {
@@ -143,8 +146,8 @@ class Stripper {
   std::array<std::size_t, 3> highest_line_{};
 };
 
-}  // namespace
+}   // namespace
 
 Result<ObjGeometry> obj_geometry(std::string_view content) { return Stripper().strip(content); }
 
-}  // namespace weft::parts
+}   // namespace weft::parts

@@ -51,7 +51,8 @@ std::string count_of(std::size_t count, const char* one, const char* many) {
 }
 
 /// For each vertex the lowest one that it is welded to. `used` vertices only; the others stay alone.
-std::vector<std::uint32_t> weld(std::span<const Vec3> positions, const std::vector<std::uint8_t>& used, const Vector3d& low, double tolerance) {
+std::vector<std::uint32_t> weld(std::span<const Vec3> positions, const std::vector<std::uint8_t>& used, const Vector3d& low,
+                                double tolerance) {
   // The diagonal is a million tolerances, so a coordinate is below sqrt(3) million cells: 21 bits, with room for two cells around.
   struct Cell {
     std::uint64_t key;
@@ -93,7 +94,8 @@ std::vector<std::uint32_t> weld(std::span<const Vec3> positions, const std::vect
   for (int dx = 0; dx <= 2; ++dx)
     for (int dy = dx == 0 ? 0 : -2; dy <= 2; ++dy) {
       // Unsigned wrap-around is meant: only the sum of key and offset counts, and it is never negative.
-      const std::uint64_t row = static_cast<std::uint64_t>(dx) * x_step + static_cast<std::uint64_t>(static_cast<std::int64_t>(dy)) * y_step;
+      const std::uint64_t row =
+          static_cast<std::uint64_t>(dx) * x_step + static_cast<std::uint64_t>(static_cast<std::int64_t>(dy)) * y_step;
       const bool own_row = dx == 0 && dy == 0;
       std::size_t first = 0;
       for (std::size_t c = 0; c < cell_count; ++c) {
@@ -128,13 +130,16 @@ Result<void> check_lists(const RenderMesh& render) {
       ++bad;
       first = t;
     }
-  if (bad) return fail(bad, " of ", render.triangles.size(), " triangles ", bad == 1 ? "points" : "point", " past the last of ", count, " vertices, the first is triangle ", first);
+  if (bad)
+    return fail(bad, " of ", render.triangles.size(), " triangles ", bad == 1 ? "points" : "point", " past the last of ", count,
+                " vertices, the first is triangle ", first);
   if (render.triangles.empty()) return fail("the mesh has no triangle");
   return {};
 }
 
 /// Keeps the triangles that have an area and are no copies; `lowest` is what weld returned.
-std::vector<Triangle> sound_triangles(const RenderMesh& render, std::span<const std::uint32_t> lowest, double diagonal, std::vector<std::string>& mended) {
+std::vector<Triangle> sound_triangles(const RenderMesh& render, std::span<const std::uint32_t> lowest, double diagonal,
+                                      std::vector<std::string>& mended) {
   struct Key {
     Triangle sorted;
     std::uint32_t triangle;
@@ -153,13 +158,16 @@ std::vector<Triangle> sound_triangles(const RenderMesh& render, std::span<const 
     keys.push_back({points, t});
   }
   if (const std::size_t flat = render.triangles.size() - keys.size())
-    mended.push_back(count_of(flat, "triangle had", "triangles had") + " no area (a repeated point, or less than 1e-12 of the squared diagonal) and " + (flat == 1 ? "was" : "were") + " dropped");
+    mended.push_back(count_of(flat, "triangle had", "triangles had") +
+                     " no area (a repeated point, or less than 1e-12 of the squared diagonal) and " + (flat == 1 ? "was" : "were") +
+                     " dropped");
 
   std::sort(keys.begin(), keys.end());
   const std::size_t before = keys.size();
   keys.erase(std::unique(keys.begin(), keys.end(), [](const Key& l, const Key& r) { return l.sorted == r.sorted; }), keys.end());
   if (const std::size_t copies = before - keys.size())
-    mended.push_back(count_of(copies, "triangle lay", "triangles lay") + " on the same three points as an earlier one and " + (copies == 1 ? "was" : "were") + " dropped");
+    mended.push_back(count_of(copies, "triangle lay", "triangles lay") + " on the same three points as an earlier one and " +
+                     (copies == 1 ? "was" : "were") + " dropped");
 
   std::sort(keys.begin(), keys.end(), [](const Key& l, const Key& r) { return l.triangle < r.triangle; });
   std::vector<Triangle> kept;
@@ -199,7 +207,8 @@ void mend_winding(Mesh& mesh) {
     std::swap(mesh.render.triangles[t][1], mesh.render.triangles[t][2]);
   }
   if (const std::size_t turned = orientation.turn.size()) {
-    mesh.mended.push_back(count_of(turned, "triangle was", "triangles were") + " wound against the neighbours and turned; normals were made anew");
+    mesh.mended.push_back(count_of(turned, "triangle was", "triangles were") +
+                          " wound against the neighbours and turned; normals were made anew");
     mesh.render.normals.clear();
     mesh.render.tangents.clear();
   }
@@ -207,7 +216,7 @@ void mend_winding(Mesh& mesh) {
     mesh.mended.push_back(count_of(twisted, "connected piece", "connected pieces") + " cannot be oriented, as a Moebius strip cannot");
 }
 
-}  // namespace
+}   // namespace
 
 Result<Mesh> weld_mesh(RenderMesh render) {
   if (Result<void> checked = check_lists(render); !checked) return checked.take_error();
@@ -229,7 +238,8 @@ Result<Mesh> weld_mesh(RenderMesh render) {
   if (render.triangles.empty()) return fail("none of the ", triangle_count, " triangles has an area");
   const std::vector<std::uint32_t> old_index = drop_unused(render);
   if (const std::size_t unused = vertex_count - old_index.size())
-    mesh.mended.push_back(count_of(unused, "vertex", "vertices") + " belonged to no triangle (or to dropped ones) and " + (unused == 1 ? "was" : "were") + " dropped");
+    mesh.mended.push_back(count_of(unused, "vertex", "vertices") + " belonged to no triangle (or to dropped ones) and " +
+                          (unused == 1 ? "was" : "were") + " dropped");
 
   std::vector<std::uint32_t> point_at(vertex_count, kNone);   // by lowest welded vertex
   mesh.point_of.reserve(old_index.size());
@@ -249,7 +259,9 @@ Result<Mesh> weld_mesh(RenderMesh render) {
   std::uint32_t non_manifold = 0;
   mesh.edges = winged_edges(mesh.triangles, &non_manifold);
   if (non_manifold)
-    mesh.mended.push_back(count_of(non_manifold, "edge lies", "edges lie") + " between more than two triangles or two that face opposite ways; two that fit stay neighbours, the others hang on by their points");
+    mesh.mended.push_back(count_of(non_manifold, "edge lies", "edges lie") +
+                          " between more than two triangles or two that face opposite ways; two that fit stay neighbours, the others hang "
+                          "on by their points");
 
   parts::complete_normals(mesh.render, mesh.point_of, mesh.points, mesh.triangles);
   parts::complete_uvs(mesh.render);
@@ -257,4 +269,4 @@ Result<Mesh> weld_mesh(RenderMesh render) {
   return mesh;
 }
 
-}  // namespace weft
+}   // namespace weft

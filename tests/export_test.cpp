@@ -105,5 +105,5 @@ TEST(Export, a_place_that_cannot_be_written_is_a_sentence_and_leaves_nothing) {
   EXPECT_FALSE(std::filesystem::exists(folder / "full.glb"));
 }
 
-}  // namespace
-}  // namespace weft
+}   // namespace
+}   // namespace weft

@@ -108,7 +108,8 @@ TEST(MeshFaults, an_index_past_the_last_vertex_is_refused) {
 
 TEST(MeshFaults, a_vertex_that_is_not_finite_is_refused_with_its_place) {
   const Folder folder;
-  expect_says(refusal(folder.write("nan.obj", "v 0 0 0\nv 1 0 0\nv 0 nan 0\nf 1 2 3\n")), "1 of 3 vertices is not finite, the first is vertex 2");
+  expect_says(refusal(folder.write("nan.obj", "v 0 0 0\nv 1 0 0\nv 0 nan 0\nf 1 2 3\n")),
+              "1 of 3 vertices is not finite, the first is vertex 2");
   Gltf gltf = triangle();
   gltf.json["nodes"][0]["scale"] = {1e38, 1, 1};
   gltf.json["nodes"].push_back({{"children", {0}}, {"scale", {1e38, 1, 1}}});
@@ -208,5 +209,5 @@ TEST(MeshFaults, a_damaged_obj_never_crashes) {
   damage(text.str(), "damaged.obj", 400);
 }
 
-}  // namespace
-}  // namespace weft
+}   // namespace
+}   // namespace weft

@@ -19,7 +19,8 @@ class Folder {
  public:
   Folder() {
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    path_ = std::filesystem::temp_directory_path() / (std::string("weft_") + test->test_suite_name() + "_" + test->name() + "_" + std::to_string(getpid()));
+    path_ = std::filesystem::temp_directory_path() /
+            (std::string("weft_") + test->test_suite_name() + "_" + test->name() + "_" + std::to_string(getpid()));
     std::filesystem::create_directories(path_);
   }
   ~Folder() { std::filesystem::remove_all(path_); }
@@ -43,7 +44,11 @@ inline std::string slurp(const std::filesystem::path& file) {
 
 /// A glTF document with one external buffer, mesh.bin. One mesh; `json` may be edited before it is written.
 struct Gltf {
-  nlohmann::json json{{"asset", {{"version", "2.0"}}}, {"scene", 0}, {"scenes", {{{"nodes", {0}}}}}, {"nodes", {{{"mesh", 0}}}}, {"meshes", {{{"primitives", nlohmann::json::array()}}}}};
+  nlohmann::json json{{"asset", {{"version", "2.0"}}},
+                      {"scene", 0},
+                      {"scenes", {{{"nodes", {0}}}}},
+                      {"nodes", {{{"mesh", 0}}}},
+                      {"meshes", {{{"primitives", nlohmann::json::array()}}}}};
   std::string bytes;
 
   template <class T>
@@ -51,7 +56,8 @@ struct Gltf {
     bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
     const std::size_t size = values.size() * sizeof(T);
     json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", bytes.size()}, {"byteLength", size}});
-    json["accessors"].push_back({{"bufferView", json["bufferViews"].size() - 1}, {"componentType", component}, {"count", values.size() / width}, {"type", type}});
+    json["accessors"].push_back(
+        {{"bufferView", json["bufferViews"].size() - 1}, {"componentType", component}, {"count", values.size() / width}, {"type", type}});
     bytes.append(reinterpret_cast<const char*>(values.data()), size);
     return json["accessors"].size() - 1;
   }
@@ -76,4 +82,4 @@ struct Gltf {
   }
 };
 
-}  // namespace weft::test
+}   // namespace weft::test

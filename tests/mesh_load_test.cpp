@@ -33,7 +33,9 @@ TEST(MeshLoad, indices_of_8_16_and_32_bits_give_the_same_mesh) {
   for (const int bits : {8, 16, 32}) {
     Gltf gltf;
     const std::size_t position = gltf.vec3(kSquare);
-    const std::size_t indices = bits == 8 ? gltf.indices8({0, 1, 2, 0, 2, 3}) : bits == 16 ? gltf.indices16({0, 1, 2, 0, 2, 3}) : gltf.indices32({0, 1, 2, 0, 2, 3});
+    const std::size_t indices = bits == 8    ? gltf.indices8({0, 1, 2, 0, 2, 3})
+                                : bits == 16 ? gltf.indices16({0, 1, 2, 0, 2, 3})
+                                             : gltf.indices32({0, 1, 2, 0, 2, 3});
     gltf.primitive(position)["indices"] = indices;
     const Result<Mesh> mesh = load_written(gltf);
     ASSERT_TRUE(mesh) << mesh.error();
@@ -56,7 +58,9 @@ TEST(MeshLoad, a_primitive_without_indices_is_welded_and_joined) {
 TEST(MeshLoad, strips_and_fans_are_unrolled_with_their_winding) {
   for (const int mode : {5, 6}) {
     Gltf gltf;
-    gltf.primitive(gltf.vec3(mode == 5 ? std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0} : std::vector<float>{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, -1, 1, 0}), mode);
+    gltf.primitive(gltf.vec3(mode == 5 ? std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0}
+                                       : std::vector<float>{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, -1, 1, 0}),
+                   mode);
     const Result<Mesh> mesh = load_written(gltf);
     ASSERT_TRUE(mesh) << mesh.error();
     EXPECT_EQ(mesh->triangles.size(), 3u);
@@ -90,8 +94,8 @@ TEST(MeshLoad, several_primitives_become_one_cloth_sewn_where_they_touch) {
   EXPECT_EQ(mesh->render.positions.size(), 8u);
   EXPECT_EQ(mesh->points.size(), 6u);
   EXPECT_EQ(mesh->edges.size(), 9u);
-  EXPECT_EQ(mesh->render.uvs[4], (Vec2{0, 1}));                       // its own, as the file has it
-  EXPECT_EQ(mesh->render.uvs[2], (Vec2{0.5f, 0}));                    // projected: 2 m wide, 1 m high
+  EXPECT_EQ(mesh->render.uvs[4], (Vec2{0, 1}));      // its own, as the file has it
+  EXPECT_EQ(mesh->render.uvs[2], (Vec2{0.5f, 0}));   // projected: 2 m wide, 1 m high
 }
 
 TEST(MeshLoad, a_file_s_own_normals_and_tangents_are_kept) {
@@ -133,7 +137,10 @@ TEST(MeshLoad, a_mirroring_node_turns_the_winding_so_that_normals_still_agree) {
   auto& primitive = gltf.primitive(position);
   primitive["indices"] = indices;
   primitive["attributes"]["NORMAL"] = normal;
-  for (const auto& [scale, out] : {std::pair{Vec3{-1, 1, 1}, Vec3{0, 0, 1}}, {Vec3{1, 1, -3}, Vec3{0, 0, -1}}, {Vec3{-1, -2, -1}, Vec3{0, 0, -1}}, {Vec3{-1, -1, 1}, Vec3{0, 0, 1}}}) {
+  for (const auto& [scale, out] : {std::pair{Vec3{-1, 1, 1}, Vec3{0, 0, 1}},
+                                   {Vec3{1, 1, -3}, Vec3{0, 0, -1}},
+                                   {Vec3{-1, -2, -1}, Vec3{0, 0, -1}},
+                                   {Vec3{-1, -1, 1}, Vec3{0, 0, 1}}}) {
     gltf.json["nodes"][0]["scale"] = {scale.x, scale.y, scale.z};
     const Result<Mesh> mesh = load_written(gltf);
     ASSERT_TRUE(mesh) << mesh.error();
@@ -176,7 +183,9 @@ TEST(MeshLoad, materials_animations_and_unknown_extras_do_not_matter) {
 
 TEST(MeshLoad, an_obj_with_quads_and_without_normals_or_uvs_loads) {
   const Folder folder;
-  const Result<Mesh> mesh = load_mesh(folder.write("two.OBJ", "mtllib nowhere.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nusemtl red\nf 1 2 3 4\nusemtl blue\nf -5 -2 -1 -4\n"));
+  const Result<Mesh> mesh = load_mesh(folder.write(
+      "two.OBJ",
+      "mtllib nowhere.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nusemtl red\nf 1 2 3 4\nusemtl blue\nf -5 -2 -1 -4\n"));
   ASSERT_TRUE(mesh) << mesh.error();
   EXPECT_EQ(mesh->points.size(), 6u);
   EXPECT_EQ(mesh->render.positions.size(), 6u);
@@ -186,7 +195,8 @@ TEST(MeshLoad, an_obj_with_quads_and_without_normals_or_uvs_loads) {
 
 TEST(MeshLoad, an_obj_s_lines_points_comments_and_continued_lines_are_understood) {
   const Folder folder;
-  const Result<Mesh> mesh = load_mesh(folder.write("a.obj", "v +0 0 0 # origin\r\nv 1 0 0\r\nv 0 \\\r\n 1e0 0\r\np 1 2\r\nl 1 2 3\r\ncurv 0 1 2\r\nf 1// 2/ \\\r\n 3"));
+  const Result<Mesh> mesh = load_mesh(
+      folder.write("a.obj", "v +0 0 0 # origin\r\nv 1 0 0\r\nv 0 \\\r\n 1e0 0\r\np 1 2\r\nl 1 2 3\r\ncurv 0 1 2\r\nf 1// 2/ \\\r\n 3"));
   ASSERT_TRUE(mesh) << mesh.error();
   EXPECT_EQ(mesh->points, (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
   EXPECT_EQ(mesh->mended, (std::vector<std::string>{"2 points were left out", "2 lines were left out"}));
@@ -247,5 +257,5 @@ TEST(MeshLoad, the_pbd_library_s_sheet_and_torus_load_without_a_seam) {
   EXPECT_TRUE(sheet->mended.empty() && torus->mended.empty());
 }
 
-}  // namespace
-}  // namespace weft
+}   // namespace
+}   // namespace weft

@@ -133,9 +133,9 @@ TEST(Mesh, a_grid_faces_up_or_forward_and_its_normals_and_tangents_agree_with_it
 
 TEST(Mesh, a_picture_on_a_grid_is_upright_and_not_mirrored) {
   const Mesh standing = make_grid(grid_of(4, 4, Topology::diagonal, true)), lying = make_grid(grid_of(4, 4, Topology::diagonal));
-  EXPECT_EQ(standing.render.uvs[0], (Vec2{0, 1}));    // low corner of a standing cloth: lower left of the picture
+  EXPECT_EQ(standing.render.uvs[0], (Vec2{0, 1}));   // low corner of a standing cloth: lower left of the picture
   EXPECT_EQ(standing.render.uvs[24], (Vec2{1, 0}));
-  EXPECT_EQ(lying.render.uvs[0], (Vec2{0, 0}));       // -x, -z: the far left corner for whoever stands at +z and looks down
+  EXPECT_EQ(lying.render.uvs[0], (Vec2{0, 0}));   // -x, -z: the far left corner for whoever stands at +z and looks down
   EXPECT_EQ(lying.render.uvs[24], (Vec2{1, 1}));
 }
 
@@ -148,7 +148,7 @@ TEST(Mesh, a_transform_scales_then_rotates_then_translates) {
   transform.degrees = 90;
   transform.translate = {0, 5, 0};
   transform_mesh(mesh, transform);
-  EXPECT_NEAR(mesh.points[0].x, 0, 1e-6);    // (-0.5, 0, -0.5) -> (-1, 0, -1) -> (0, -1, -1) -> (0, 4, -1)
+  EXPECT_NEAR(mesh.points[0].x, 0, 1e-6);   // (-0.5, 0, -0.5) -> (-1, 0, -1) -> (0, -1, -1) -> (0, 4, -1)
   EXPECT_NEAR(mesh.points[0].y, 4, 1e-6);
   EXPECT_NEAR(mesh.points[0].z, -1, 1e-6);
   EXPECT_EQ(mesh.render.positions[0], mesh.points[0]);
@@ -169,9 +169,7 @@ TEST(Mesh, a_normal_does_not_depend_on_how_a_face_is_cut) {
   EXPECT_NEAR(normal.z, third, 1e-6);
 }
 
-TEST(Mesh, a_vertex_without_a_face_gets_an_upward_normal) {
-  EXPECT_EQ(smooth_normals(std::vector<Vec3>(1), {})[0], (Vec3{0, 1, 0}));
-}
+TEST(Mesh, a_vertex_without_a_face_gets_an_upward_normal) { EXPECT_EQ(smooth_normals(std::vector<Vec3>(1), {})[0], (Vec3{0, 1, 0})); }
 
-}  // namespace
-}  // namespace weft
+}   // namespace
+}   // namespace weft

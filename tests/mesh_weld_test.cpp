@@ -189,10 +189,12 @@ TEST(Weld, a_moebius_strip_is_kept_and_said_to_be_one) {
   for (std::uint32_t i = 0; i < count; ++i)
     for (const double side : {-0.3, 0.3}) {
       const double turn = 2 * std::numbers::pi * i / count, radius = 1 + side * std::cos(turn / 2);
-      mesh.positions.push_back({static_cast<float>(radius * std::cos(turn)), static_cast<float>(radius * std::sin(turn)), static_cast<float>(side * std::sin(turn / 2))});
+      mesh.positions.push_back({static_cast<float>(radius * std::cos(turn)), static_cast<float>(radius * std::sin(turn)),
+                                static_cast<float>(side * std::sin(turn / 2))});
     }
   for (std::uint32_t i = 0; i < count; ++i) {
-    const std::uint32_t a = 2 * i, b = a + 1, next = (2 * i + 2) % (2 * count), c = i + 1 == count ? 1 : next, d = i + 1 == count ? 0 : next + 1;
+    const std::uint32_t a = 2 * i, b = a + 1, next = (2 * i + 2) % (2 * count), c = i + 1 == count ? 1 : next,
+                        d = i + 1 == count ? 0 : next + 1;
     mesh.triangles.push_back({a, c, b});
     mesh.triangles.push_back({b, c, d});
   }
@@ -273,5 +275,5 @@ TEST(Weld, what_cannot_be_a_mesh_is_refused_with_a_sentence) {
   EXPECT_EQ(weld_mesh({}).error(), "the mesh has no triangle");
 }
 
-}  // namespace
-}  // namespace weft
+}   // namespace
+}   // namespace weft
