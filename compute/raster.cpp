@@ -1,5 +1,6 @@
 #include "compute/raster.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cstring>
 
@@ -35,7 +36,9 @@ VkRenderingAttachmentInfo attachment(const DeviceImage& image, VkImageLayout lay
   return info;
 }
 
-bool is_image(VkDescriptorType type) { return type != VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER && type != VK_DESCRIPTOR_TYPE_STORAGE_BUFFER; }
+bool is_image(VkDescriptorType type) {
+  return type != VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER && type != VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+}
 
 }  // namespace
 
@@ -61,7 +64,8 @@ Result<DeviceImage> DeviceImage::create(const Device& device, const ImageRequest
     return fail("image \"", request.name, "\" is ", request.size.width, " x ", request.size.height, " pixels, but ", device.name(),
                 " takes at most ", largest, " a side");
   VkImage image = VK_NULL_HANDLE;
-  if (VkResult r = device.vk().vkCreateImage(device.handle(), &info, nullptr, &image)) return refused("image", request.name, r);
+  if (VkResult r = device.vk().vkCreateImage(device.handle(), &info, nullptr, &image))
+    return refused("image", request.name, r);
   made.image_ = OwnedImage(device, image);
   device.name_object(VK_OBJECT_TYPE_IMAGE, image, request.name);
 
@@ -75,7 +79,8 @@ Result<DeviceImage> DeviceImage::create(const Device& device, const ImageRequest
     return fail(needs.size, " bytes for image \"", request.name, "\" could not be allocated: ", result_name(r));
   made.memory_ = OwnedMemory(device, memory);
   device.name_object(VK_OBJECT_TYPE_DEVICE_MEMORY, memory, request.name);
-  if (VkResult r = device.vk().vkBindImageMemory(device.handle(), image, memory, 0)) return refused("memory of image", request.name, r);
+  if (VkResult r = device.vk().vkBindImageMemory(device.handle(), image, memory, 0))
+    return refused("memory of image", request.name, r);
 
   auto view = typed<VkImageViewCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO);
   view.image = image;
@@ -83,13 +88,15 @@ Result<DeviceImage> DeviceImage::create(const Device& device, const ImageRequest
   view.format = request.format;
   view.subresourceRange = {made.aspect(), 0, request.levels, 0, 1};
   VkImageView handle = VK_NULL_HANDLE;
-  if (VkResult r = device.vk().vkCreateImageView(device.handle(), &view, nullptr, &handle)) return refused("image view", request.name, r);
+  if (VkResult r = device.vk().vkCreateImageView(device.handle(), &view, nullptr, &handle))
+    return refused("image view", request.name, r);
   made.view_ = OwnedImageView(device, handle);
   device.name_object(VK_OBJECT_TYPE_IMAGE_VIEW, handle, request.name);
   return made;
 }
 
-void change_use(const Device& device, VkCommandBuffer commands, const DeviceImage& image, const ImageUse& from, const ImageUse& to) {
+void change_use(const Device& device, VkCommandBuffer commands, const DeviceImage& image, const ImageUse& from,
+                const ImageUse& to) {
   auto barrier = typed<VkImageMemoryBarrier2>(VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2);
   barrier.srcStageMask = from.stages;
   barrier.srcAccessMask = from.access;
@@ -125,7 +132,7 @@ Result<DeviceImage> create_texture(const Device& device, std::string_view name, 
       VkBufferImageCopy copy{};
       copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, i, 0, 1};
       copy.imageExtent = {std::max(size.width >> i, 1u), std::max(size.height >> i, 1u), 1};
-      device.vk().vkCmdCopyBufferToImage(commands, (*staging)[i].handle, image->handle(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+      device.vk().vkCmdCopyBufferToImage(commands, (*staging)[i].handle, image->handle(), kCopyDestination.layout, 1, &copy);
     }
     change_use(device, commands, *image, kCopyDestination, kSampled);
   });
@@ -143,7 +150,8 @@ Result<OwnedSampler> create_sampler(const Device& device, std::string_view name,
   info.compareOp = VK_COMPARE_OP_LESS_OR_EQUAL;
   info.maxLod = VK_LOD_CLAMP_NONE;
   VkSampler sampler = VK_NULL_HANDLE;
-  if (VkResult r = device.vk().vkCreateSampler(device.handle(), &info, nullptr, &sampler)) return refused("sampler", name, r);
+  if (VkResult r = device.vk().vkCreateSampler(device.handle(), &info, nullptr, &sampler))
+    return refused("sampler", name, r);
   device.name_object(VK_OBJECT_TYPE_SAMPLER, sampler, name);
   return OwnedSampler(device, sampler);
 }
@@ -157,7 +165,8 @@ Result<DrawSet> DrawSet::create(const Device& device, std::string_view name, con
   info.poolSizeCount = static_cast<uint32_t>(sizes.size());
   info.pPoolSizes = sizes.data();
   VkDescriptorPool pool = VK_NULL_HANDLE;
-  if (VkResult r = device.vk().vkCreateDescriptorPool(device.handle(), &info, nullptr, &pool)) return refused("descriptor pool", name, r);
+  if (VkResult r = device.vk().vkCreateDescriptorPool(device.handle(), &info, nullptr, &pool))
+    return refused("descriptor pool", name, r);
   DrawSet made;
   made.pool_ = OwnedDescriptorPool(device, pool);
   device.name_object(VK_OBJECT_TYPE_DESCRIPTOR_POOL, pool, name);
@@ -167,7 +176,8 @@ Result<DrawSet> DrawSet::create(const Device& device, std::string_view name, con
   allocate.descriptorPool = pool;
   allocate.descriptorSetCount = 1;
   allocate.pSetLayouts = &handle;
-  if (VkResult r = device.vk().vkAllocateDescriptorSets(device.handle(), &allocate, &made.set_)) return refused("descriptor set", name, r);
+  if (VkResult r = device.vk().vkAllocateDescriptorSets(device.handle(), &allocate, &made.set_))
+    return refused("descriptor set", name, r);
   device.name_object(VK_OBJECT_TYPE_DESCRIPTOR_SET, made.set_, name);
 
   std::vector<VkWriteDescriptorSet> writes;
@@ -176,7 +186,8 @@ Result<DrawSet> DrawSet::create(const Device& device, std::string_view name, con
     write.descriptorType = VK_DESCRIPTOR_TYPE_MAX_ENUM;
     for (const DescriptorBinding& binding : layout.bindings())
       if (binding.binding == bound.binding) write.descriptorType = binding.type;
-    if (write.descriptorType == VK_DESCRIPTOR_TYPE_MAX_ENUM) return fail("descriptor set \"", name, "\" has no binding ", bound.binding);
+    if (write.descriptorType == VK_DESCRIPTOR_TYPE_MAX_ENUM)
+      return fail("descriptor set \"", name, "\" has no binding ", bound.binding);
     write.dstSet = made.set_;
     write.dstBinding = bound.binding;
     write.descriptorCount = 1;
@@ -199,8 +210,8 @@ Result<OwnedPipeline> create_draw_pipeline(const Device& device, const DrawPipel
     if (!module) return module.take_error();
     fragment = std::move(*module);
   }
-  VkPipelineShaderStageCreateInfo stages[2] = {typed<VkPipelineShaderStageCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO),
-                                               typed<VkPipelineShaderStageCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO)};
+  VkPipelineShaderStageCreateInfo stages[2] = {};
+  stages[0].sType = stages[1].sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
   stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT;
   stages[0].module = vertex->get();
   stages[1].stage = VK_SHADER_STAGE_FRAGMENT_BIT;

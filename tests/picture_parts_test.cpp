@@ -1,6 +1,13 @@
 // What pictures are made with that needs no device: files, mip levels, the sky in closed form.
 #include <gtest/gtest.h>
 
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb/stb_image_write.h>
+#pragma GCC diagnostic pop
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -43,6 +50,18 @@ TEST(Png, a_file_cut_short_is_a_sentence) {
   std::filesystem::remove(file);
 }
 
+TEST(Jpeg, a_picture_is_read) {
+  const std::filesystem::path file = testing::TempDir() + "weft_grey.jpg";
+  const std::vector<std::uint8_t> grey(3 * 16 * 8, 130);
+  ASSERT_TRUE(stbi_write_jpg(file.c_str(), 16, 8, 3, grey.data(), 90));
+  auto read = read_image(file);
+  ASSERT_TRUE(read) << read.error();
+  EXPECT_EQ(read->width, 16u);
+  EXPECT_EQ(read->height, 8u);
+  EXPECT_NEAR(read->rgba[4 * 37], 130, 2);
+  std::filesystem::remove(file);
+}
+
 TEST(Png, a_folder_is_not_a_picture) {
   auto read = read_image(testing::TempDir());
   ASSERT_FALSE(read);
@@ -51,7 +70,8 @@ TEST(Png, a_folder_is_not_a_picture) {
 
 TEST(MipLevels, average_colours_in_linear_light_and_data_as_it_is) {
   const Image board{2, 2, {0, 0, 0, 255, 255, 255, 255, 255, 255, 255, 255, 255, 0, 0, 0, 255}};
-  const auto colour = shading::mip_levels(board, shading::Content::colour), data = shading::mip_levels(board, shading::Content::data);
+  const auto colour = shading::mip_levels(board, shading::Content::colour);
+  const auto data = shading::mip_levels(board, shading::Content::data);
   ASSERT_EQ(colour.size(), 2u);
   EXPECT_EQ(std::to_integer<int>(colour[1][0]), 188);  // half the light, encoded as sRGB
   EXPECT_EQ(std::to_integer<int>(data[1][0]), 128);

@@ -53,11 +53,12 @@ void Shading::State::record_screen(const compute::DeviceImage& target, VkPipelin
   change_use(*device, commands, target, compute::kColourTarget, compute::kSampled);
 }
 
-void Shading::State::record(const Poses& poses) {
+Result<void> Shading::State::record(const Poses& poses) {
   const compute::Functions& vk = device->vk();
   auto begin = compute::typed<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-  vk.vkBeginCommandBuffer(commands, &begin);
+  if (VkResult r = vk.vkBeginCommandBuffer(commands, &begin))
+    return fail("the picture's command buffer could not be begun: ", compute::result_name(r));
 
   auto barrier = compute::typed<VkMemoryBarrier2>(VK_STRUCTURE_TYPE_MEMORY_BARRIER_2);
   barrier.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
@@ -90,7 +91,11 @@ void Shading::State::record(const Poses& poses) {
   change_use(*device, commands, targets.picture, compute::kUnused, compute::kColourTarget);
   change_use(*device, commands, targets.sample_depth, compute::kUnused, compute::kDepthTarget);
   compute::begin_drawing(*device, commands,
-                         {.colour = &targets.samples, .resolve = &targets.picture, .depth = &targets.sample_depth, .clear_depth = 0, .keep_depth = false});
+                         {.colour = &targets.samples,
+                          .resolve = &targets.picture,
+                          .depth = &targets.sample_depth,
+                          .clear_depth = 0,
+                          .keep_depth = false});
   record_cloths(poses, pipelines.cloth.get(), WEFT_VIEW_CAMERA);
   record_solids(pipelines.solid.get(), WEFT_VIEW_CAMERA);
   const VkDescriptorSet set = frame_set.set.handle();
@@ -109,7 +114,9 @@ void Shading::State::record(const Poses& poses) {
   barrier.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT;
   barrier.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT;
   vk.vkCmdPipelineBarrier2(commands, &dependency);
-  vk.vkEndCommandBuffer(commands);
+  if (VkResult r = vk.vkEndCommandBuffer(commands))
+    return fail("the picture's command buffer could not be recorded: ", compute::result_name(r));
+  return {};
 }
 
 }  // namespace weft

@@ -52,7 +52,8 @@ Result<Image> read_image(const std::filesystem::path& file) {
 
 Result<void> write_png(const std::filesystem::path& file, const Image& image) {
   if (image.width == 0 || image.height == 0 || image.rgba.size() != std::size_t{4} * image.width * image.height)
-    return fail("picture \"", file.string(), "\" of ", image.width, " x ", image.height, " pixels has ", image.rgba.size(), " bytes");
+    return fail("picture \"", file.string(), "\" of ", image.width, " x ", image.height, " pixels has ", image.rgba.size(),
+                " bytes; needed are 4 a pixel");
   std::vector<char> bytes;
   const int width = static_cast<int>(image.width), height = static_cast<int>(image.height);
   if (!stbi_write_png_to_func(&append, &bytes, width, height, 4, image.rgba.data(), 4 * width))

@@ -22,7 +22,8 @@ constexpr std::array<VkVertexInputAttributeDescription, 3> kClothAttributes{{
 
 }  // namespace
 
-Result<Pipelines> Pipelines::create(const compute::Device& device, VkDescriptorSetLayout frame_set, VkDescriptorSetLayout cloth_set) {
+Result<Pipelines> Pipelines::create(const compute::Device& device, VkDescriptorSetLayout frame_set,
+                                    VkDescriptorSetLayout cloth_set) {
   constexpr VkShaderStageFlags kStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
   Pipelines made;
   const std::array cloth_sets = {frame_set, cloth_set};

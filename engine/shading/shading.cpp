@@ -47,7 +47,8 @@ Result<void> Shading::State::create_targets() {
   if (!uploaded) return uploaded.take_error();
   upload = std::move(*uploaded);
 
-  const compute::BufferRequest pixels{"shading picture", VkDeviceSize{4} * size.width * size.height, VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+  const VkDeviceSize picture_bytes = VkDeviceSize{4} * size.width * size.height;
+  const compute::BufferRequest pixels{"shading picture", picture_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT};
   auto read = compute::Arena::create(*device, compute::Memory::readback, "shading picture", {&pixels, 1});
   if (!read) return read.take_error();
   readback = std::move(*read);
@@ -119,7 +120,8 @@ Result<void> Shading::State::create_cloths(const Scene& scene, std::span<const S
     for (const auto& [file, content, fallback] : maps) {
       auto texture = textures.load(file.empty() ? std::filesystem::path() : scene.folder / file, content, fallback);
       if (!texture) return fail("cloth \"", name, "\": ", texture.error());
-      bound.push_back({static_cast<std::uint32_t>(bound.size()), {}, {map_sampler.get(), (*texture)->view(), compute::kSampled.layout}});
+      const VkDescriptorImageInfo image{map_sampler.get(), (*texture)->view(), compute::kSampled.layout};
+      bound.push_back({static_cast<std::uint32_t>(bound.size()), {}, image});
     }
     auto set = compute::DrawSet::create(*device, "maps of " + name, map_layout, bound);
     if (!set) return set.take_error();
@@ -128,7 +130,8 @@ Result<void> Shading::State::create_cloths(const Scene& scene, std::span<const S
   }
 
   const std::array requests = {
-      compute::BufferRequest{"shading uvs", uvs.size() * sizeof(Vec2), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT},
+      compute::BufferRequest{"shading uvs", uvs.size() * sizeof(Vec2),
+                             VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT},
       compute::BufferRequest{"shading indices", triangles.size() * sizeof(Triangle),
                              VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT},
   };
@@ -195,8 +198,9 @@ Result<Image> Shading::draw(const Poses& poses) {
   std::memcpy(state.upload[0].mapped, &state.frame, sizeof(state.frame));
   state.solids.clear();
   for (std::size_t i = 0; i < state.colliders.size(); ++i)
-    state.solids.push_back(shading::solid_of(state.colliders[i], poses.colliders[i], state.frame, state.camera.target, state.tile));
-  state.record(poses);
+    state.solids.push_back(
+        shading::solid_of(state.colliders[i], poses.colliders[i], state.frame, state.camera.target, state.tile));
+  if (auto recorded = state.record(poses); !recorded) return recorded.take_error();
 
   const VkFence fence = state.fence.get();
   if (VkResult r = state.device->vk().vkResetFences(state.device->handle(), 1, &fence))

@@ -53,7 +53,7 @@ struct Shading::State {
   Result<void> create_targets();
   Result<void> create_cloths(const Scene& scene, std::span<const ShadedCloth> shaded);
 
-  void record(const Poses& poses);
+  Result<void> record(const Poses& poses);
   void record_cloths(const Poses& poses, VkPipeline pipeline, std::uint32_t view);
   void record_solids(VkPipeline pipeline, std::uint32_t view);
   void record_screen(const compute::DeviceImage& target, VkPipeline pipeline);

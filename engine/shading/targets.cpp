@@ -47,12 +47,16 @@ Result<FrameSet> FrameSet::create(const Device& device, const Targets& targets, 
   made.compare_sampler = std::move(*compare);
 
   const std::array bindings = {
-      compute::DescriptorBinding{0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER}, compute::DescriptorBinding{1, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE},
-      compute::DescriptorBinding{2, VK_DESCRIPTOR_TYPE_SAMPLER},        compute::DescriptorBinding{3, VK_DESCRIPTOR_TYPE_SAMPLER},
-      compute::DescriptorBinding{4, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE},  compute::DescriptorBinding{5, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE},
+      compute::DescriptorBinding{0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER},
+      compute::DescriptorBinding{1, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE},
+      compute::DescriptorBinding{2, VK_DESCRIPTOR_TYPE_SAMPLER},
+      compute::DescriptorBinding{3, VK_DESCRIPTOR_TYPE_SAMPLER},
+      compute::DescriptorBinding{4, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE},
+      compute::DescriptorBinding{5, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE},
       compute::DescriptorBinding{6, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE},
   };
-  auto layout = compute::DescriptorLayout::create(device, "frame", bindings, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT);
+  constexpr VkShaderStageFlags kStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+  auto layout = compute::DescriptorLayout::create(device, "frame", bindings, kStages);
   if (!layout) return layout.take_error();
   made.layout = std::move(*layout);
 

@@ -72,7 +72,8 @@ Result<const compute::DeviceImage*> Textures::load(const std::filesystem::path& 
     image = std::move(*read);
   }
   const VkFormat format = content == Content::colour ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM;
-  auto texture = compute::create_texture(*device_, "texture " + name, format, {image.width, image.height}, mip_levels(image, content));
+  auto texture =
+      compute::create_texture(*device_, "texture " + name, format, {image.width, image.height}, mip_levels(image, content));
   if (!texture) return texture.take_error();
   images_.push_back(std::move(*texture));
   return found_[key] = &images_.back();

@@ -1,11 +1,13 @@
 // Textures from files: read once each, mip levels made on the CPU.
 #pragma once
 
+#include <array>
 #include <deque>
 #include <filesystem>
 #include <map>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "compute/raster.h"
 #include "engine/shading/image.h"
@@ -24,7 +26,8 @@ class Textures {
   explicit Textures(const compute::Device& device) : device_(&device) {}
 
   /// `file` empty: a single texel of `fallback`. The pointer is valid as long as this.
-  Result<const compute::DeviceImage*> load(const std::filesystem::path& file, Content content, std::array<std::uint8_t, 4> fallback);
+  Result<const compute::DeviceImage*> load(const std::filesystem::path& file, Content content,
+                                           std::array<std::uint8_t, 4> fallback);
 
  private:
   const compute::Device* device_;

@@ -47,11 +47,14 @@ void set_camera(Frame& frame, const Camera& camera, std::uint32_t width, std::ui
   clip(2, 3) = near_plane;
   store(frame.camera, clip);
 
-  const auto ray = [](const Vector3d& v) { return vec4{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0}; };
+  const auto ray = [](const Vector3d& v) {
+    return vec4{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0};
+  };
   frame.ray_x = ray(half_width * axes.row(0).transpose());
   frame.ray_y = ray(-half_height * axes.row(1).transpose());
   frame.ray_z = ray(axes.row(2).transpose());
-  frame.size = {static_cast<float>(width), static_cast<float>(height), 1.0f / static_cast<float>(width), 1.0f / static_cast<float>(height)};
+  const auto w = static_cast<float>(width), h = static_cast<float>(height);
+  frame.size = {w, h, 1 / w, 1 / h};
   frame.eye = camera.eye;
   frame.near_plane = static_cast<float>(near_plane);
 }

@@ -39,7 +39,8 @@ float sun_share(vec3 position, vec3 side) {
   float texels = float(textureSize(sampler2D(sun_depths, depth_sampler), 0).x);
   vec3 at = vec3(0.5 * texels * (clip.xy + 1.0), min(clip.z, 1.0));
   // How deep the surface's plane gets a texel to the right and a texel down. Both rows have the length 2 / (texels sun_texel).
-  vec3 right = vec3(frame.sun[0][0], frame.sun[1][0], frame.sun[2][0]), down = vec3(frame.sun[0][1], frame.sun[1][1], frame.sun[2][1]);
+  vec3 right = vec3(frame.sun[0][0], frame.sun[1][0], frame.sun[2][0]);
+  vec3 down = vec3(frame.sun[0][1], frame.sun[1][1], frame.sun[2][1]);
   vec2 across = vec2(dot(side, right), dot(side, down)) * (0.5 * texels * frame.sun_texel);
   vec2 slope = across / max(dot(side, frame.to_sun), 1e-3);
   slope *= min(1.0, kSteepest / max(length(slope), 1e-6)) * frame.sun_texel / frame.sun_depth;

@@ -1,8 +1,8 @@
 // How much of the sky the surroundings of each pixel hide, found from the depth of the picture.
 //
 // McGuire, Mara and Luebke, "Scalable ambient obscurance" (2012): points on a disc around the pixel are turned back into
-// places in the world; each that rises above the tangent plane and is near hides a little. Every pixel of a 4 by 4 block turns the disc by another
-// angle, and smooth.frag averages over such a block.
+// places in the world; each that rises above the tangent plane and is near hides a little. Every pixel of a 4 by 4 block
+// turns the disc by another angle, and smooth.frag averages over such a block.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "sky.glsl"
