@@ -65,7 +65,7 @@ struct Anchor {                                  // the union of what vertices, 
   std::optional<double> top;                    // every vertex within this distance (m) below the highest
   struct Box { Vec3 low, high; };
   std::optional<Box> box;                       // every vertex inside
-  std::uint32_t every = 1;                      // of the chosen vertices, sorted along the box's longest axis, keep each n-th (and the last): rings of a curtain
+  std::uint32_t every = 1;                      // of the chosen, sorted along their longest extent, each n-th and the last
   std::vector<Key> keys;                        // empty: the anchor stays where it was
 };
 
@@ -143,7 +143,8 @@ struct Assignment {
   std::string path, value;
 };
 
-/// Reads and checks a scene file of at most 64 MiB, nested at most 64 deep. Every fault that is found is named, one sentence a line, each with its JSON path.
+/// Reads and checks a scene file of at most 64 MiB, nested at most 64 deep. Every fault that is found is named, one sentence
+/// a line, each with its JSON path.
 Result<Scene> load_scene(const std::filesystem::path& file, std::span<const Assignment> assignments = {});
 
 /// The same from text; `folder` is what relative paths start from.

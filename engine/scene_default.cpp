@@ -37,6 +37,7 @@ Scene default_scene(const std::filesystem::path& mesh, Vec3 low, Vec3 high) {
   cloth.name = scene.name;
   cloth.mesh = mesh.filename().string();
   cloth.anchors.push_back(top_of(low, high));
+  cloth.appearance.base_colour = {0.5f, 0.16f, 0.12f};  // stands out from a grey floor
 
   const Vec3 size = high - low;
   const float largest = std::max({size.x, size.y, size.z});
@@ -51,7 +52,7 @@ Scene default_scene(const std::filesystem::path& mesh, Vec3 low, Vec3 high) {
   const float radius = std::max(0.5f * length(high - bottom), 1e-3f);
   const Vec3 middle = 0.5f * (high + bottom);
   const double distance = 1.05 * radius / std::sin(scene.camera.fov_degrees / 2 * std::numbers::pi / 180);
-  const Vec3 view{0.35f, 0.2f, 1};
+  const Vec3 view{0.35f, 0.3f, 1};
   scene.camera.target = middle;
   scene.camera.eye = middle + (static_cast<float>(distance) / length(view)) * view;
   return scene;

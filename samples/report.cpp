@@ -77,8 +77,19 @@ Result<Figures> figures_of(const Simulation& simulation) {
   return figures;
 }
 
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// What was not measured is null, never zero.
+Json milliseconds(const std::optional<Spread>& spread) {
+  if (!spread) return {{"ms_median", nullptr}, {"ms_p95", nullptr}};
+  return {{"ms_median", spread->median}, {"ms_p95", spread->p95}};
+}
+
+}  // namespace
+
 std::string report_json(const Figures& figures, const PassTimes& times) {
-  using Json = nlohmann::ordered_json;
   // JSON's numbers hold 53 bits; a hash is text.
   char hash[17];
   std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(figures.hash));
@@ -95,14 +106,13 @@ std::string report_json(const Figures& figures, const PassTimes& times) {
   report["timed_on_cpu"] = figures.timed_on_cpu;
   report["passes"] = Json::array();
   for (std::size_t i = 0; i < times.passes().size(); ++i) {
-    const Spread spread = times.spread(i);
     const PassUse& pass = times.passes()[i];
-    report["passes"].push_back({{"name", pass.name}, {"dispatches", pass.dispatches_per_frame}, {"ms_median", spread.median}, {"ms_p95", spread.p95}});
+    Json& entry = report["passes"].emplace_back(Json{{"name", pass.name}, {"dispatches", pass.dispatches_per_frame}});
+    entry.update(milliseconds(times.frames() > 0 ? std::optional(times.spread(i)) : std::nullopt));
   }
   report["buffers"] = Json::array();
   for (const BufferUse& buffer : figures.buffers) report["buffers"].push_back({{"name", buffer.name}, {"bytes", buffer.bytes}});
-  report["frame"] = figures.frame ? Json{{"ms_median", figures.frame->median}, {"ms_p95", figures.frame->p95}}
-                                  : Json{{"ms_median", nullptr}, {"ms_p95", nullptr}};
+  report["frame"] = milliseconds(figures.frame);
   report["strain"] = {{"mean", figures.strain.mean}, {"rms", figures.strain.rms}, {"max", figures.strain.max}};
   report["non_finite"] = figures.counts.non_finite;
   report["coincident"] = figures.counts.coincident;

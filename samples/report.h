@@ -48,7 +48,7 @@ struct Figures {
   std::size_t particles = 0, edges = 0, bends = 0;
   std::uint64_t tethers = 0;
   std::vector<BufferUse> buffers;
-  std::optional<Spread> frame;   // ms, whole frames without timestamps; none when interrupted before
+  std::optional<Spread> frame;   // ms, whole frames without timestamps; none when no frame was timed
   Strain strain;
   Counts counts;
   double clamped_seconds = 0;

@@ -44,11 +44,13 @@ int main(int count, char** arguments) {
   bool no_picture = false;
   CLI::App* run_command = app.add_subcommand("run", "Simulate a scene; write a picture, times, figures and the final mesh");
   run_command->add_option("scene", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ)")->required()->type_name("SCENE|MESH");
-  CLI::Option* frames_option = run_command->add_option("--frames", frames, "How many frames; the scene says otherwise")->check(CLI::Range(0u, kMostFrames));
+  CLI::Option* frames_option = run_command->add_option("--frames", frames, "How many frames; the scene says otherwise");
+  frames_option->check(CLI::Range(0u, kMostFrames));
   run_command->add_option("--out", run_options.out, "Where files go")->type_name("DIR")->capture_default_str();
   add_set(*run_command, sets);
-  run_command->add_option("--every", run_options.every, "Draw every K-th frame too, as frame_0000.png")->type_name("K")->check(CLI::Range(1u, kMostFrames));
-  run_command->add_flag("--no-picture", no_picture, "Draw nothing: needs no graphics queue");
+  CLI::Option* every_option = run_command->add_option("--every", run_options.every, "Draw every K-th frame too, as frame_0000.png");
+  every_option->type_name("K")->check(CLI::Range(1u, kMostFrames));
+  run_command->add_flag("--no-picture", no_picture, "Draw nothing: needs no graphics queue")->excludes(every_option);
   run_command->add_option("--device", run_options.device, "Index or part of the name; weft info lists them");
 
   TimeOptions time_options;

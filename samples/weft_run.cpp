@@ -1,8 +1,8 @@
 // `weft run`: simulates a scene, and leaves pictures, times, figures and the final mesh in a folder.
 //
-// Two runs: the first with a timestamp pair around every pass, for timings.csv, pictures and the final state; then some
-// frames without, for the times of whole frames, which the timestamps would otherwise be part of.
-#include <algorithm>
+// The scene is simulated twice. The first time makes pictures, figures and the times of whole frames; the second, on a
+// device of its own, has a timestamp pair around every pass. They are apart because timestamps take time themselves, and
+// because a software driver that has drawn once gives timestamps that mean nothing (llvmpipe bins them with the tiles).
 #include <chrono>
 #include <cstdio>
 
@@ -19,7 +19,6 @@ namespace weft::command {
 namespace {
 
 constexpr VkExtent2D kPictureSize = {1280, 720};
-constexpr std::uint32_t kWholeFrames = 120;  // enough for a median; a long scene need not run twice
 
 Exit failed(const std::string& sentence) {
   complain(sentence);
@@ -62,46 +61,27 @@ std::string frame_name(std::uint32_t frame) {
 }
 
 struct Frames {
-  std::uint32_t done = 0;
-  double clamped = 0;  // s
+  std::vector<double> milliseconds;  // wall clock around submitting a frame and waiting for it
+  double clamped = 0;                // s
 };
 
-Result<Frames> simulate(Simulation& simulation, Painter& painter, PassTimes& times, const RunOptions& options) {
+// Calls `each` after every frame, until it fails or ctrl-C.
+template <class F>
+Result<Frames> simulate(Simulation& simulation, const std::string& what, F&& each) {
+  using Clock = std::chrono::steady_clock;
   const Scene& scene = simulation.scene();
   Frames frames;
-  // A scene of no frames is a picture of its rest pose; its normals are still wanted.
-  if (scene.frames == 0)
-    if (const Result<Advance> none = simulation.advance(0); !none) return fail(none.error());
-  Progress progress("simulating " + scene.name, scene.frames);
+  Progress progress(what, scene.frames);
   for (std::uint32_t frame = 0; frame < scene.frames && !interrupted(); ++frame) {
+    const Clock::time_point start = Clock::now();
     const Result<Advance> advance = simulation.advance(1 / scene.solver.rate);
     if (!advance) return fail("frame ", frame, ": ", advance.error());
+    frames.milliseconds.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
     frames.clamped += advance->clamped;
-    times.add_frame(simulation.timings());
-    if (options.every > 0 && frame % options.every == 0)
-      if (Result<void> drawn = painter.draw(simulation, options.out / frame_name(frame)); !drawn) return drawn.take_error();
-    ++frames.done;
+    if (Result<void> done = each(frame); !done) return done.take_error();
     progress.step();
   }
   return frames;
-}
-
-// The wall clock around submitting a frame and waiting for it.
-Result<std::optional<Spread>> time_whole_frames(Simulation& simulation) {
-  using Clock = std::chrono::steady_clock;
-  const std::uint32_t count = std::min(simulation.scene().frames, kWholeFrames);
-  Progress progress("timing whole frames", count);
-  std::vector<double> milliseconds;
-  for (std::uint32_t frame = 0; frame < count; ++frame) {
-    if (interrupted()) return std::optional<Spread>();
-    const Clock::time_point start = Clock::now();
-    const Result<Advance> advance = simulation.advance(1 / simulation.scene().solver.rate);
-    if (!advance) return fail("frame ", frame, ": ", advance.error());
-    milliseconds.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
-    progress.step();
-  }
-  if (milliseconds.empty()) return std::optional<Spread>();
-  return std::optional<Spread>(spread_of(std::move(milliseconds)));
 }
 
 Result<void> write_mesh(const Simulation& simulation, const std::filesystem::path& file) {
@@ -130,6 +110,65 @@ void print(const Figures& figures, double rate) {
   if (figures.counts.non_finite > 0) std::printf("%u times a particle that was not finite was put back\n", figures.counts.non_finite);
 }
 
+Result<std::unique_ptr<compute::Device>> open_device(const std::string& name, bool graphics) {
+  compute::DeviceChoice choice;
+  choice.name = name;
+  choice.graphics = graphics;
+  return compute::Device::create(choice);
+}
+
+// Pictures, the final mesh, and all figures but those of passes.
+Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& figures) {
+  const auto device = open_device(options.device, options.picture);
+  if (!device) return failed(device.error());
+  const Started started = start(**device, scene, false);
+  if (!started.simulation) return started.exit;
+  Simulation& simulation = *started.simulation;
+  Painter painter;
+  if (options.picture)
+    if (const Exit exit = painter.create(**device, simulation); exit != kDone) return exit;
+
+  const CookedFabric& fabric = simulation.fabric();
+  std::printf("%s: %zu particles, %zu edges, %zu bends, %llu tethers on %s\n", scene.name.c_str(), fabric.positions.size(), fabric.links.size(),
+              fabric.bends.size(), static_cast<unsigned long long>(fabric.tether_count), (*device)->name().c_str());
+  for (const std::string& note : fabric.notes) std::printf("note: %s\n", note.c_str());
+  std::fflush(stdout);
+
+  // A scene of no frames is a picture of its rest pose, and normals are made by a frame.
+  if (scene.frames == 0)
+    if (const Result<Advance> none = simulation.advance(0); !none) return failed(none.error());
+  const Result<Frames> frames = simulate(simulation, "simulating " + scene.name, [&](std::uint32_t frame) -> Result<void> {
+    if (options.every == 0 || frame % options.every != 0) return {};
+    return painter.draw(simulation, options.out / frame_name(frame));
+  });
+  if (!frames) return failed(frames.error());
+
+  if (const Result<void> drawn = painter.draw(simulation, options.out / (file_name(scene.name) + ".png")); !drawn) return failed(drawn.error());
+  if (const Result<void> written = write_mesh(simulation, options.out / "final.ply"); !written) return failed(written.error());
+  Result<Figures> measured = figures_of(simulation);
+  if (!measured) return failed(measured.error());
+  figures = std::move(*measured);
+  figures.frames = static_cast<std::uint32_t>(frames->milliseconds.size());
+  figures.clamped_seconds = frames->clamped;
+  if (!frames->milliseconds.empty()) figures.frame = spread_of(frames->milliseconds);
+  return kDone;
+}
+
+Exit time_passes(const Scene& scene, const RunOptions& options, Figures& figures, PassTimes& times) {
+  const auto device = open_device(options.device, false);
+  if (!device) return failed(device.error());
+  const Started started = start(**device, scene, true);
+  if (!started.simulation) return started.exit;
+  Simulation& simulation = *started.simulation;
+  times = PassTimes(simulation.passes());
+  figures.timed_on_cpu = simulation.timed_on_cpu();
+  const Result<Frames> frames = simulate(simulation, "timing passes", [&](std::uint32_t) -> Result<void> {
+    times.add_frame(simulation.timings());
+    return {};
+  });
+  return frames ? kDone : failed(frames.error());
+}
+
 }  // namespace
 
 Exit run(const RunOptions& options) {
@@ -141,52 +180,21 @@ Exit run(const RunOptions& options) {
   if (options.frames) scene->frames = *options.frames;
   if (const Result<void> made = make_folder(options.out); !made) return failed(made.error());
 
-  compute::DeviceChoice choice;
-  choice.name = options.device;
-  choice.graphics = options.picture;
-  const auto device = compute::Device::create(choice);
-  if (!device) return failed(device.error());
-  Started started = start(**device, *scene, true);
-  if (!started.simulation) return started.exit;
-  Simulation& simulation = *started.simulation;
-  Painter painter;
-  if (options.picture)
-    if (const Exit exit = painter.create(**device, simulation); exit != kDone) return exit;
-  std::printf("%s: %zu particles, %zu edges, %zu bends, %llu tethers on %s\n", scene->name.c_str(), simulation.fabric().positions.size(),
-              simulation.fabric().links.size(), simulation.fabric().bends.size(),
-              static_cast<unsigned long long>(simulation.fabric().tether_count), (*device)->name().c_str());
-  for (const std::string& note : simulation.fabric().notes) std::printf("note: %s\n", note.c_str());
-  std::fflush(stdout);
-
   listen_for_interrupts();
-  PassTimes times(simulation.passes());
-  const Result<Frames> frames = simulate(simulation, painter, times, options);
-  if (!frames) return failed(frames.error());
+  Figures figures;
+  PassTimes times({});
+  if (const Exit exit = simulate_and_draw(*scene, options, figures); exit != kDone) return exit;
+  if (const Exit exit = time_passes(*scene, options, figures, times); exit != kDone) return exit;
 
-  Result<Figures> figures = figures_of(simulation);
-  if (!figures) return failed(figures.error());
-  const std::filesystem::path picture = options.out / (file_name(scene->name) + ".png");
-  if (const Result<void> drawn = painter.draw(simulation, picture); !drawn) return failed(drawn.error());
-  if (const Result<void> written = write_mesh(simulation, options.out / "final.ply"); !written) return failed(written.error());
+  figures.interrupted = interrupted();
   if (const Result<void> written = write_text(options.out / "timings.csv", times.csv()); !written) return failed(written.error());
-
-  if (!interrupted()) {
-    const Started again = start(**device, *scene, false);
-    if (!again.simulation) return again.exit;
-    const auto whole = time_whole_frames(*again.simulation);
-    if (!whole) return failed(whole.error());
-    figures->frame = *whole;
-  }
-  figures->frames = frames->done;
-  figures->clamped_seconds = frames->clamped;
-  figures->interrupted = interrupted();
-  if (const Result<void> written = write_text(options.out / "report.json", report_json(*figures, times)); !written) return failed(written.error());
-
-  print(*figures, scene->solver.rate);
-  std::printf("Written: %s%s in %s\n", options.picture ? (picture.filename().string() + ", ").c_str() : "", "timings.csv, report.json, final.ply",
+  if (const Result<void> written = write_text(options.out / "report.json", report_json(figures, times)); !written) return failed(written.error());
+  print(figures, scene->solver.rate);
+  std::printf("Written: %stimings.csv, report.json, final.ply in %s\n", options.picture ? (file_name(scene->name) + ".png, ").c_str() : "",
               options.out.string().c_str());
   if (!interrupted()) return kDone;
-  complain("Interrupted after " + std::to_string(frames->done) + " of " + std::to_string(scene->frames) + " frames: what is written is of these");
+  complain("Interrupted after " + std::to_string(figures.frames) + " of " + std::to_string(scene->frames) + " frames, " +
+           std::to_string(times.frames()) + " of them timed pass by pass: what is written is of these");
   return kInterrupted;
 }
 
