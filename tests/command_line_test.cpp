@@ -1,0 +1,237 @@
+// The program `weft`, run as its users run it: exit codes, sentences, and the files it leaves.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+#include <thread>
+
+#ifndef WEFT_BINARIES
+#define WEFT_BINARIES "bin"
+#endif
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+std::string read(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+struct Outcome {
+  int exit = -1;
+  std::string out, error;
+};
+
+class CommandLine : public testing::Test {
+ protected:
+  fs::path folder = fs::temp_directory_path() / ("weft_command_line_" + std::to_string(std::random_device{}()));
+
+  void SetUp() override { fs::create_directories(folder); }
+  void TearDown() override { fs::remove_all(folder); }
+
+  fs::path write(const char* name, const std::string& text) {
+    std::ofstream(folder / name, std::ios::binary) << text;
+    return folder / name;
+  }
+
+  pid_t spawn(const std::vector<std::string>& arguments) {
+    const pid_t child = fork();
+    if (child != 0) return child;
+    const auto redirect = [&](const char* name, int to) { dup2(fileno(std::fopen((folder / name).c_str(), "wb")), to); };
+    redirect("stdout", STDOUT_FILENO);
+    redirect("stderr", STDERR_FILENO);
+    std::vector<char*> pointers;
+    std::string program = WEFT_BINARIES "/weft";
+    pointers.push_back(program.data());
+    std::vector<std::string> copies = arguments;
+    for (std::string& copy : copies) pointers.push_back(copy.data());
+    pointers.push_back(nullptr);
+    execv(program.c_str(), pointers.data());
+    _exit(127);
+  }
+
+  Outcome wait(pid_t child) {
+    int status = 0;
+    waitpid(child, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), read(folder / "stdout"), read(folder / "stderr")};
+  }
+
+  Outcome weft(const std::vector<std::string>& arguments) { return wait(spawn(arguments)); }
+
+  std::string out(const char* name = "out") { return (folder / name).string(); }
+};
+
+constexpr const char* kSheet = R"({"name": "sheet", "cloths": [{"grid": {"cells": [8, 8]}, "anchors": [{"corners": ["low_low"]}]}], "colliders": [{"centre": [0, -1, 0]}]})";
+
+std::vector<std::string> names_of(const json& list) {
+  std::vector<std::string> names;
+  for (const json& entry : list) names.push_back(entry["name"]);
+  return names;
+}
+
+bool any_mentions(const std::vector<std::string>& names, std::string_view part) {
+  for (const std::string& name : names)
+    if (name.find(part) != std::string::npos) return true;
+  return false;
+}
+
+}  // namespace
+
+TEST_F(CommandLine, bad_input_is_a_sentence_and_exit_code_2) {
+  const std::string sheet = write("sheet.json", kSheet);
+  const std::string brackets = write("brackets.json", std::string(10'000'000, '['));
+  const std::string cut = write("cut.json", std::string(kSheet).substr(0, 40));
+  const std::string wrong = write("wrong.json", R"({"frame": 3, "cloths": [{"grid": {}, "fabric": {"area_density": -1}}]})");
+  const std::string glb = write("cut.glb", "glTF\x02");
+  const std::string picture = write("map.json", R"({"cloths": [{"grid": {}, "appearance": {"albedo": "no.png"}}]})");
+  const std::string unheld = write("unheld.json", R"({"cloths": [{"grid": {}, "anchors": [{"box": {"low": [9, 9, 9], "high": [9, 9, 9]}}]}]})");
+  const std::vector<std::vector<std::string>> calls = {
+      {}, {"bogus"}, {"run"}, {"run", sheet, "--bogus"}, {"run", sheet, "--frames", "ten"}, {"run", sheet, "--frames", "-1"},
+      {"run", sheet, "--set", "frames"}, {"run", sheet, "--set", "frames=ten"}, {"run", sheet, "--set", "solver.substep=3"},
+      {"run", sheet, "--every", "0"}, {"run", sheet, "--every", "2", "--no-picture"}, {"run", out("nothing.json")}, {"run", out("nothing.glb")},
+      {"run", brackets}, {"check", brackets}, {"run", cut}, {"check", cut}, {"run", wrong}, {"check", wrong}, {"time", wrong},
+      {"run", glb}, {"check", glb}, {"run", picture}, {"check", picture}, {"check", unheld}, {"run", unheld, "--no-picture", "--out", out()},
+      {"run", folder.string()}};
+  for (const std::vector<std::string>& call : calls) {
+    std::string line;
+    for (const std::string& word : call) line += word + ' ';
+    const Outcome outcome = weft(call);
+    EXPECT_EQ(outcome.exit, 2) << line << '\n' << outcome.error;
+    EXPECT_GT(outcome.error.size(), 10u) << line;
+    EXPECT_EQ(outcome.out, "") << line;
+  }
+}
+
+TEST_F(CommandLine, every_fault_of_a_scene_has_its_line) {
+  const std::string wrong = write("wrong.json", R"({"frame": 3, "cloths": [{"grid": {}, "fabric": {"area_density": -1}}]})");
+  EXPECT_EQ(weft({"check", wrong}).error,
+            "cloths[0].fabric.area_density: -1 is not above 0 (kg/m^2)\n"
+            "frame: there is no such key (did you mean \"frames\"?)\n");
+}
+
+TEST_F(CommandLine, a_device_that_is_not_there_is_exit_code_1) {
+  const Outcome outcome = weft({"run", write("sheet.json", kSheet), "--device", "nonesuch", "--out", out()});
+  EXPECT_EQ(outcome.exit, 1);
+  EXPECT_NE(outcome.error.find("nonesuch"), std::string::npos) << outcome.error;
+}
+
+TEST_F(CommandLine, run_leaves_a_picture_times_a_report_and_the_final_mesh) {
+  const Outcome outcome = weft({"run", write("sheet.json", kSheet), "--frames", "5", "--every", "2", "--out", out()});
+  ASSERT_EQ(outcome.exit, 0) << outcome.error;
+  for (const char* name : {"sheet.png", "frame_0000.png", "frame_0002.png", "frame_0004.png", "final.ply"})
+    EXPECT_GT(read(folder / "out" / name).size(), 500u) << name;
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder / "out"), {}), 7) << "besides these, timings.csv and report.json";
+
+  std::istringstream times(read(folder / "out/timings.csv"));
+  std::string header, line;
+  std::getline(times, header);
+  EXPECT_EQ(header.rfind("frame,", 0), 0u) << header;
+  int lines = 0;
+  while (std::getline(times, line)) {
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(header.begin(), header.end(), ',')) << line;
+    ++lines;
+  }
+  EXPECT_EQ(lines, 5);
+
+  const json report = json::parse(read(folder / "out/report.json"), nullptr, false);
+  ASSERT_TRUE(report.is_object());
+  EXPECT_EQ(report["particles"], 81);
+  EXPECT_GT(report["edges"], 0);
+  EXPECT_GT(report["bends"], 0);
+  EXPECT_EQ(report["tethers"], 80);
+  EXPECT_EQ(report["non_finite"], 0);
+  EXPECT_EQ(report["hash"].get<std::string>().size(), 16u);
+  EXPECT_FALSE(report["device"].get<std::string>().empty());
+  for (const char* key : {"mean", "rms", "max"}) EXPECT_GE(report["strain"][key], 0) << key;
+  for (const char* key : {"ms_median", "ms_p95"}) EXPECT_GT(report["frame"][key], 0) << key;
+  for (const json& pass : report["passes"])
+    for (const char* key : {"name", "dispatches", "ms_median", "ms_p95"}) EXPECT_TRUE(pass.contains(key)) << pass;
+  for (const json& buffer : report["buffers"]) EXPECT_GT(buffer["bytes"], 0) << buffer;
+}
+
+TEST_F(CommandLine, what_a_scene_does_not_call_for_is_not_in_its_report) {
+  const std::string sheet = write("sheet.json", kSheet);
+  const auto report_of = [&](std::vector<std::string> more) {
+    std::vector<std::string> call = {"run", sheet, "--frames", "1", "--no-picture", "--out", out()};
+    call.insert(call.end(), more.begin(), more.end());
+    EXPECT_EQ(weft(call).exit, 0);
+    return json::parse(read(folder / "out/report.json"), nullptr, false);
+  };
+  struct Feature {
+    const char *assignment, *name;
+  };
+  const json all = report_of({});
+  for (const Feature& feature : {Feature{"cloths[0].bending=false", "bend"}, Feature{"cloths[0].tethers=false", "tether"},
+                                 Feature{"colliders=[]", "collide"}, Feature{"cloths[0].anchors=[]", "anchor"}}) {
+    const json without = report_of({"--set", feature.assignment});
+    EXPECT_TRUE(any_mentions(names_of(all["passes"]), feature.name)) << feature.name;
+    EXPECT_TRUE(any_mentions(names_of(all["buffers"]), feature.name)) << feature.name;
+    EXPECT_FALSE(any_mentions(names_of(without["passes"]), feature.name)) << feature.name;
+    EXPECT_FALSE(any_mentions(names_of(without["buffers"]), feature.name)) << feature.name;
+  }
+}
+
+TEST_F(CommandLine, two_processes_end_in_the_same_bits) {
+  const std::string sheet = write("sheet.json", kSheet);
+  std::string hashes[2];
+  for (std::string& hash : hashes) {
+    ASSERT_EQ(weft({"run", sheet, "--frames", "20", "--no-picture", "--out", out()}).exit, 0);
+    hash = json::parse(read(folder / "out/report.json"), nullptr, false)["hash"];
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST_F(CommandLine, a_bare_mesh_runs_and_can_be_changed) {
+  const std::string mesh = write("sheet.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 4\nf 1 4 3\n");
+  const Outcome outcome = weft({"run", mesh, "--frames", "2", "--no-picture", "--out", out(), "--set", "cloths[0].fabric=denim"});
+  EXPECT_EQ(outcome.exit, 0) << outcome.error;
+  EXPECT_EQ(weft({"run", mesh, "--set", "cloths[0].fabric=chainmail"}).exit, 2);
+}
+
+TEST_F(CommandLine, time_leaves_a_trace_that_names_every_pass) {
+  const Outcome outcome = weft({"time", write("sheet.json", kSheet), "--frames", "3", "--warm-up", "1", "--out", out()});
+  ASSERT_EQ(outcome.exit, 0) << outcome.error;
+  const json trace = json::parse(read(folder / "out/trace.json"), nullptr, false);
+  const json report = json::parse(read(folder / "out/report.json"), nullptr, false);
+  ASSERT_TRUE(trace["traceEvents"].is_array());
+  std::vector<std::string> rows;
+  for (const json& event : trace["traceEvents"]) {
+    if (event["name"] == "thread_name") rows.push_back(event["args"]["name"]);
+    EXPECT_TRUE(event["ph"] != "X" || event["dur"] >= 0) << event;
+  }
+  for (const std::string& pass : names_of(report["passes"])) {
+    EXPECT_NE(std::find(rows.begin(), rows.end(), pass), rows.end()) << pass;
+    EXPECT_NE(outcome.out.find(pass), std::string::npos) << outcome.out;
+  }
+}
+
+TEST_F(CommandLine, info_lists_a_device) {
+  const Outcome outcome = weft({"info"});
+  EXPECT_EQ(outcome.exit, 0);
+  EXPECT_EQ(outcome.out.rfind("0: ", 0), 0u) << outcome.out;
+}
+
+TEST_F(CommandLine, an_interrupt_ends_the_frame_writes_what_there_is_and_exits_with_130) {
+  const pid_t child = spawn({"run", write("sheet.json", kSheet), "--frames", "1000000", "--no-picture", "--out", out()});
+  // The line that names the device is printed right before the first frame.
+  for (int tries = 0; tries < 300 && read(folder / "stdout").empty(); ++tries) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  kill(child, SIGINT);
+  const Outcome outcome = wait(child);
+  EXPECT_EQ(outcome.exit, 130);
+  EXPECT_NE(outcome.error.find("Interrupted after"), std::string::npos) << outcome.error;
+  const json report = json::parse(read(folder / "out/report.json"), nullptr, false);
+  ASSERT_TRUE(report.is_object());
+  EXPECT_EQ(report["interrupted"], true);
+  EXPECT_LT(report["frames"], 1000000);
+}
