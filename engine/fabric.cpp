@@ -138,7 +138,7 @@ class Cook {
       lists[link.a].push_back(gpu::pack_link({link.b, link.rest, link.compliance, link.only_pulls}));
       lists[link.b].push_back(gpu::pack_link({link.a, link.rest, link.compliance, link.only_pulls}));
     }
-    fabric_.stretch = cooking::pack_rows(lists);
+    fabric_.stretch = cooking::pack_rows(lists, cooking::Padding::owner);
     const bool split = scene_.solver.averaging == Averaging::mass_split;
     for (std::size_t i = 0; i < lists.size(); ++i)
       fabric_.split_weights.push_back((split ? std::max<float>(1, static_cast<float>(lists[i].size())) : 1) * fabric_.positions[i].w);
@@ -164,10 +164,10 @@ class Cook {
       }
     }
     if (scene_.solver.iterations > 1) {
-      fabric_.bend_uses = cooking::pack_rows(shares);
+      fabric_.bend_uses = cooking::pack_rows(shares, cooking::Padding::repeated);
       return;
     }
-    fabric_.bend = cooking::pack_rows(bend_matrix(shares));
+    fabric_.bend = cooking::pack_rows(bend_matrix(shares), cooking::Padding::repeated);
   }
 
   // Row i of the matrix in bend.comp: M_ij = sum over stencils e of share_i(e) K_j(e) / D_e.
@@ -225,14 +225,14 @@ class Cook {
 
 namespace cooking {
 
-PairRows pack_rows(std::span<const std::vector<gpu::uvec2>> lists) {
+PairRows pack_rows(std::span<const std::vector<gpu::uvec2>> lists, Padding padding) {
   PairRows packed;
   packed.rows.reserve(lists.size());
-  for (const auto& list : lists) {
+  for (std::uint32_t owner = 0; owner < lists.size(); ++owner) {
+    const auto& list = lists[owner];
     packed.rows.push_back({static_cast<std::uint32_t>(packed.pairs.size()), static_cast<std::uint32_t>(list.size())});
     for (std::size_t k = 0; k < list.size(); k += 2) {
-      // Padding repeats the last entry's neighbour, which is at hand, with a payload of zero.
-      const gpu::uvec2 second = k + 1 < list.size() ? list[k + 1] : gpu::uvec2{list[k].x & WEFT_MAX_PARTICLES, 0};
+      const gpu::uvec2 second = k + 1 < list.size() ? list[k + 1] : gpu::uvec2{padding == Padding::owner ? owner : list[k].x, 0};
       packed.pairs.push_back({list[k].x, list[k].y, second.x, second.y});
     }
   }

@@ -21,6 +21,9 @@ namespace {
 // Longest by more than rounding: an equilateral triangle has no diagonal.
 constexpr double kLonger = 1.001;
 
+// How far a far link reaches, in edges; measured in README, "Why far links".
+constexpr std::uint32_t kFarSteps = 8;
+
 class Weave {
  public:
   Weave(const Mesh& mesh, const Stiffness& stiffness) : mesh_(mesh), stiffness_(stiffness) {}
@@ -77,19 +80,23 @@ class Weave {
 
 std::vector<Spring> springs(const Mesh& mesh, const Stiffness& stiffness) {
   const Weave weave(mesh, stiffness);
-  std::vector<Spring> springs;
-  springs.reserve(mesh.edges.size() * 4 / 3);
+  std::vector<Spring> springs, second_diagonals;
+  std::vector<bool> is_diagonal;
+  springs.reserve(mesh.edges.size() * 2);
   for (const WingedEdge& edge : mesh.edges) {
     const Eigen::Vector3d d = weave.point(edge.b) - weave.point(edge.a);
     const bool inner = edge.triangle[0] != kNone && edge.triangle[1] != kNone;
     const bool diagonal = inner && edge.across[0] != edge.across[1] && weave.longest_in(edge.triangle[0], d.norm()) &&
                           weave.longest_in(edge.triangle[1], d.norm());
+    is_diagonal.push_back(diagonal);
     springs.push_back({edge.a, edge.b, d.norm(), weave.compliance(d, edge, diagonal ? 0.5 : 1), false});
     if (!diagonal) continue;
     const Eigen::Vector3d other = weave.point(edge.across[1]) - weave.point(edge.across[0]);
     if (other.norm() < 0.1 * d.norm()) continue;   // folded flat on itself at rest: no quad
-    springs.push_back({edge.across[0], edge.across[1], other.norm(), weave.compliance(other, edge, 0.5), true});
+    second_diagonals.push_back({edge.across[0], edge.across[1], other.norm(), weave.compliance(other, edge, 0.5), true});
   }
+  add_far_links(mesh, is_diagonal, kFarSteps, springs);
+  springs.insert(springs.end(), second_diagonals.begin(), second_diagonals.end());
   return springs;
 }
 

@@ -28,8 +28,13 @@ struct Stiffness {
   double stretch, shear;   // N/m; infinity is rigid
 };
 
-/// Edges of the mesh, and the second diagonal of every quad. Stiffness by direction: see fabric_links.cpp.
+/// Edges of the mesh, the second diagonal of every quad, and far links along straight lines of edges. Stiffness by
+/// direction: see fabric_links.cpp.
 std::vector<Spring> springs(const Mesh& mesh, const Stiffness& stiffness);
+
+/// Links that only pull between points `steps` edges apart on a straight line of edges: see fabric_far.cpp. Half of the
+/// stiffness of those edges (the first of `near`, in the mesh's order) moves over to them; `is_diagonal` edges make no line.
+void add_far_links(const Mesh& mesh, const std::vector<bool>& is_diagonal, std::uint32_t steps, std::vector<Spring>& near);
 
 /// Bending stencils over points; split_weight is left at 0. `clamped` counts slivers whose cotangents were limited.
 std::vector<gpu::Bend> bend_stencils(const Mesh& mesh, double rigidity, std::uint32_t& clamped);
@@ -48,7 +53,10 @@ struct AnchorChoice {
 };
 Result<std::vector<AnchorChoice>> choose_anchors(const weft::Cloth& cloth, const Mesh& mesh);
 
-/// Lists of (id, payload) pairs, packed two a fetch; a last place that is left over holds an id with payload 0.
-PairRows pack_rows(std::span<const std::vector<gpu::uvec2>> lists);
+enum class Padding { owner, repeated };
+
+/// Lists of (id, payload) pairs, packed two a fetch; a place that is left over holds the list's own number or the last id, and
+/// payload 0.
+PairRows pack_rows(std::span<const std::vector<gpu::uvec2>> lists, Padding padding);
 
 }  // namespace weft::cooking

@@ -27,22 +27,26 @@ layout(push_constant, scalar) uniform Constants { Push push; };
 uint coincident = 0;
 
 // The impulse of one link on the particle at p, per unit of its inverse mass. Its multiplier is read and renewed.
+// Ends at one place have no direction: d = 0 makes their impulse zero, and they are counted.
 vec3 impulse(vec4 p, uvec2 packed, inout float lambda) {
   const Link link = unpack_link(packed.x, packed.y);
   const vec4 q = FETCH(predicted, link.other);
   const vec3 d = p.xyz - q.xyz;
   const float squared = dot(d, d);
-  // Ends at one place have no direction and a lost neighbour none that helps: both are left to the other constraints.
-  const bool usable = squared > 1e-20 && squared < 1e20;
-  coincident += uint(squared <= 1e-20 && link.rest > 0);
-  const float len = sqrt(usable ? squared : 1);
-  const float stretched = len - link.rest;
+  coincident += uint(squared < 1e-20);
+  const float len = sqrt(max(squared, 1e-20));
   const float alpha = link.compliance * push.inverse_h2;
-  float change = -(stretched + alpha * lambda) / max(p.w + q.w + alpha, 1e-20);
+  const float weight = p.w + q.w + alpha;
+#ifdef ITERATED
+  float change = (link.rest - len - alpha * lambda) / max(weight, 1e-20);
   if (link.only_pulls) change = min(change, -lambda);
-  change = usable && link.rest > 0 ? change : 0;
   lambda += change;
   return (change / len) * d;
+#else
+  // One division for both; lambda is zero. Two anchors give no finite number, and main() then leaves them where they are.
+  const float scale = (link.rest - len) / (weight * len);
+  return (link.only_pulls ? min(scale, 0) : scale) * d;
+#endif
 }
 
 void main() {
@@ -64,7 +68,11 @@ void main() {
     stretch_lambda[k] = lambda;
 #endif
   }
+  // A row is padded with links to the particle itself, which are no fault.
+  coincident -= row.y & 1;
   if (coincident > 0) atomicAdd(counters[0].coincident, coincident);
+  // A neighbour that is lost must not take this particle along.
+  if (!(dot(sum, sum) < 1e20)) sum = vec3(0);
   const vec4 next = vec4(p.xyz + (push.relaxation * p.w / max(float(row.y), 1)) * sum, p.w);
 #ifdef SETTLE
   settle(i, next);
