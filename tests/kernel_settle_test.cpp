@@ -1,0 +1,379 @@
+// What surrounds the relaxing passes against its twins: predict, anchor, what settle does (tethers, colliders, the velocity and
+// the next prediction) and surface, on random and degenerate particles.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "engine/simulation.h"
+#include "shaders/anchor.ref.h"
+#include "shaders/collide.ref.h"
+#include "shaders/motion.ref.h"
+#include "shaders/surface.ref.h"
+#include "shaders/tether.ref.h"
+#include "tests/single_pass.h"
+
+namespace weft {
+namespace {
+
+using SettleKernel = GpuTest;
+
+constexpr double kDampings[] = {0.1, 2.0};   // those of loose_particles, by turns
+const reference::Vector kGravity(0.5, -9.81, 1);
+
+Scene loose_scene(std::uint32_t substeps) {
+  Scene scene;
+  scene.solver.substeps = substeps;
+  return scene;
+}
+
+FrameInput falling(std::uint32_t substeps) {
+  FrameInput input = frame_of(substeps);
+  input.gravity = {static_cast<float>(kGravity.x()), static_cast<float>(kGravity.y()), static_cast<float>(kGravity.z())};
+  return input;
+}
+
+TEST_F(SettleKernel, predict_does_what_its_twin_does_and_leaves_anchors_alone) {
+  for (const bool gather_storage : {false, true}) {
+    Random random(1);
+    const Scene scene = loose_scene(12);
+    const CookedFabric fabric = loose_particles(random, 300, scene.solver);
+    SinglePass passes(device(), scene, fabric, gather_storage);
+    passes.begin(falling(12));
+    passes.run("predict");
+    const auto predicted = passes.iterate(), velocities = passes.particles(gpu::velocities);
+    for (std::size_t i = 0; i < predicted.size(); ++i) {
+      const bool held = fabric.positions[i].w == 0;
+      const auto wanted = reference::predict({vector(fabric.positions[i]), vector(fabric.velocities[i])}, kGravity, kDampings[i % 2], fabric.h, held);
+      EXPECT_LT((vector(predicted[i]) - wanted.position).norm(), 4 * kRounding * 1.8);
+      if (!held) {
+        EXPECT_LT((vector(velocities[i]) - wanted.velocity).norm(), 8 * kRounding * 3.5);
+      }
+      EXPECT_EQ(predicted[i].w, fabric.split_weights[i]);
+      EXPECT_EQ(std::memcmp(&velocities[i].w, &fabric.velocities[i].w, 4), 0);   // the material's index stays
+    }
+  }
+}
+
+// Iterates a few centimetres from where the particles were.
+std::vector<gpu::vec4> moved(Random& random, const CookedFabric& fabric, double size) {
+  std::vector<gpu::vec4> p;
+  for (const gpu::vec4& x : fabric.positions) {
+    const gpu::vec4 d = x.w == 0 ? gpu::vec4{0, 0, 0, 0} : anywhere(random, size, 0);
+    p.push_back({x.x + d.x, x.y + d.y, x.z + d.z, x.w});
+  }
+  return p;
+}
+
+// The velocities that lead to these iterates: what predict leaves behind.
+std::vector<gpu::vec4> leading_to(const std::vector<gpu::vec4>& p, const CookedFabric& fabric) {
+  std::vector<gpu::vec4> v;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const auto speed = reference::velocity(vector(fabric.positions[i]), vector(p[i]), fabric.h);
+    v.push_back({static_cast<float>(speed.x()), static_cast<float>(speed.y()), static_cast<float>(speed.z()), fabric.velocities[i].w});
+  }
+  return v;
+}
+
+// Where settle must put particles, and with what velocity and prediction it must go on.
+void expect_settled(const SinglePass& passes, const CookedFabric& fabric, const reference::Points& wanted, bool last_substep, double gap) {
+  const auto positions = passes.particles(gpu::positions), velocities = passes.particles(gpu::velocities), next = passes.iterate();
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    ASSERT_LT((vector(positions[i]) - wanted[i]).norm(), gap) << "particle " << i;
+    if (fabric.positions[i].w == 0) {
+      ASSERT_EQ(vector(positions[i]), vector(fabric.positions[i]));
+      continue;
+    }
+    const auto speed = reference::velocity(vector(fabric.positions[i]), wanted[i], fabric.h);
+    auto after = reference::predict({wanted[i], speed}, kGravity, kDampings[i % 2], fabric.h, false);
+    if (last_substep) after = {wanted[i], speed};
+    ASSERT_LT((vector(velocities[i]) - after.velocity).norm(), 2 * gap / fabric.h) << "particle " << i;
+    ASSERT_LT((vector(next[i]) - after.position).norm(), 3 * gap) << "particle " << i;
+  }
+}
+
+TEST_F(SettleKernel, an_untouched_particle_ends_a_substep_as_its_twin_does) {
+  for (const std::uint32_t substeps : {1u, 3u}) {
+    Random random(2);
+    const Scene scene = loose_scene(substeps);
+    const CookedFabric fabric = loose_particles(random, 300, scene.solver);
+    const auto p = moved(random, fabric, 0.05);
+    SinglePass passes(device(), scene, fabric);
+    passes.put(gpu::velocities, leading_to(p, fabric));
+    passes.put_iterate(p);
+    passes.begin(falling(substeps));
+    passes.run("stretch");   // of no links: what is left is settle
+    expect_settled(passes, fabric, points(p), substeps == 1, 16 * kRounding);
+  }
+}
+
+TEST_F(SettleKernel, tethers_do_what_their_twin_does_for_none_to_eight_a_particle) {
+  for (const std::uint32_t places : {2u, 4u, 8u})
+    for (const bool gather_storage : {false, true}) {
+      Random random(places);
+      const Scene scene = loose_scene(4);
+      CookedFabric fabric = loose_particles(random, 400, scene.solver);
+      std::vector<std::vector<reference::Tether>> twins(400);
+      fabric.tethers_per_particle = places;
+      for (std::uint32_t i = 0; i < 400; ++i) {
+        const std::uint32_t count = fabric.positions[i].w == 0 ? 0 : i % (places + 1);
+        for (std::uint32_t k = 0; k < places; ++k) {
+          const auto anchor = 3 + 8 * static_cast<std::uint32_t>(random() % 50);   // each eighth particle is held
+          // Half are slack; one in 50 must bring its particle to the anchor itself.
+          const float reach = random() % 50 == 0 ? 0.f : static_cast<float>(between(random, 0.2, 3));
+          fabric.tethers.push_back(k < count ? gpu::Tether{anchor, reach} : gpu::Tether{WEFT_NONE, 0});
+          if (k < count) twins[i].push_back({vector(fabric.positions[anchor]), reach});
+        }
+      }
+      const auto p = moved(random, fabric, 0.1);
+      reference::Points wanted;
+      for (std::size_t i = 0; i < p.size(); ++i) wanted.push_back(reference::within_tethers(twins[i], vector(p[i])));
+      SinglePass passes(device(), scene, fabric, gather_storage);
+      passes.put(gpu::velocities, leading_to(p, fabric));
+      passes.put_iterate(p);
+      passes.begin(falling(4));
+      passes.run("stretch");
+      expect_settled(passes, fabric, wanted, false, 32 * kRounding * 3.5);   // 3.5 m: the longest way to an anchor
+    }
+}
+
+constexpr int kSubstep = 2;   // of four
+
+// Random planes and spheres that move, and spin or tilt.
+std::vector<gpu::Collider> bodies(Random& random, std::uint32_t shape, double speed) {
+  std::vector<gpu::Collider> colliders;
+  for (int k = 0; k < 3; ++k) {
+    gpu::Collider c{};
+    c.shape = shape;
+    c.radius = static_cast<float>(between(random, 0.2, 0.8));
+    c.friction = static_cast<float>(between(random, 0, 1));
+    const gpu::vec4 way = anywhere(random, speed, 0);
+    gpu::vec4 midway = anywhere(random, 1, 0);
+    if (shape == WEFT_PLANE) midway.y = -1 + 0.3f * midway.y;
+    const auto at = [&](float fraction) {   // kSubstep is where the body is among the particles
+      const float t = fraction - (kSubstep + 0.5f) / 4;
+      return gpu::vec3{midway.x + t * way.x, midway.y + t * way.y, midway.z + t * way.z};
+    };
+    c.centre_from = at(0);
+    c.centre_to = at(1);
+    const auto tilted = [&](double size) {
+      const reference::Vector n = (reference::Vector::UnitY() + vector(anywhere(random, size, 0))).normalized();
+      return gpu::vec3{static_cast<float>(n.x()), static_cast<float>(n.y()), static_cast<float>(n.z())};
+    };
+    c.normal_from = tilted(0.3);
+    c.normal_to = tilted(0.3);
+    const gpu::vec4 spin = anywhere(random, 1, 0);
+    c.spin = {spin.x, spin.y, spin.z};
+    colliders.push_back(c);
+  }
+  return colliders;
+}
+
+reference::Body body_of(const gpu::Collider& c, double from, double to, double cloth_friction) {
+  const auto mixed = [](const gpu::vec3& a, const gpu::vec3& b, double t) { return reference::Vector((1 - t) * vector(a) + t * vector(b)); };
+  return {mixed(c.centre_from, c.centre_to, from), mixed(c.centre_from, c.centre_to, to), mixed(c.normal_from, c.normal_to, from).normalized(),
+          mixed(c.normal_from, c.normal_to, to).normalized(), c.shape == WEFT_PLANE ? -1 : c.radius, (to - from) * vector(c.spin),
+          std::sqrt(c.friction * cloth_friction)};
+}
+
+// A sphere that is just missed or just hit makes all the difference: such particles (closer than this, m) are not compared.
+constexpr double kUndecided = 1e-4;
+
+bool is_undecided(const reference::Body& body, const reference::Vector& x, const reference::Vector& p, double thickness) {
+  if (body.is_plane()) return false;
+  const reference::Vector start = x - body.centre_before, way = p - body.centre_after - start;
+  const double t = std::clamp(-start.dot(way) / way.squaredNorm(), 0.0, 1.0), reach = body.radius + thickness;
+  return std::abs((start + t * way).norm() - reach) < kUndecided || std::abs(start.norm() - reach) < kUndecided;
+}
+
+void compare_colliders(const compute::Device& device, std::uint32_t shape, double speed, bool fast_particles, std::uint64_t seed) {
+  Random random(seed);
+  Scene scene = loose_scene(4);
+  const auto colliders = bodies(random, shape, speed);
+  scene.colliders.resize(colliders.size());
+  const CookedFabric fabric = loose_particles(random, 600, scene.solver);
+  const auto p = moved(random, fabric, fast_particles ? 1 : 0.03);
+  SinglePass passes(device, scene, fabric, seed % 2 == 0);
+  passes.put(gpu::velocities, leading_to(p, fabric));
+  passes.put_iterate(p);
+  FrameInput input = falling(4);
+  input.colliders = colliders;
+  passes.begin(input);
+  passes.run("stretch", kSubstep);
+  reference::Points wanted;
+  int touched = 0;
+  std::vector<bool> compared;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const gpu::Material& material = fabric.materials[i % 2];
+    const reference::Vector x = vector(fabric.positions[i]);
+    reference::Vector now = vector(p[i]);
+    bool decided = true;
+    for (const gpu::Collider& c : colliders) {
+      if (fabric.positions[i].w == 0) continue;
+      const reference::Body body = body_of(c, kSubstep / 4.0, (kSubstep + 1) / 4.0, material.friction);
+      decided &= !is_undecided(body, x, now, material.thickness);
+      const reference::Vector after = reference::out_of_body(body, x, now, material.thickness);
+      touched += after != now;
+      now = after;
+    }
+    compared.push_back(decided);
+    wanted.push_back(now);
+  }
+  EXPECT_GT(touched, 50) << "the scene tests nothing";
+  const auto positions = passes.particles(gpu::positions), velocities = passes.particles(gpu::velocities);
+  int left_out = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    if (!compared[i]) {
+      ++left_out;
+      continue;
+    }
+    const double gap = 16 * kRounding * (3 + speed);   // coordinates up to 3 m, of bodies as far as they go in a frame
+    ASSERT_LT((vector(positions[i]) - wanted[i]).norm(), gap) << "particle " << i << ", shape " << shape << ", speed " << speed;
+    if (fabric.positions[i].w == 0) continue;
+    const auto speed_now = reference::velocity(vector(fabric.positions[i]), wanted[i], fabric.h);
+    const auto after = reference::predict({wanted[i], speed_now}, kGravity, kDampings[i % 2], fabric.h, false);
+    ASSERT_LT((vector(velocities[i]) - after.velocity).norm(), 2 * gap / fabric.h) << "particle " << i;
+  }
+  EXPECT_LT(left_out, 6);
+}
+
+TEST_F(SettleKernel, planes_do_what_their_twin_does) {
+  for (const double speed : {0.0, 0.2}) {
+    compare_colliders(device(), WEFT_PLANE, speed, false, 11);
+    compare_colliders(device(), WEFT_PLANE, speed, true, 12);
+  }
+}
+
+TEST_F(SettleKernel, spheres_do_what_their_twin_does_inside_outside_and_swept) {
+  for (const double speed : {0.0, 0.2, 20.0}) {   // 5 m in this substep
+    compare_colliders(device(), WEFT_SPHERE, speed, false, 21);
+    compare_colliders(device(), WEFT_SPHERE, speed, true, 22);
+  }
+}
+
+TEST_F(SettleKernel, a_particle_in_a_spheres_centre_comes_out_on_top) {
+  Random random(3);
+  Scene scene = loose_scene(1);
+  scene.colliders.resize(1);
+  CookedFabric fabric = loose_particles(random, 8, scene.solver);
+  fabric.positions[0] = {0.25f, 0.5f, -0.5f, 1};
+  SinglePass passes(device(), scene, fabric);
+  passes.put_iterate(fabric.positions);
+  gpu::Collider ball{};
+  ball.shape = WEFT_SPHERE;
+  ball.radius = 0.5f;
+  ball.centre_from = ball.centre_to = {0.25f, 0.5f, -0.5f};
+  ball.normal_from = ball.normal_to = {0, 1, 0};
+  FrameInput input = frame_of(1);
+  input.colliders = std::span(&ball, 1);
+  passes.begin(input);
+  passes.run("stretch");
+  EXPECT_LT((vector(passes.particles(gpu::positions)[0]) - reference::Vector(0.25, 1.002, -0.5)).norm(), 8 * kRounding);
+}
+
+TEST_F(SettleKernel, a_particle_that_turns_non_finite_is_put_back_and_counted) {
+  Random random(4);
+  const Scene scene = loose_scene(1);
+  const CookedFabric fabric = loose_particles(random, 64, scene.solver);
+  auto p = moved(random, fabric, 0.01);
+  p[0].y = NAN;
+  p[1].x = INFINITY;
+  p[2].z = 1e30f;
+  SinglePass passes(device(), scene, fabric);
+  passes.put(gpu::velocities, leading_to(moved(random, fabric, 0.01), fabric));
+  passes.put_iterate(p);
+  passes.begin(frame_of(1));
+  passes.run("stretch");
+  const auto positions = passes.particles(gpu::positions), velocities = passes.particles(gpu::velocities);
+  for (std::size_t i : {0u, 1u, 2u}) {
+    EXPECT_EQ(vector(positions[i]), vector(fabric.positions[i]));
+    EXPECT_EQ(vector(velocities[i]), reference::Vector(0, 0, 0));
+  }
+  EXPECT_EQ(passes.counters().non_finite, 3u);
+}
+
+TEST_F(SettleKernel, anchors_go_straight_to_their_targets_and_arrive_to_the_bit) {
+  Random random(5);
+  const Scene scene = loose_scene(7);
+  CookedFabric fabric = loose_particles(random, 200, scene.solver);
+  std::vector<gpu::Anchor> anchors;
+  for (std::uint32_t i = 3; i < 200; i += 8) {
+    const gpu::vec4& x = fabric.positions[i];
+    const gpu::vec4 to = anywhere(random, 10, 0);
+    anchors.push_back({i, {x.x, x.y, x.z}, {to.x, to.y, to.z}});
+    fabric.anchors.push_back({0, 0, i, i, {x.x, x.y, x.z}});
+  }
+  SinglePass passes(device(), scene, fabric);
+  FrameInput input = frame_of(7);
+  input.anchors_move = true;
+  input.anchors = anchors;
+  passes.begin(input);
+  passes.run("predict");
+  for (int s = 0; s < 7; ++s) {
+    passes.run("anchor", s);
+    const auto iterate = passes.iterate();
+    for (const gpu::Anchor& anchor : anchors) {
+      const auto wanted = reference::anchor_at(vector(anchor.from), vector(anchor.to), (s + 1) / 7.0);
+      EXPECT_LT((vector(iterate[anchor.particle]) - wanted).norm(), 8 * kRounding * 18);   // up to 10 m in each direction
+      EXPECT_EQ(iterate[anchor.particle].w, 0);
+    }
+    passes.run("stretch", s);
+  }
+  const auto positions = passes.particles(gpu::positions);
+  for (const gpu::Anchor& anchor : anchors) EXPECT_EQ(std::memcmp(&positions[anchor.particle], &anchor.to, sizeof anchor.to), 0);
+}
+
+// A tube whose two ends of the picture meet in a seam: render vertices double there, points do not.
+Mesh tube() {
+  RenderMesh render;
+  constexpr std::uint32_t kRound = 16, kRows = 9;
+  for (std::uint32_t j = 0; j <= kRows; ++j)
+    for (std::uint32_t i = 0; i <= kRound; ++i) {
+      const double angle = 2 * 3.14159265358979 * (i % kRound) / kRound;
+      render.positions.push_back({static_cast<float>(std::cos(angle)), 0.2f * static_cast<float>(j), static_cast<float>(std::sin(angle))});
+      render.uvs.push_back({static_cast<float>(i) / kRound, static_cast<float>(j) / kRows});
+    }
+  for (std::uint32_t j = 0; j < kRows; ++j)
+    for (std::uint32_t i = 0; i < kRound; ++i) {
+      const std::uint32_t a = j * (kRound + 1) + i, b = a + 1, c = a + kRound + 1, d = c + 1;
+      render.triangles.push_back({a, c, b});
+      render.triangles.push_back({b, c, d});
+    }
+  return must(weld_mesh(std::move(render)));
+}
+
+TEST_F(SettleKernel, surface_does_what_its_twin_does_and_gives_a_seam_one_normal) {
+  Scene scene;
+  scene.cloths.emplace_back().mesh = "tube";
+  const Mesh mesh = tube();
+  ASSERT_LT(mesh.points.size(), mesh.render.positions.size()) << "no seam";
+  for (const bool gather_storage : {false, true}) {
+    Random random(6);
+    SimulationOptions options;
+    options.gather_storage = gather_storage;
+    const auto simulation = must(Simulation::create(device(), scene, {mesh}, options));
+    auto pose = must(simulation->read_positions());
+    for (gpu::vec4& p : pose) {
+      const gpu::vec4 d = anywhere(random, 0.1, 0);
+      p = {p.x + d.x, p.y + d.y, p.z + d.z, p.w};
+    }
+    must(simulation->write_positions(pose));
+    const auto positions = must(simulation->read_vertex_positions()), normals = must(simulation->read_vertex_normals());
+    const CookedFabric& fabric = simulation->fabric();
+    const auto wanted = reference::point_normals(points(pose), fabric.triangles);
+    ASSERT_EQ(normals.size(), mesh.render.positions.size());
+    for (std::size_t v = 0; v < normals.size(); ++v) {
+      const std::uint32_t particle = fabric.surface_rows[v].x;
+      EXPECT_EQ(positions[v], (Vec3{pose[particle].x, pose[particle].y, pose[particle].z}));
+      // Areas about 0.04 m^2 from coordinates up to 2 m; opposite triangles of the crumpled tube cancel to a tenth.
+      EXPECT_LT((reference::Vector(normals[v].x, normals[v].y, normals[v].z) - wanted[particle]).norm(), 16 * kRounding * 2 / 0.04);
+      for (std::size_t u = 0; u < v; ++u)
+        if (fabric.surface_rows[u].x == particle) {
+          EXPECT_EQ(normals[u], normals[v]);
+        }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace weft
