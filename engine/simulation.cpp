@@ -116,9 +116,13 @@ Result<void> Simulation::move_anchors(std::uint32_t first, std::span<const Vec3>
 Result<void> Simulation::move_collider(std::uint32_t collider, const ColliderPose& pose) {
   if (collider >= state_->collider_poses.size()) return fail("collider ", collider, " is not below the scene's ", state_->collider_poses.size());
   if (!finite(pose.centre) || !finite(pose.normal)) return fail("the pose of collider ", collider, " is not finite");
-  const float size = length(pose.normal);
-  if (!(size > 1e-6f)) return fail("the normal of collider ", collider, " has a length of ", size, ", not above 1e-6");
-  state_->collider_wishes[collider] = {pose.centre, (1 / size) * pose.normal};
+  ColliderPose wish = pose;
+  if (state_->scene.colliders[collider].shape == ColliderShape::plane) {   // a sphere's normal says nothing
+    const float size = length(pose.normal);
+    if (!(size > 1e-6f)) return fail("the normal of collider ", collider, " has a length of ", size, ", not above 1e-6");
+    wish.normal = (1 / size) * pose.normal;
+  }
+  state_->collider_wishes[collider] = wish;
   state_->collider_is_led[collider] = true;
   return {};
 }
