@@ -34,7 +34,7 @@ vec3 impulse(vec4 p, uvec2 packed, inout float lambda) {
   const vec3 d = p.xyz - q.xyz;
   const float squared = dot(d, d);
   coincident += uint(squared < 1e-20);
-  const float len = sqrt(max(squared, 1e-20));
+  const float len = sqrt(squared + 1e-20);   // not max(): its care for NaN costs the software driver 5 %
   const float alpha = link.compliance * push.inverse_h2;
   const float weight = p.w + q.w + alpha;
 #ifdef ITERATED
@@ -45,7 +45,7 @@ vec3 impulse(vec4 p, uvec2 packed, inout float lambda) {
 #else
   // One division for both; lambda is zero. Two anchors give no finite number, and main() then leaves them where they are.
   const float scale = (link.rest - len) / (weight * len);
-  return (link.only_pulls ? min(scale, 0) : scale) * d;
+  return (link.only_pulls && scale > 0 ? 0 : scale) * d;
 #endif
 }
 
