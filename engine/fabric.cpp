@@ -11,8 +11,9 @@ namespace {
 
 using cooking::vector;
 
-// 12 substeps hold a 200 x 200 sheet below 0.5 % mean strain (README, "What the default costs").
-constexpr std::uint32_t kDefaultSubsteps = 12;
+// 10 substeps keep a hung sheet of 200 x 200 vertices at 0.02 % mean and below 2 % largest strain, in the time of 28 plain C++
+// passes over its links (README, "Speed").
+constexpr std::uint32_t kDefaultSubsteps = 10;
 
 // Mass of every point: a third of each triangle's around it.
 std::vector<double> point_masses(const Mesh& mesh, double area_density) {
