@@ -1,6 +1,6 @@
 // anchor: puts every held particle where it belongs at the substep's end, on the straight way from where it was at the
 // frame's start to where the scene or the host wants it at the frame's end. Recorded only in frames in which targets move.
-// At the frame's end the target is taken as it is, so that it is exact to the bit.
+// At the frame's end the target is taken as it is, so that it is exact to the bit; an anchor that does not move stays so.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -15,5 +15,5 @@ void main() {
   if (i >= push.count) return;
   const Anchor anchor = anchors[i];
   const bool arrived = push.fraction_to == 1;
-  predicted[anchor.particle].xyz = arrived ? anchor.to : mix(anchor.from, anchor.to, push.fraction_to);
+  predicted[anchor.particle].xyz = arrived ? anchor.to : anchor.from + push.fraction_to * (anchor.to - anchor.from);
 }

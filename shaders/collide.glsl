@@ -9,11 +9,14 @@ struct Surface {
   vec3 spin;     // rad in this substep
 };
 
+// Written so that what does not move stays to the bit, whatever the fraction (mix does not promise that).
+vec3 between(vec3 from, vec3 to, float fraction) { return from + fraction * (to - from); }
+
 Surface surface_at(Collider collider, float from, float to) {
   Surface s;
-  s.point = to == 1 ? collider.centre_to : mix(collider.centre_from, collider.centre_to, to);
+  s.point = to == 1 ? collider.centre_to : between(collider.centre_from, collider.centre_to, to);
   s.moved = (to - from) * (collider.centre_to - collider.centre_from);
-  s.normal = normalize(mix(collider.normal_from, collider.normal_to, to));
+  s.normal = normalize(between(collider.normal_from, collider.normal_to, to));
   s.spin = (to - from) * collider.spin;
   return s;
 }
