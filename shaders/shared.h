@@ -160,8 +160,8 @@ struct Push {
 #define WEFT_NONE 0xffffffffu
 #define WEFT_MAX_PARTICLES 0x00ffffffu
 
-// A link of the stretch pass in eight bytes: 24 bits of index, a rest length with 16 bits of mantissa (relative error below
-// 4e-6) and a compliance with 7 (below 0.4 %), and one bit for links that only pull.
+// A link of the stretch pass in eight bytes: 24 bits of index, a rest length with 16 bits of mantissa (relative error up to
+// 2^-17) and a compliance with 7 (below 0.4 %), and one bit for links that only pull.
 //
 //   x: [31..24] compliance exponent   [23..0] index
 //   y: [31..8]  rest length, a positive float's bits 30..7   [7..1] compliance mantissa   [0] only pulls
