@@ -42,6 +42,8 @@ namespace weft {
 struct SimulationOptions {
   /// A timestamp pair around every pass. Costs time: whole-frame times are taken without.
   bool timings = false;
+  /// Time passes on the CPU, each submitted alone, also where the GPU has timestamps.
+  bool timings_on_cpu = false;
   /// Compiled pipelines are kept in this file between runs; empty: not kept.
   std::filesystem::path pipeline_cache;
   /// Gather through storage buffers instead of texel buffers (shared.h says what that is for).

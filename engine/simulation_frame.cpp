@@ -99,7 +99,7 @@ Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<
   FrameSlot& slot = slots[submitted % slots.size()];
   if (slot.value > 0)
     if (auto done = compute::wait_for(*device, ready.get(), slot.value); !done) return done;
-  compute::Timestamps* timestamps = options.timings && slot.timestamps.supported() ? &slot.timestamps : nullptr;
+  compute::Timestamps* timestamps = options.timings && !options.timings_on_cpu && slot.timestamps.supported() ? &slot.timestamps : nullptr;
   if (timestamps != nullptr) timestamps->rewind();
   const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT, nullptr};
   if (const VkResult began = device->vk().vkBeginCommandBuffer(slot.commands, &begin); began != VK_SUCCESS)
@@ -169,7 +169,7 @@ Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) {
   return advance;
 }
 
-bool Simulation::timed_on_cpu() const { return !state_->slots[0].timestamps.supported() && state_->options.timings; }
+bool Simulation::timed_on_cpu() const { return state_->options.timings && (state_->options.timings_on_cpu || !state_->slots[0].timestamps.supported()); }
 
 std::vector<DispatchTime> Simulation::dispatch_times() const {
   if (timed_on_cpu()) return state_->cpu_times;
