@@ -8,6 +8,7 @@
 #include <numbers>
 #include <random>
 
+#include "engine/fabric.h"
 #include "engine/mesh.h"
 #include "shaders/anchor.ref.h"
 #include "shaders/bend.ref.h"
@@ -262,6 +263,29 @@ TEST(BendTwin, squares_with_a_diagonal_are_exact_along_a_side_and_within_their_k
     const double ratio = cylinder_energy_ratio(centres, degrees);
     EXPECT_GT(ratio, 0.9) << degrees;
     EXPECT_LT(ratio, 1.55) << degrees;
+  }
+}
+
+TEST(BendTwin, cooking_makes_the_same_stencils) {
+  Random random(11);
+  Scene scene;
+  scene.cloths.emplace_back().grid = Grid{{1, 1}, 9, 7, Topology::centre, false};
+  scene.cloths[0].fabric.bend = 3e-5;
+  auto meshes = make_meshes(scene);
+  ASSERT_TRUE(meshes);
+  for (Vec3& p : (*meshes)[0].points) p = p + Vec3{static_cast<float>(between(random, -0.01, 0.01)), 0, static_cast<float>(between(random, -0.01, 0.01))};
+  const auto fabric = cook(scene, *meshes);
+  ASSERT_TRUE(fabric);
+  ASSERT_GT(fabric->bends.size(), 200u);
+  for (const gpu::Bend& bend : fabric->bends) {
+    Stencil x;
+    for (std::size_t j = 0; j < 4; ++j) {
+      const gpu::vec4& p = fabric->positions[bend.particle[j]];
+      x[j] = {p.x, p.y, p.z};
+    }
+    const BendStencil wanted = bend_stencil(x);
+    EXPECT_LT((Eigen::Vector4d(bend.k[0], bend.k[1], bend.k[2], bend.k[3]) - wanted.k).norm(), 1e-7 * wanted.k.norm());   // stored as floats
+    EXPECT_NEAR(bend.compliance * 3e-5 * wanted.q, 1, 1e-7);
   }
 }
 
