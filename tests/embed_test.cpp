@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -259,6 +260,23 @@ TEST_F(Host, semaphores_alone_keep_a_frame_and_its_reader_apart) {
     for (std::uint32_t i = 0; i < view.count; ++i) picture.push_back({copy[i].x, copy[i].y, copy[i].z});
     EXPECT_EQ(picture, expected[static_cast<std::size_t>(k)]) << "frame " << k;
   }
+}
+
+TEST_F(Host, a_submitted_frame_waits_for_what_the_host_names) {
+  auto borrowed = borrow();
+  ASSERT_TRUE(borrowed);
+  auto simulation = simulate(*borrowed);
+  auto drawn = compute::create_timeline(device(), "drawn");
+  ASSERT_TRUE(simulation && drawn);
+  const VkSemaphoreSubmitInfo wait{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, drawn->get(), 1, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
+  ASSERT_TRUE(simulation->submit(kFrame, {&wait, 1}));
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));   // far longer than the frame would take
+  std::uint64_t reached = 0;
+  device().vk().vkGetSemaphoreCounterValue(device().handle(), simulation->ready_semaphore(), &reached);
+  EXPECT_LT(reached, simulation->ready_value());
+  const VkSemaphoreSignalInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SIGNAL_INFO, nullptr, drawn->get(), 1};
+  device().vk().vkSignalSemaphore(device().handle(), &signal);
+  EXPECT_TRUE(compute::wait_for(device(), simulation->ready_semaphore(), simulation->ready_value()));
 }
 
 TEST_F(Host, anchors_and_colliders_go_where_the_host_says) {
