@@ -1,7 +1,7 @@
 // A miniature game engine with cloth in it: how Weft lives inside somebody else's program.
 //
 // The engine owns the instance, the device, the queue, the command buffers and the renderer, and lends the first three to
-// Weft. It shows, one after the other:
+// Weft. Its clock is its own: a frame is 1/60 s of the game, however long it took. It shows, one after the other:
 //
 //   recorded   Weft records its frame into the engine's command buffer, which then draws: one submit, no semaphore
 //   submitted  Weft submits its frame by itself. The draw waits for Weft on the GPU, and Weft's next frame for the draw
@@ -28,7 +28,7 @@
 namespace host {
 namespace {
 
-constexpr double kFrame = 1.0 / 60;   // s of the game; the engine draws as fast as it can
+constexpr double kFrame = 1.0 / 60;   // s of the game
 constexpr VkExtent2D kSize{960, 540};
 
 struct Options {
@@ -107,6 +107,7 @@ Result<void> Engine::run(const Options& options) {
   };
   for (const Act& act : acts)
     if (auto done = play(act); !done) return done;
+  std::printf("  Every frame with Weft moved its anchors and the ball, and was drawn from Weft's buffers: no vertex was copied.\n");
   if (auto done = save(options.out); !done) return done;
   return stop_weft();
 }
@@ -229,7 +230,7 @@ Result<void> Engine::save(const std::filesystem::path& file) {
   if (auto done = frames_->end(); !done) return done;
   if (auto done = frames_->wait(); !done) return done;
   if (auto done = write_png(file, renderer_->size(), renderer_->pixels()); !done) return done;
-  std::printf("  the last frame is %s\n", file.string().c_str());
+  std::printf("  The last frame is %s\n", file.string().c_str());
   return {};
 }
 
@@ -247,7 +248,7 @@ int run(const Options& options) {
     std::fprintf(stderr, "host_engine: validation complained %u times\n", complaints.count.load());
     return 1;
   }
-  if (options.validation) std::printf("  validation had nothing to say\n");
+  if (options.validation) std::printf("  Validation had nothing to say\n");
   return 0;
 }
 

@@ -1,7 +1,7 @@
 // The host engine's own Vulkan: instance, device, queue, and the little it needs to own buffers.
 //
-// Nothing here knows of Weft, except lend(): what an engine hands over is seven values that it has anyway. The four
-// features that Weft asks of a device stand in create_device with everything else the engine enables.
+// Nothing here knows of Weft, except lend(): what an engine hands over is six values that it has anyway. The four
+// features that Weft asks of a device stand in create_device beside what the engine enables for itself.
 #pragma once
 
 #include <vulkan/vulkan.h>

@@ -360,7 +360,7 @@ class Programs : public testing::Test {
 
 TEST_F(Programs, host_engine_embeds_weft_in_silence_and_leaves_a_picture) {
   ASSERT_EQ(run("host_engine --frames 40 --validation --out " + file("new/picture.png")), 0) << said();
-  EXPECT_NE(said().find("validation had nothing to say"), std::string::npos) << said();
+  EXPECT_NE(said().find("Validation had nothing to say"), std::string::npos) << said();
   auto image = read_image(folder / "new/picture.png");
   ASSERT_TRUE(image) << image.error();
   EXPECT_EQ(image->width * 9, image->height * 16);
