@@ -7,9 +7,10 @@
 // k is corrected by a pass in proportion to the sum of (length k)^2 over a particle's links divided by their number; on a
 // grid, four links of eight edges beside eight of one edge make that 22 times as much for half as many links more.
 //
-// A strip stretched evenly must pull as hard as before. A far link of m edges covers m of them, and m overlap on each edge, so
-// half of an edge's stiffness k moves over when the link gets k / (2 m^2): in compliances, alpha_far = 2 m sum(alpha), with the
-// edges' own doubled.
+// A strip stretched evenly must pull as hard as before. A far link of m edges covers m of them and gets k / (2 m^2), k the
+// stiffness of an edge: in compliances, alpha_far = 2 m sum(alpha). It takes 1 / (2 m) off the stiffness of each edge under it. Up
+// to m links overlap on an edge, so half of its stiffness moves over, and less near the ends of a line.
+#include <algorithm>
 #include <cmath>
 
 #include "engine/fabric_parts.h"
@@ -63,7 +64,7 @@ class Lines {
 void add_far_links(const Mesh& mesh, const std::vector<bool>& is_diagonal, std::uint32_t steps, std::vector<Spring>& near) {
   const Lines lines(mesh, is_diagonal);
   std::vector<Spring> far;
-  std::vector<bool> covered(mesh.edges.size());
+  std::vector<std::uint32_t> covering(mesh.edges.size());   // far links over each edge
   for (std::uint32_t e = 0; e < mesh.edges.size(); ++e) {
     if (is_diagonal[e]) continue;
     for (const std::uint32_t start : {mesh.edges[e].a, mesh.edges[e].b}) {
@@ -81,11 +82,11 @@ void add_far_links(const Mesh& mesh, const std::vector<bool>& is_diagonal, std::
       if (line.size() < steps || link.a >= link.b) continue;
       link.compliance *= 2 * steps;
       far.push_back(link);
-      for (const std::uint32_t edge : line) covered[edge] = true;
+      for (const std::uint32_t edge : line) ++covering[edge];
     }
   }
-  for (std::uint32_t e = 0; e < mesh.edges.size(); ++e)
-    if (covered[e]) near[e].compliance *= 2;
+  // Where lines join, more may overlap; an edge keeps half of its stiffness all the same.
+  for (std::uint32_t e = 0; e < mesh.edges.size(); ++e) near[e].compliance /= 1 - std::min(covering[e], steps) / (2.0 * steps);
   near.insert(near.end(), far.begin(), far.end());
 }
 

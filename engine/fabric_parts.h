@@ -32,7 +32,7 @@ struct Stiffness {
 /// direction: see fabric_links.cpp.
 std::vector<Spring> springs(const Mesh& mesh, const Stiffness& stiffness);
 
-/// Links that only pull between points `steps` edges apart on a straight line of edges: see fabric_far.cpp. Half of the
+/// Links that only pull between points `steps` edges apart on a straight line of edges: see fabric_far.cpp. Up to half of the
 /// stiffness of those edges (the first of `near`, in the mesh's order) moves over to them; `is_diagonal` edges make no line.
 void add_far_links(const Mesh& mesh, const std::vector<bool>& is_diagonal, std::uint32_t steps, std::vector<Spring>& near);
 
