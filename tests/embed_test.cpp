@@ -4,10 +4,8 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include <atomic>
 #include <chrono>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -19,6 +17,7 @@
 #include "engine/shading/image.h"
 #include "engine/simulation.h"
 #include "tests/on_device.h"
+#include "tests/watched_vulkan.h"
 
 namespace weft {
 namespace {
@@ -83,40 +82,6 @@ std::vector<std::vector<Vec3>> advanced(Simulation& simulation) {
     auto done = simulation.advance(kFrame);
     EXPECT_TRUE(done) << done.error();
   });
-}
-
-// Vulkan as the host hands it over, with an ear on what must not be called. Vulkan's functions carry no user pointer,
-// hence the variables.
-struct Watch {
-  PFN_vkGetInstanceProcAddr get_instance_proc_addr = nullptr;
-  PFN_vkGetDeviceProcAddr get_device_proc_addr = nullptr;
-  PFN_vkQueueSubmit2 submit = nullptr;
-  std::atomic<int> submits = 0, forbidden = 0;
-} watch;
-
-VKAPI_ATTR void VKAPI_CALL destroy_instance(VkInstance, const VkAllocationCallbacks*) { ++watch.forbidden; }
-VKAPI_ATTR void VKAPI_CALL destroy_device(VkDevice, const VkAllocationCallbacks*) { ++watch.forbidden; }
-VKAPI_ATTR VkResult VKAPI_CALL device_wait_idle(VkDevice) { return ++watch.forbidden, VK_SUCCESS; }
-VKAPI_ATTR VkResult VKAPI_CALL queue_wait_idle(VkQueue) { return ++watch.forbidden, VK_SUCCESS; }
-VKAPI_ATTR VkResult VKAPI_CALL queue_submit2(VkQueue queue, std::uint32_t count, const VkSubmitInfo2* work, VkFence fence) {
-  ++watch.submits;
-  return watch.submit(queue, count, work, fence);
-}
-
-VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL watched_device_function(VkDevice device, const char* name) {
-  const auto is = [&](const char* other) { return std::strcmp(name, other) == 0; };
-  if (is("vkDestroyDevice")) return reinterpret_cast<PFN_vkVoidFunction>(destroy_device);
-  if (is("vkDeviceWaitIdle")) return reinterpret_cast<PFN_vkVoidFunction>(device_wait_idle);
-  if (is("vkQueueWaitIdle")) return reinterpret_cast<PFN_vkVoidFunction>(queue_wait_idle);
-  if (!is("vkQueueSubmit2")) return watch.get_device_proc_addr(device, name);
-  watch.submit = reinterpret_cast<PFN_vkQueueSubmit2>(watch.get_device_proc_addr(device, name));
-  return reinterpret_cast<PFN_vkVoidFunction>(queue_submit2);
-}
-
-VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL watched_function(VkInstance instance, const char* name) {
-  if (std::strcmp(name, "vkDestroyInstance") == 0) return reinterpret_cast<PFN_vkVoidFunction>(destroy_instance);
-  if (std::strcmp(name, "vkGetDeviceProcAddr") == 0) return reinterpret_cast<PFN_vkVoidFunction>(watched_device_function);
-  return watch.get_instance_proc_addr(instance, name);
 }
 
 TEST_F(Host, weft_neither_destroys_nor_idles_what_it_borrows) {
