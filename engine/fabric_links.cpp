@@ -3,14 +3,18 @@
 // Woven cloth is stiff along its threads (u and v of the UVs) and soft across them. With no lateral contraction the modulus
 // in a direction at angle t from the warp is, for an orthotropic sheet (Jones, Mechanics of Composite Materials, eq. 2.97),
 //     1 / Y(t) = (cos^4 t + sin^4 t) / Y + cos^2 t sin^2 t / G,
-// with Y the stretch and G the shear modulus in N/m. An edge of length L carries the modulus of its direction over its share
-// of the area: k = Y(t) A / L^2 (van Gelder 1998), A the area of the triangles beside it; its compliance is 1 / k.
-// On a grid of squares that gives Y along the threads and, from both diagonals together, the shear energy 1/2 G per area.
+// with Y the stretch and G the shear modulus in N/m. An edge of length L carries the modulus of its direction over the area A of
+// the triangles beside it: k = Y(t) A / L^2 (van Gelder 1998); its compliance is 1 / k. Along the threads a family of parallel
+// links covers the cloth once; across them two do, the links at t and those at -t, so each has half of the modulus: the term of G
+// counts twice. That gives Y along the threads and the shear energy 1/2 G per area, whether a grid's cells are squares or
+// oblongs, have one diagonal or a centre.
 //
 //      d ---- c     An edge (a, c) that is the longest of both its triangles is the diagonal of a quad; the other
-//      |    / |     diagonal (b, d) becomes a link as well, and the two share the quad's area. The second one only
-//      |  /   |     pulls, so that it never resists folding along the first. Without it a sheet shears more easily
-//      a ---- b     one way than the other.
+//      |    / |     diagonal (b, d) becomes a link as well. The second one only pulls, so that it never resists
+//      |  /   |     folding along the first. Without it a sheet shears more easily one way than the other. On
+//      a ---- b     grids with centres the quads stand on their corners, and their diagonals are threads.
+//
+// Limitation: where the UVs say nothing the sheet is equally stiff in all directions, and the two diagonals halve their area.
 #include <cmath>
 
 #include "engine/fabric_parts.h"
@@ -50,16 +54,16 @@ class Weave {
     return length > 1e-30 ? Eigen::Vector3d(along / length) : Eigen::Vector3d::Zero();
   }
 
-  double compliance(const Eigen::Vector3d& direction, const WingedEdge& edge, double share) const {
-    const double covered = share * (area(edge.triangle[0]) + area(edge.triangle[1]));
+  double compliance(const Eigen::Vector3d& direction, const WingedEdge& edge, bool diagonal) const {
     Eigen::Vector3d along = warp(edge.triangle[0]);
     if (along.isZero()) along = warp(edge.triangle[1]);
+    const double covered = (diagonal && along.isZero() ? 0.5 : 1) * (area(edge.triangle[0]) + area(edge.triangle[1]));
     const double squared = direction.squaredNorm();
     const double c2 = along.isZero() ? 1 : std::min(1.0, std::pow(along.dot(direction), 2) / squared);
     const double s2 = 1 - c2;
     // Directions along a thread differ from it by rounding; the soft shear must not leak into them.
     const double mixed = c2 * s2 < 1e-9 ? 0 : c2 * s2;
-    const double inverse_modulus = (c2 * c2 + s2 * s2) / stiffness_.stretch + (mixed == 0 ? 0 : mixed / stiffness_.shear);
+    const double inverse_modulus = (c2 * c2 + s2 * s2) / stiffness_.stretch + (mixed == 0 ? 0 : 2 * mixed / stiffness_.shear);
     return covered > 0 ? inverse_modulus * squared / covered : 0;
   }
 
@@ -89,11 +93,11 @@ std::vector<Spring> springs(const Mesh& mesh, const Stiffness& stiffness) {
     const bool diagonal = inner && edge.across[0] != edge.across[1] && weave.longest_in(edge.triangle[0], d.norm()) &&
                           weave.longest_in(edge.triangle[1], d.norm());
     is_diagonal.push_back(diagonal);
-    springs.push_back({edge.a, edge.b, d.norm(), weave.compliance(d, edge, diagonal ? 0.5 : 1), false});
+    springs.push_back({edge.a, edge.b, d.norm(), weave.compliance(d, edge, diagonal), false});
     if (!diagonal) continue;
     const Eigen::Vector3d other = weave.point(edge.across[1]) - weave.point(edge.across[0]);
     if (other.norm() < 0.1 * d.norm()) continue;   // folded flat on itself at rest: no quad
-    second_diagonals.push_back({edge.across[0], edge.across[1], other.norm(), weave.compliance(other, edge, 0.5), true});
+    second_diagonals.push_back({edge.across[0], edge.across[1], other.norm(), weave.compliance(other, edge, true), true});
   }
   add_far_links(mesh, is_diagonal, kFarSteps, springs);
   springs.insert(springs.end(), second_diagonals.begin(), second_diagonals.end());
