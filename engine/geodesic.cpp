@@ -20,6 +20,10 @@
 namespace weft::cooking {
 namespace {
 
+// A wave dies where nearer anchors take all places, and next to that border distances are handed along edges. Places to spare move
+// the border away from the anchors that are kept.
+constexpr std::uint32_t kSpare = 1;
+
 // Length of the line from the source to c, if it crosses ab.
 std::optional<double> across_triangle(double ab, double ac, double bc, double to_a, double to_b) {
   const double cx = (ab * ab + ac * ac - bc * bc) / (2 * ab);
@@ -34,7 +38,7 @@ std::optional<double> across_triangle(double ab, double ac, double bc, double to
 
 class Waves {
  public:
-  Waves(const Mesh& mesh, std::uint32_t count) : mesh_(mesh), count_(count), reached_(mesh.points.size()) {
+  Waves(const Mesh& mesh, std::uint32_t kept) : mesh_(mesh), kept_(kept), reached_(mesh.points.size()) {
     first_.assign(mesh.points.size() + 1, 0);
     for (const Triangle& t : mesh.triangles)
       for (const std::uint32_t p : t) ++first_[p + 1];
@@ -45,20 +49,30 @@ class Waves {
       for (const std::uint32_t p : mesh.triangles[t]) around_[fill[p]++] = t;
   }
 
-  std::vector<std::vector<Reach>> run(std::span<const std::uint32_t> anchors) {
+  std::vector<std::vector<Reach>> run(std::span<const std::uint32_t> anchors, std::uint32_t count) {
     anchors_ = anchors;
     for (std::uint32_t k = 0; k < anchors.size(); ++k) offer(anchors[k], k, 0);
     while (!front_.empty()) {
       const Arrival arrival = front_.top();
       front_.pop();
-      const Reach* known = find(arrival.point, arrival.anchor);
+      Known* known = find(arrival.point, arrival.anchor);
       if (known == nullptr || known->distance != arrival.distance) continue;   // improved or crowded out since
+      known->spread = true;
       for (std::uint32_t k = first_[arrival.point]; k < first_[arrival.point + 1]; ++k) spread(arrival, mesh_.triangles[around_[k]]);
     }
-    return std::move(reached_);
+    std::vector<std::vector<Reach>> nearest(reached_.size());
+    for (std::size_t p = 0; p < reached_.size(); ++p)
+      for (std::size_t k = 0; k < std::min<std::size_t>(count, reached_[p].size()); ++k) nearest[p].push_back({reached_[p][k].anchor, reached_[p][k].distance});
+    return nearest;
   }
 
  private:
+  struct Known {
+    std::uint32_t anchor;
+    double distance;
+    bool spread;   // it has been handed on at this distance
+  };
+
   struct Arrival {
     double distance;
     std::uint32_t point, anchor;
@@ -69,25 +83,25 @@ class Waves {
 
   double between(std::uint32_t a, std::uint32_t b) const { return (vector(mesh_.points[a]) - vector(mesh_.points[b])).norm(); }
 
-  const Reach* find(std::uint32_t point, std::uint32_t anchor) const {
-    for (const Reach& reach : reached_[point])
-      if (reach.anchor == anchor) return &reach;
+  Known* find(std::uint32_t point, std::uint32_t anchor) {
+    for (Known& known : reached_[point])
+      if (known.anchor == anchor) return &known;
     return nullptr;
   }
 
-  // Keeps the nearest `count_` anchors of a point, sorted; a better distance replaces a worse one.
+  // Keeps the nearest `kept_` anchors of a point, sorted; a better distance replaces a worse one.
   void offer(std::uint32_t point, std::uint32_t anchor, double distance) {
     auto& list = reached_[point];
-    const auto known = std::find_if(list.begin(), list.end(), [&](const Reach& r) { return r.anchor == anchor; });
+    const auto known = std::find_if(list.begin(), list.end(), [&](const Known& k) { return k.anchor == anchor; });
     if (known != list.end()) {
       if (distance >= known->distance * (1 - 1e-12)) return;
       list.erase(known);
-    } else if (list.size() == count_) {
+    } else if (list.size() == kept_) {
       if (distance >= list.back().distance) return;
       list.pop_back();
     }
-    const auto place = std::find_if(list.begin(), list.end(), [&](const Reach& r) { return r.distance > distance; });
-    list.insert(place, {anchor, distance});
+    const auto place = std::find_if(list.begin(), list.end(), [&](const Known& k) { return k.distance > distance; });
+    list.insert(place, {anchor, distance, false});
     front_.push({distance, point, anchor});
   }
 
@@ -97,9 +111,10 @@ class Waves {
     for (int side = 0; side < 2; ++side) {
       const std::uint32_t near = others[side], far = others[1 - side];
       offer(near, from.anchor, from.distance + between(from.point, near));
-      // Only two distances that are final place the source; of an edge, the end that is reached later sees both.
-      const Reach* known = find(near, from.anchor);
-      if (known == nullptr || known->distance > from.distance) continue;
+      // Two distances place the source; the end of an edge that is handed on later sees both, and so does one that is handed
+      // on again: in obtuse triangles the wave can come to a corner before the ends of the edge that it has crossed.
+      const Known* known = find(near, from.anchor);
+      if (known == nullptr || !known->spread) continue;
       const auto straight = across_triangle(between(from.point, near), between(from.point, far), between(near, far), from.distance, known->distance);
       // No way along the surface is shorter than the straight line in space.
       if (straight) offer(far, from.anchor, std::max(*straight, between(far, anchors_[from.anchor])));
@@ -107,9 +122,9 @@ class Waves {
   }
 
   const Mesh& mesh_;
-  std::uint32_t count_;
+  std::uint32_t kept_;
   std::span<const std::uint32_t> anchors_;
-  std::vector<std::vector<Reach>> reached_;
+  std::vector<std::vector<Known>> reached_;
   std::vector<std::uint32_t> first_, around_;   // triangles around each point
   std::priority_queue<Arrival, std::vector<Arrival>, std::greater<>> front_;
 };
@@ -117,7 +132,8 @@ class Waves {
 }  // namespace
 
 std::vector<std::vector<Reach>> nearest_anchors(const Mesh& mesh, std::span<const std::uint32_t> anchors, std::uint32_t count) {
-  return Waves(mesh, count).run(anchors);
+  if (count == 0) return std::vector<std::vector<Reach>>(mesh.points.size());
+  return Waves(mesh, count + kSpare).run(anchors, count);
 }
 
 }  // namespace weft::cooking
