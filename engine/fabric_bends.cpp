@@ -9,7 +9,7 @@
 // The paper's q is 3 / (A0 + A1), which converges to 1/2 B (3 k1^2 + 3 k2^2 - 2 k1 k2) per area on a mesh of equilateral
 // triangles, k1 and k2 the principal curvatures. Cloth that bends does so as a cylinder (k2 = 0), and there that is three times
 // the 1/2 B k1^2 of a plate whose rigidity was measured; a third of it makes every such mesh exact, and squares with one
-// diagonal that bend along a side (tests/twin_test.cpp measures it).
+// diagonal that bend along a side (tests/twin_bend_test.cpp measures it).
 //
 // Limitations: the rest state is flat, also where the mesh is curved; on meshes that are not isotropic the rigidity depends on
 // the direction, by a factor of 0.75 ... 3 on squares with one diagonal and 1.5 on those with a centre.

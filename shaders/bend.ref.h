@@ -54,8 +54,8 @@ struct Bend {
 };
 
 /// One iteration. `lambda`: one vector a stencil, renewed.
-inline Points relax_bend(std::span<const Bend> bends, const Points& p, std::span<const double> inverse_masses, std::span<Vector> lambda, double h,
-                         double omega, Meeting meeting) {
+inline Points relax_bend(std::span<const Bend> bends, const Points& p, std::span<const double> inverse_masses, std::span<Vector> lambda,
+                         double h, double omega, Meeting meeting) {
   Copies copies(inverse_masses, meeting);
   for (const Bend& bend : bends)
     for (const std::uint32_t i : bend.particle) copies.use(i);

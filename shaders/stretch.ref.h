@@ -28,8 +28,8 @@ inline double stretch_energy(const Stretch& link, const Vector& a, const Vector&
 constexpr double kCoincident = 1e-10;
 
 /// One iteration. `lambda`: one a link, renewed. `skipped` receives the number of links left out.
-inline Points relax_stretch(std::span<const Stretch> links, const Points& p, std::span<const double> inverse_masses, std::span<double> lambda,
-                            double h, double omega, Meeting meeting, std::uint32_t& skipped) {
+inline Points relax_stretch(std::span<const Stretch> links, const Points& p, std::span<const double> inverse_masses,
+                            std::span<double> lambda, double h, double omega, Meeting meeting, std::uint32_t& skipped) {
   Copies copies(inverse_masses, meeting);
   for (const Stretch& link : links) {
     copies.use(link.a);

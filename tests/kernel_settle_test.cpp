@@ -44,7 +44,8 @@ TEST_F(SettleKernel, predict_does_what_its_twin_does_and_leaves_anchors_alone) {
     const auto predicted = passes.iterate(), velocities = passes.particles(gpu::velocities);
     for (std::size_t i = 0; i < predicted.size(); ++i) {
       const bool held = fabric.positions[i].w == 0;
-      const auto wanted = reference::predict({vector(fabric.positions[i]), vector(fabric.velocities[i])}, kGravity, kDampings[i % 2], fabric.h, held);
+      const reference::Motion now{vector(fabric.positions[i]), vector(fabric.velocities[i])};
+      const auto wanted = reference::predict(now, kGravity, kDampings[i % 2], fabric.h, held);
       EXPECT_LT((vector(predicted[i]) - wanted.position).norm(), 4 * kRounding * 1.8);
       if (!held) {
         EXPECT_LT((vector(velocities[i]) - wanted.velocity).norm(), 8 * kRounding * 3.5);
@@ -170,10 +171,10 @@ std::vector<gpu::Collider> bodies(Random& random, std::uint32_t shape, double sp
 }
 
 reference::Body body_of(const gpu::Collider& c, double from, double to, double cloth_friction) {
-  const auto mixed = [](const gpu::vec3& a, const gpu::vec3& b, double t) { return reference::Vector((1 - t) * vector(a) + t * vector(b)); };
-  return {mixed(c.centre_from, c.centre_to, from), mixed(c.centre_from, c.centre_to, to), mixed(c.normal_from, c.normal_to, from).normalized(),
-          mixed(c.normal_from, c.normal_to, to).normalized(), c.shape == WEFT_PLANE ? -1 : c.radius, (to - from) * vector(c.spin),
-          std::sqrt(c.friction * cloth_friction)};
+  const auto centre = [&](double t) { return reference::Vector((1 - t) * vector(c.centre_from) + t * vector(c.centre_to)); };
+  const auto normal = [&](double t) { return reference::Vector((1 - t) * vector(c.normal_from) + t * vector(c.normal_to)).normalized(); };
+  const double radius = c.shape == WEFT_PLANE ? -1 : c.radius;
+  return {centre(from), centre(to), normal(from), normal(to), radius, (to - from) * vector(c.spin), std::sqrt(c.friction * cloth_friction)};
 }
 
 // A sphere that is just missed or just hit makes all the difference: such particles (closer than this, m) are not compared.

@@ -68,7 +68,8 @@ inline double distance(const Point& a, const Point& b) { return std::hypot(a.x -
 
 inline double top_speed(const Simulation& simulation) {
   double fastest = 0;
-  for (const gpu::vec4& v : must(simulation.read_velocities())) fastest = std::max(fastest, std::hypot(double(v.x), double(v.y), double(v.z)));
+  for (const gpu::vec4& v : must(simulation.read_velocities()))
+    fastest = std::max(fastest, std::hypot(double(v.x), double(v.y), double(v.z)));
   return fastest;
 }
 

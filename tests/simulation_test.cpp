@@ -249,7 +249,8 @@ TEST_F(SimulationApi, a_submitted_frame_waits_for_the_hosts_semaphore) {
   const auto simulation = must(Simulation::create(device(), everything()));
   const auto gate = must(compute::create_timeline(device(), "gate"));
   for (const std::uint64_t value : {1u, 2u}) {
-    const VkSemaphoreSubmitInfo wait{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, gate.get(), value, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
+    const VkSemaphoreSubmitInfo wait{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, gate.get(), value,
+                                     VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
     must(simulation->submit(kFrame, std::span(&wait, 1)));
   }
   std::uint64_t done = 0;
