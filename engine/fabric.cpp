@@ -15,6 +15,10 @@ using cooking::vector;
 // passes over its links (README, "Speed").
 constexpr std::uint32_t kDefaultSubsteps = 10;
 
+// Softer than this (m/N) pulls with nothing that could be seen, and its quotient by h^2 would not be finite any more: infinity
+// times a multiplier of zero is no number, and takes a particle's other links along.
+constexpr double kSoftest = 1e12;
+
 // Mass of every point: a third of each triangle's around it.
 std::vector<double> point_masses(const Mesh& mesh, double area_density) {
   std::vector<double> masses(mesh.points.size());
@@ -85,7 +89,7 @@ class Cook {
   void add_links(const Cloth& cloth, const Mesh& mesh) {
     for (const cooking::Spring& s : cooking::springs(mesh, {cloth.fabric.stretch, cloth.fabric.shear})) {
       // What the GPU will read, so that strain and reference see the same link.
-      const gpu::uvec2 packed = gpu::pack_link({0, static_cast<float>(s.rest), static_cast<float>(s.compliance), s.only_pulls});
+      const gpu::uvec2 packed = gpu::pack_link({0, static_cast<float>(s.rest), static_cast<float>(std::min(s.compliance, kSoftest)), s.only_pulls});
       const gpu::Link link = gpu::unpack_link(packed.x, packed.y);
       fabric_.links.push_back({particle_of_[s.a], particle_of_[s.b], link.rest, link.compliance, s.only_pulls});
     }
@@ -95,6 +99,7 @@ class Cook {
     std::uint32_t clamped = 0;
     for (gpu::Bend bend : cooking::bend_stencils(mesh, cloth.fabric.bend, clamped)) {
       for (std::uint32_t& p : bend.particle) p = particle_of_[p];
+      bend.compliance = std::min(bend.compliance, static_cast<float>(kSoftest));
       fabric_.bends.push_back(bend);
     }
     if (clamped > 0) note(cloth, clamped, " bending stencils lie on slivers; their cotangents were limited");
@@ -263,6 +268,9 @@ Result<std::vector<Mesh>> make_meshes(const Scene& scene) {
 Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) {
   if (meshes.size() != scene.cloths.size()) return fail("the scene has ", scene.cloths.size(), " cloths but ", meshes.size(), " meshes were given");
   if (meshes.empty()) return fail("the scene has no cloth");
+  // A scene that a host made has passed no reader.
+  if (!(scene.solver.rate > 0) || !std::isfinite(scene.solver.rate)) return fail("solver.rate: ", scene.solver.rate, " is not above 0 (Hz)");
+  if (scene.solver.iterations < 1) return fail("solver.iterations: 0 is less than 1");
   Cook cook(scene);
   for (std::uint32_t index = 0; index < meshes.size(); ++index)
     if (auto added = cook.add(index, meshes[index]); !added) return added.take_error();

@@ -281,6 +281,24 @@ TEST(Fabric, render_vertices_know_their_particle_and_all_corners_around_it) {
   EXPECT_EQ(corners, 3 * fabric.triangles.size());
 }
 
+TEST(Fabric, the_softest_fabric_has_finite_compliances) {
+  Scene scene = hung(10);
+  scene.cloths[0].fabric.shear = scene.cloths[0].fabric.bend = 1e-300;
+  const CookedFabric fabric = cooked(scene);
+  for (const StretchLink& link : fabric.links) EXPECT_LT(link.compliance, 2e12f);
+  for (const gpu::Bend& bend : fabric.bends) EXPECT_LT(bend.compliance, 2e12f);
+}
+
+TEST(Fabric, a_hosts_scene_without_iterations_or_rate_is_a_sentence) {
+  Scene scene = hung(2);
+  const auto meshes = make_meshes(scene);
+  scene.solver.iterations = 0;
+  EXPECT_EQ(cook(scene, *meshes).error(), "solver.iterations: 0 is less than 1");
+  scene.solver = {};
+  scene.solver.rate = 0;
+  EXPECT_EQ(cook(scene, *meshes).error(), "solver.rate: 0 is not above 0 (Hz)");
+}
+
 template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
