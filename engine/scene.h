@@ -91,13 +91,17 @@ struct Cloth {
   Appearance appearance;
 };
 
-enum class ColliderShape { plane, sphere };
+enum class ColliderShape { plane, sphere, capsule, box };
 
 struct Collider {
   ColliderShape shape = ColliderShape::plane;
-  Vec3 centre;                  // m; a point of the plane, or the sphere's centre
+  Vec3 centre;                  // m; a point of the plane, or the middle of the others
   Vec3 normal{0, 1, 0};         // unit, planes only
-  double radius = 0.5;          // m, spheres only
+  double radius = 0.5;          // m, spheres and capsules
+  double length = 0.5;          // m, capsules only: from the centre of one end's sphere to the other's
+  Vec3 size{1, 1, 1};           // m, boxes only: whole sides
+  Vec3 axis{0, 1, 0};           // unit: along which a capsule lies, or about which a box is turned
+  double degrees = 0;           // boxes only: how far
   double friction = 0.4;        // combined with the fabric's by the geometric mean
   std::vector<Key> keys;
   Vec3 colour{0.5f, 0.5f, 0.5f};
@@ -158,6 +162,16 @@ Scene default_scene(const std::filesystem::path& mesh, Vec3 low, Vec3 high);
 
 /// Silk, cotton, denim, leather with their figures; nothing for another name. Sources stand beside the table.
 std::optional<Fabric> fabric_preset(std::string_view name);
+
+/// How a collider stands before its keys turn it: takes +y to a capsule's axis and the world's axes to a box's.
+Rotation rest_rotation(const Collider& collider);
+
+/// The turn by `degrees` about `axis` (unit).
+Rotation rotation_about(Vec3 axis, double degrees);
+
+/// First b, then a.
+Rotation operator*(const Rotation& a, const Rotation& b);
+Vec3 rotated(const Rotation& rotation, Vec3 v);
 
 /// Where a key list puts things at `time`: before the first and after the last it holds still. In between, translations
 /// are interpolated linearly; angles too where both keys turn about one axis (720 degrees turn twice), and along the

@@ -47,7 +47,7 @@ constexpr std::size_t kMostVertices = 4'000'000;  // as many as a mesh may have
 using Names = std::span<const std::string_view>;
 inline constexpr std::array<std::string_view, 2> kTopologies = {"diagonal", "centre"};
 inline constexpr std::array<std::string_view, 4> kCorners = {"low_low", "high_low", "low_high", "high_high"};
-inline constexpr std::array<std::string_view, 2> kShapes = {"plane", "sphere"};
+inline constexpr std::array<std::string_view, 4> kShapes = {"plane", "sphere", "capsule", "box"};
 inline constexpr std::array<std::string_view, 2> kAveragings = {"mass_split", "count"};
 inline constexpr std::array<std::string_view, 3> kMeshEndings = {".gltf", ".glb", ".obj"};
 inline constexpr std::array<std::string_view, 3> kPictureEndings = {".png", ".jpg", ".jpeg"};
@@ -141,12 +141,26 @@ void fields(V& v, Cloth& cloth) {
   v.object("appearance", cloth.appearance);
 }
 
+/// A collider's keys that belong to some shapes only.
+struct ShapeKey {
+  std::string_view key;
+  std::array<bool, kShapes.size()> of;   // which shapes have it
+};
+inline constexpr ShapeKey kShapeKeys[] = {
+    {"normal", {true, false, false, false}},  {"radius", {false, true, true, false}}, {"length", {false, false, true, false}},
+    {"size", {false, false, false, true}},    {"axis", {false, false, true, true}},   {"degrees", {false, false, false, true}},
+};
+
 template <class V>
 void fields(V& v, Collider& collider) {
   v.choice("shape", collider.shape, kShapes);
   v.vector3("centre", collider.centre, kPlace);
   v.unit("normal", collider.normal);
   v.number("radius", collider.radius, above(0, kFarthest, "m"));
+  v.number("length", collider.length, above(0, kFarthest, "m"));
+  v.vector3("size", collider.size, above(0, kFarthest, "m"));
+  v.unit("axis", collider.axis);
+  v.number("degrees", collider.degrees, kTurn);
   v.number("friction", collider.friction, kFriction);
   v.list("keys", collider.keys, 0, kMostKeys);
   v.colour("colour", collider.colour, between(0, 1));

@@ -20,7 +20,28 @@ Eigen::Quaterniond rotation_of(const Key& key) {
 
 float mixed(float a, float b, double t) { return static_cast<float>(a + t * (static_cast<double>(b) - a)); }
 
+Rotation narrowed(const Eigen::Quaterniond& q) {
+  return {static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z()), static_cast<float>(q.w())};
+}
+
+Eigen::Quaterniond widened(const Rotation& r) { return Eigen::Quaterniond(r.w, r.x, r.y, r.z); }
+
 }  // namespace
+
+Rotation rotation_about(Vec3 axis, double degrees) { return narrowed(rotation_of({0, {}, axis, degrees})); }
+
+Rotation rest_rotation(const Collider& collider) {
+  if (collider.shape == ColliderShape::box) return rotation_about(collider.axis, collider.degrees);
+  if (collider.shape != ColliderShape::capsule) return {};
+  return narrowed(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitY(), Eigen::Vector3d(collider.axis.x, collider.axis.y, collider.axis.z)));
+}
+
+Rotation operator*(const Rotation& a, const Rotation& b) { return narrowed((widened(a) * widened(b)).normalized()); }
+
+Vec3 rotated(const Rotation& rotation, Vec3 v) {
+  const Eigen::Vector3d turned = widened(rotation) * Eigen::Vector3d(v.x, v.y, v.z);
+  return {static_cast<float>(turned.x()), static_cast<float>(turned.y()), static_cast<float>(turned.z())};
+}
 
 Key pose_at(std::span<const Key> keys, double time) {
   Key pose;

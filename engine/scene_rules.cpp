@@ -3,6 +3,8 @@
 
 #include <sstream>
 
+#include "engine/scene_fields.h"
+
 namespace weft {
 
 namespace {
@@ -63,10 +65,10 @@ void check(const Read& read, const Cloth& cloth) {
 }
 
 void check(const Read& read, const Collider& collider) {
-  if (collider.shape == ColliderShape::plane && read.json.contains("radius"))
-    read.faults.add(read.path + ".radius", "a plane has no radius");
-  if (collider.shape == ColliderShape::sphere && read.json.contains("normal"))
-    read.faults.add(read.path + ".normal", "a sphere has no normal");
+  const auto shape = static_cast<std::size_t>(collider.shape);
+  for (const scene_fields::ShapeKey& own : scene_fields::kShapeKeys)
+    if (!own.of[shape] && read.json.contains(own.key))
+      read.faults.add(join(read.path, ".", own.key), join("a ", scene_fields::kShapes[shape], " has no ", own.key));
   check_times(read.path + ".keys", collider.keys, read.faults);
 }
 

@@ -21,7 +21,9 @@ struct SceneWriter {
   static json written(T value) {
     SceneWriter writer;
     scene_fields::fields(writer, value);
-    if constexpr (std::is_same_v<T, Collider>) writer.members.erase(value.shape == ColliderShape::plane ? "radius" : "normal");
+    if constexpr (std::is_same_v<T, Collider>)
+      for (const scene_fields::ShapeKey& own : scene_fields::kShapeKeys)
+        if (!own.of[static_cast<std::size_t>(value.shape)]) writer.members.erase(std::string(own.key));
     return writer.members;
   }
 

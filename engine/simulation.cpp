@@ -1,6 +1,8 @@
 #include "engine/simulation.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "engine/simulation_state.h"
 
@@ -75,9 +77,13 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
   state->collider_is_led.resize(colliders);
   for (const Collider& collider : scene.colliders) {
     const Key key = pose_at(collider.keys, 0);
-    state->collider_poses.push_back({collider.centre + key.translate, collider.normal});
-    state->collider_degrees.push_back(key.degrees);
+    state->collider_poses.push_back(keyed_pose(collider, key));
+    state->collider_keys.push_back(key);
   }
+  state->collider_order.resize(colliders);
+  std::iota(state->collider_order.begin(), state->collider_order.end(), 0u);
+  std::stable_sort(state->collider_order.begin(), state->collider_order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return scene.colliders[a].shape < scene.colliders[b].shape; });
   std::unique_ptr<Simulation> simulation(new Simulation(std::move(state)));
   // The surface exists before the first frame: a host may draw at once.
   if (auto drawn = simulation->state_->draw_surface(); !drawn) return drawn.take_error();
@@ -115,8 +121,12 @@ Result<void> Simulation::move_anchors(std::uint32_t first, std::span<const Vec3>
 
 Result<void> Simulation::move_collider(std::uint32_t collider, const ColliderPose& pose) {
   if (collider >= state_->collider_poses.size()) return fail("collider ", collider, " is not below the scene's ", state_->collider_poses.size());
-  if (!finite(pose.centre) || !finite(pose.normal)) return fail("the pose of collider ", collider, " is not finite");
+  const Rotation& r = pose.rotation;
+  const float turn = std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w);
+  if (!finite(pose.centre) || !finite(pose.normal) || !std::isfinite(turn)) return fail("the pose of collider ", collider, " is not finite");
+  if (!(turn > 1e-6f)) return fail("the rotation of collider ", collider, " is a quaternion of length ", turn, ", not above 1e-6");
   ColliderPose wish = pose;
+  wish.rotation = {r.x / turn, r.y / turn, r.z / turn, r.w / turn};
   if (state_->scene.colliders[collider].shape == ColliderShape::plane) {   // a sphere's normal says nothing
     const float size = length(pose.normal);
     if (!(size > 1e-6f)) return fail("the normal of collider ", collider, " has a length of ", size, ", not above 1e-6");

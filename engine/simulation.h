@@ -120,7 +120,8 @@ class Simulation {
   /// Targets for the end of the next frame, in world space, in CookedFabric::anchors' order from `first` on; they replace the
   /// scene's keys for these anchors from now on. Errors: beyond the last anchor; not finite.
   Result<void> move_anchors(std::uint32_t first, std::span<const Vec3> targets);
-  /// Pose for the end of the next frame; replaces the scene's keys for this collider. Errors: no such collider; not finite.
+  /// Pose for the end of the next frame, whole (a capsule or a box without a rotation stands along its own axes); replaces the scene's
+  /// keys for this collider. It turns there the shorter way round. Errors: no such collider; not finite; a normal or rotation of length 0.
   Result<void> move_collider(std::uint32_t collider, const ColliderPose& pose);
   /// From the next frame on (m/s^2). Errors: not finite.
   Result<void> set_gravity(Vec3 gravity);

@@ -14,17 +14,29 @@ gpu::vec3 gpu_vector(Vec3 v) { return {v.x, v.y, v.z}; }
 
 bool same(const gpu::vec3& a, const gpu::vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
-// The normal turned about the axis by Rodrigues' formula.
-Vec3 turned(Vec3 v, Vec3 axis, double degrees) {
-  const double angle = degrees * std::numbers::pi / 180;
-  const auto c = static_cast<float>(std::cos(angle)), s = static_cast<float>(std::sin(angle));
-  return c * v + s * cross(axis, v) + (dot(axis, v) * (1 - c)) * axis;
+// The turn from one rotation to another the shorter way round, as an axis times an angle (rad).
+Vec3 spin_between(const Rotation& from, const Rotation& to) {
+  const Rotation turn = to * Rotation{-from.x, -from.y, -from.z, from.w};
+  const Vec3 sine = (turn.w < 0 ? -1.0f : 1.0f) * Vec3{turn.x, turn.y, turn.z};
+  const float size = length(sine);
+  return size > 0 ? (2 * std::atan2(size, std::abs(turn.w)) / size) * sine : Vec3{};
+}
+
+// Keys may turn by more than half a turn in a frame, which the rotations alone do not tell.
+Vec3 spin_between(const Key& from, const Key& to) {
+  if (!(from.axis == to.axis)) return spin_between(rotation_about(from.axis, from.degrees), rotation_about(to.axis, to.degrees));
+  return static_cast<float>((to.degrees - from.degrees) * std::numbers::pi / 180) * to.axis;
 }
 
 using Clock = std::chrono::steady_clock;
 double milliseconds(Clock::time_point from, Clock::time_point to) { return std::chrono::duration<double, std::milli>(to - from).count(); }
 
 }  // namespace
+
+ColliderPose keyed_pose(const Collider& collider, const Key& key) {
+  const Rotation turn = rotation_about(key.axis, key.degrees);
+  return {collider.centre + key.translate, rotated(turn, collider.normal), turn * rest_rotation(collider)};
+}
 
 // Whole substeps that fit; the rest waits for the next frame. A millionth of a substep counts as rounding, so that 1/60 s
 // is always the same number of them.
@@ -58,7 +70,7 @@ void Simulation::State::move_scene(FrameInput& input) {
     input.anchors_move |= !same(anchors[k].from, anchors[k].to);
   }
   colliders.clear();
-  for (std::size_t k = 0; k < collider_poses.size(); ++k) {
+  for (const std::uint32_t k : collider_order) {
     const Collider& described = scene.colliders[k];
     const ColliderPose from = collider_poses[k];
     ColliderPose to = from;
@@ -66,15 +78,18 @@ void Simulation::State::move_scene(FrameInput& input) {
     if (collider_wishes[k]) {
       to = *collider_wishes[k];
       collider_wishes[k].reset();
+      spin = spin_between(from.rotation, to.rotation);
     } else if (!collider_is_led[k] && !described.keys.empty()) {
       const Key key = pose_at(described.keys, now());
-      to = {described.centre + key.translate, turned(described.normal, key.axis, key.degrees)};
-      spin = static_cast<float>((key.degrees - collider_degrees[k]) * std::numbers::pi / 180) * key.axis;
-      collider_degrees[k] = key.degrees;
+      to = keyed_pose(described, key);
+      spin = spin_between(collider_keys[k], key);
+      collider_keys[k] = key;
     }
-    colliders.push_back({described.shape == ColliderShape::plane ? WEFT_PLANE : WEFT_SPHERE, static_cast<float>(described.radius),
-                         static_cast<float>(described.friction), gpu_vector(from.centre), gpu_vector(to.centre), gpu_vector(from.normal),
-                         gpu_vector(to.normal), gpu_vector(spin)});
+    const Vec3 half_size = described.shape == ColliderShape::box ? 0.5f * described.size : Vec3{0, static_cast<float>(0.5 * described.length), 0};
+    const Rotation& turn = from.rotation;
+    colliders.push_back({static_cast<float>(described.radius), static_cast<float>(described.friction), gpu_vector(from.centre),
+                         gpu_vector(to.centre), gpu_vector(from.normal), gpu_vector(to.normal), gpu_vector(spin),
+                         {turn.x, turn.y, turn.z, turn.w}, gpu_vector(half_size)});
     collider_poses[k] = to;
   }
   input.anchors = anchors;

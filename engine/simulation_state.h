@@ -17,6 +17,9 @@ struct FrameSlot {
   std::uint64_t value = 0;   // of the ready semaphore when it is done; 0: never submitted
 };
 
+/// Where a collider stands when its keys say `key`.
+ColliderPose keyed_pose(const Collider& collider, const Key& key);
+
 struct Simulation::State {
   const compute::Device* device = nullptr;
   Scene scene;
@@ -38,7 +41,8 @@ struct Simulation::State {
   std::vector<std::optional<Vec3>> anchor_wishes;
   std::vector<bool> anchor_is_led;             // by the host, instead of by keys
   std::vector<ColliderPose> collider_poses;    // where they are
-  std::vector<double> collider_degrees;
+  std::vector<Key> collider_keys;              // what the keys said last
+  std::vector<std::uint32_t> collider_order;   // by shape, as the GPU wants them
   std::vector<std::optional<ColliderPose>> collider_wishes;
   std::vector<bool> collider_is_led;
   std::vector<gpu::Collider> colliders;        // of the frame at hand

@@ -6,6 +6,9 @@
 namespace weft {
 namespace {
 
+static_assert(static_cast<int>(ColliderShape::plane) == WEFT_PLANE && static_cast<int>(ColliderShape::sphere) == WEFT_SPHERE &&
+              static_cast<int>(ColliderShape::capsule) == WEFT_CAPSULE && static_cast<int>(ColliderShape::box) == WEFT_BOX);
+
 // `predicted` and `relaxed` trade places; everything else is itself.
 gpu::Binding in_role(gpu::Binding binding, std::uint32_t parity) {
   if (parity == 0) return binding;
@@ -38,7 +41,7 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   solver.settings_ = scene.solver;
   solver.h_ = fabric.h;
   solver.tether_pairs_ = fabric.tethers_per_particle / 2;
-  solver.colliders_ = static_cast<std::uint32_t>(scene.colliders.size());
+  for (const Collider& collider : scene.colliders) ++solver.colliders_[static_cast<std::size_t>(collider.shape)];
   // Both are measured choices: the software driver runs a workgroup on one core, GPUs want full warps and waves.
   solver.workgroup_ = options.workgroup != 0 ? options.workgroup : device.is_software() ? 128 : 64;
   if (solver.workgroup_ > device.limits().max_workgroup_invocations)
@@ -142,7 +145,7 @@ std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
   if (input.substeps == 0) return {};
   gpu::Push push{};
   push.tether_pairs = tether_pairs_;
-  push.colliders = colliders_;
+  std::copy(colliders_.begin(), colliders_.end(), push.colliders);
   push.h = static_cast<float>(h_);
   push.inverse_h = static_cast<float>(1 / h_);
   push.inverse_h2 = static_cast<float>(1 / (h_ * h_));

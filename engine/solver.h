@@ -1,6 +1,7 @@
 // The solver: a plan's pipelines and buffers, and the loop over stages that a frame records. Knows nothing about time.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -26,7 +27,7 @@ struct FrameInput {
   Vec3 gravity;
   bool anchors_move = false;
   std::span<const gpu::Anchor> anchors;       // when they move
-  std::span<const gpu::Collider> colliders;
+  std::span<const gpu::Collider> colliders;   // by shape, as the buffer has them
 };
 
 class Solver {
@@ -78,7 +79,8 @@ class Solver {
   compute::OwnedPipelineLayout layout_;
   std::vector<compute::ComputePipeline> pipelines_;
   std::vector<Step> steps_;
-  std::uint32_t tether_pairs_ = 0, colliders_ = 0, workgroup_ = 0, parity_ = 0;
+  std::array<std::uint32_t, WEFT_SHAPES> colliders_{};   // of each shape
+  std::uint32_t tether_pairs_ = 0, workgroup_ = 0, parity_ = 0;
   double h_ = 0;
 };
 

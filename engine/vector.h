@@ -22,6 +22,12 @@ struct Vec4 {
   bool operator==(const Vec4&) const = default;
 };
 
+/// A rotation as a unit quaternion, the real part last.
+struct Rotation {
+  float x = 0, y = 0, z = 0, w = 1;
+  bool operator==(const Rotation&) const = default;
+};
+
 inline Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 inline Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 inline Vec3 operator*(float s, Vec3 a) { return {s * a.x, s * a.y, s * a.z}; }

@@ -39,8 +39,12 @@ vec3 within_tethers(uint i, vec3 p) {
 READ(Collider, colliders)
 
 vec3 out_of_colliders(vec3 x, vec3 p, vec4 material) {
-  for (uint k = 0; k < push.colliders; ++k)
-    p = out_of_collider(colliders[k], push.fraction_from, push.fraction_to, x, p, material.y, material.z);
+  const Visit v = Visit(push.fraction_from, push.fraction_to, x, material.z, material.y);
+  uint k = 0, end = 0;
+  for (end += push.colliders[WEFT_PLANE]; k < end; ++k) p = out_of_plane(colliders[k], v, p);
+  for (end += push.colliders[WEFT_SPHERE]; k < end; ++k) p = out_of_sphere(colliders[k], v, p);
+  for (end += push.colliders[WEFT_CAPSULE]; k < end; ++k) p = out_of_capsule(colliders[k], v, p);
+  for (end += push.colliders[WEFT_BOX]; k < end; ++k) p = out_of_box(colliders[k], v, p);
   return p;
 }
 #endif

@@ -115,16 +115,22 @@ struct Anchor {
   vec3 to;            // m, at its end
 };
 
-#define WEFT_PLANE 0u
-#define WEFT_SPHERE 1u
+// The buffer holds all planes, then all spheres, capsules and boxes, and a push says how many of each: a shape that a scene
+// has none of costs it nothing. Where two overlap, the later has the last word.
+#define WEFT_PLANE 0
+#define WEFT_SPHERE 1
+#define WEFT_CAPSULE 2
+#define WEFT_BOX 3
+#define WEFT_SHAPES 4
 
 struct Collider {
-  uint shape;
-  float radius;       // m
+  float radius;       // m, spheres and capsules
   float friction;     // Coulomb
   vec3 centre_from, centre_to;   // m
   vec3 normal_from, normal_to;   // unit, planes
-  vec3 spin;          // rad over the frame, about the centre
+  vec3 spin;          // rad over the frame, about the centre: where capsules and boxes end follows from it
+  vec4 rotation_from; // unit quaternion, capsules and boxes
+  vec3 half_size;     // m: half a box's sides; y: half a capsule's length
 };
 
 struct Material {
@@ -139,11 +145,11 @@ struct Counters {
   uint coincident;    // links skipped because their ends were at one place
 };
 
-/// What every pass is told. 96 of the 128 bytes that every device has.
+/// What every pass is told. 64 of the 128 bytes that every device has.
 struct Push {
   uint count;         // threads with work
   uint tether_pairs;  // per particle
-  uint colliders;
+  uint colliders[WEFT_SHAPES];   // of each shape
   uint flags;         // WEFT_LAST_ITERATION ...
   float h;            // s, substep
   float inverse_h;    // 1/s
@@ -190,8 +196,8 @@ inline uvec2 pack_link(const Link& link) {
   return {(link.other & 0xffffffu) | ((compliance >> 23) << 24), (rest << 8) | ((compliance >> 15) & 0xfeu) | (link.only_pulls ? 1u : 0u)};
 }
 
-static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 72);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 8 && sizeof(Push) == 52);
+static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 8 && sizeof(Push) == 64);
 static_assert(std::is_trivially_copyable_v<Push>);
 
 enum Binding : uint {

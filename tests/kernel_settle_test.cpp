@@ -1,5 +1,5 @@
-// What surrounds the relaxing passes against its twins: predict, anchor, what settle does (tethers, colliders, the velocity and
-// the next prediction) and surface, on random and degenerate particles.
+// What surrounds the relaxing passes against its twins: predict, anchor, what settle does (tethers, the velocity and the
+// next prediction; colliders stand in kernel_collide_test.cpp) and surface, on random and degenerate particles.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,7 +7,6 @@
 
 #include "engine/simulation.h"
 #include "shaders/anchor.ref.h"
-#include "shaders/collide.ref.h"
 #include "shaders/motion.ref.h"
 #include "shaders/surface.ref.h"
 #include "shaders/tether.ref.h"
@@ -17,21 +16,6 @@ namespace weft {
 namespace {
 
 using SettleKernel = GpuTest;
-
-constexpr double kDampings[] = {0.1, 2.0};   // those of loose_particles, by turns
-const reference::Vector kGravity(0.5, -9.81, 1);
-
-Scene loose_scene(std::uint32_t substeps) {
-  Scene scene;
-  scene.solver.substeps = substeps;
-  return scene;
-}
-
-FrameInput falling(std::uint32_t substeps) {
-  FrameInput input = frame_of(substeps);
-  input.gravity = {static_cast<float>(kGravity.x()), static_cast<float>(kGravity.y()), static_cast<float>(kGravity.z())};
-  return input;
-}
 
 TEST_F(SettleKernel, predict_does_what_its_twin_does_and_leaves_anchors_alone) {
   for (const bool gather_storage : {false, true}) {
@@ -54,26 +38,6 @@ TEST_F(SettleKernel, predict_does_what_its_twin_does_and_leaves_anchors_alone) {
       EXPECT_EQ(std::memcmp(&velocities[i].w, &fabric.velocities[i].w, 4), 0);   // the material's index stays
     }
   }
-}
-
-// Iterates a few centimetres from where the particles were.
-std::vector<gpu::vec4> moved(Random& random, const CookedFabric& fabric, double size) {
-  std::vector<gpu::vec4> p;
-  for (const gpu::vec4& x : fabric.positions) {
-    const gpu::vec4 d = x.w == 0 ? gpu::vec4{0, 0, 0, 0} : anywhere(random, size, 0);
-    p.push_back({x.x + d.x, x.y + d.y, x.z + d.z, x.w});
-  }
-  return p;
-}
-
-// The velocities that lead to these iterates: what predict leaves behind.
-std::vector<gpu::vec4> leading_to(const std::vector<gpu::vec4>& p, const CookedFabric& fabric) {
-  std::vector<gpu::vec4> v;
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    const auto speed = reference::velocity(vector(fabric.positions[i]), vector(p[i]), fabric.h);
-    v.push_back({static_cast<float>(speed.x()), static_cast<float>(speed.y()), static_cast<float>(speed.z()), fabric.velocities[i].w});
-  }
-  return v;
 }
 
 // Where settle must put particles, and with what velocity and prediction it must go on.
@@ -136,140 +100,6 @@ TEST_F(SettleKernel, tethers_do_what_their_twin_does_for_none_to_eight_a_particl
       passes.run("stretch");
       expect_settled(passes, fabric, wanted, false, 32 * kRounding * 3.5);   // 3.5 m: the longest way to an anchor
     }
-}
-
-constexpr int kSubstep = 2;   // of four
-
-// Random planes and spheres that move, and spin or tilt.
-std::vector<gpu::Collider> bodies(Random& random, std::uint32_t shape, double speed) {
-  std::vector<gpu::Collider> colliders;
-  for (int k = 0; k < 3; ++k) {
-    gpu::Collider c{};
-    c.shape = shape;
-    c.radius = static_cast<float>(between(random, 0.2, 0.8));
-    c.friction = static_cast<float>(between(random, 0, 1));
-    const gpu::vec4 way = anywhere(random, speed, 0);
-    gpu::vec4 midway = anywhere(random, 1, 0);
-    if (shape == WEFT_PLANE) midway.y = -1 + 0.3f * midway.y;
-    const auto at = [&](float fraction) {   // kSubstep is where the body is among the particles
-      const float t = fraction - (kSubstep + 0.5f) / 4;
-      return gpu::vec3{midway.x + t * way.x, midway.y + t * way.y, midway.z + t * way.z};
-    };
-    c.centre_from = at(0);
-    c.centre_to = at(1);
-    const auto tilted = [&](double size) {
-      const reference::Vector n = (reference::Vector::UnitY() + vector(anywhere(random, size, 0))).normalized();
-      return gpu::vec3{static_cast<float>(n.x()), static_cast<float>(n.y()), static_cast<float>(n.z())};
-    };
-    c.normal_from = tilted(0.3);
-    c.normal_to = tilted(0.3);
-    const gpu::vec4 spin = anywhere(random, 1, 0);
-    c.spin = {spin.x, spin.y, spin.z};
-    colliders.push_back(c);
-  }
-  return colliders;
-}
-
-reference::Body body_of(const gpu::Collider& c, double from, double to, double cloth_friction) {
-  const auto centre = [&](double t) { return reference::Vector((1 - t) * vector(c.centre_from) + t * vector(c.centre_to)); };
-  const auto normal = [&](double t) { return reference::Vector((1 - t) * vector(c.normal_from) + t * vector(c.normal_to)).normalized(); };
-  const double radius = c.shape == WEFT_PLANE ? -1 : c.radius;
-  return {centre(from), centre(to), normal(from), normal(to), radius, (to - from) * vector(c.spin), std::sqrt(c.friction * cloth_friction)};
-}
-
-// A sphere that is just missed or just hit makes all the difference: such particles (closer than this, m) are not compared.
-constexpr double kUndecided = 1e-4;
-
-bool is_undecided(const reference::Body& body, const reference::Vector& x, const reference::Vector& p, double thickness) {
-  if (body.is_plane()) return false;
-  const reference::Vector start = x - body.centre_before, way = p - body.centre_after - start;
-  const double t = std::clamp(-start.dot(way) / way.squaredNorm(), 0.0, 1.0), reach = body.radius + thickness;
-  return std::abs((start + t * way).norm() - reach) < kUndecided || std::abs(start.norm() - reach) < kUndecided;
-}
-
-void compare_colliders(const compute::Device& device, std::uint32_t shape, double speed, bool fast_particles, std::uint64_t seed) {
-  Random random(seed);
-  Scene scene = loose_scene(4);
-  const auto colliders = bodies(random, shape, speed);
-  scene.colliders.resize(colliders.size());
-  const CookedFabric fabric = loose_particles(random, 600, scene.solver);
-  const auto p = moved(random, fabric, fast_particles ? 1 : 0.03);
-  SinglePass passes(device, scene, fabric, seed % 2 == 0);
-  passes.put(gpu::velocities, leading_to(p, fabric));
-  passes.put_iterate(p);
-  FrameInput input = falling(4);
-  input.colliders = colliders;
-  passes.begin(input);
-  passes.run("stretch", kSubstep);
-  reference::Points wanted;
-  int touched = 0;
-  std::vector<bool> compared;
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    const gpu::Material& material = fabric.materials[i % 2];
-    const reference::Vector x = vector(fabric.positions[i]);
-    reference::Vector now = vector(p[i]);
-    bool decided = true;
-    for (const gpu::Collider& c : colliders) {
-      if (fabric.positions[i].w == 0) continue;
-      const reference::Body body = body_of(c, kSubstep / 4.0, (kSubstep + 1) / 4.0, material.friction);
-      decided &= !is_undecided(body, x, now, material.thickness);
-      const reference::Vector after = reference::out_of_body(body, x, now, material.thickness);
-      touched += after != now;
-      now = after;
-    }
-    compared.push_back(decided);
-    wanted.push_back(now);
-  }
-  EXPECT_GT(touched, 50) << "the scene tests nothing";
-  const auto positions = passes.particles(gpu::positions), velocities = passes.particles(gpu::velocities);
-  int left_out = 0;
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    if (!compared[i]) {
-      ++left_out;
-      continue;
-    }
-    const double gap = 16 * kRounding * (3 + speed);   // coordinates up to 3 m, of bodies as far as they go in a frame
-    ASSERT_LT((vector(positions[i]) - wanted[i]).norm(), gap) << "particle " << i << ", shape " << shape << ", speed " << speed;
-    if (fabric.positions[i].w == 0) continue;
-    const auto speed_now = reference::velocity(vector(fabric.positions[i]), wanted[i], fabric.h);
-    const auto after = reference::predict({wanted[i], speed_now}, kGravity, kDampings[i % 2], fabric.h, false);
-    ASSERT_LT((vector(velocities[i]) - after.velocity).norm(), 2 * gap / fabric.h) << "particle " << i;
-  }
-  EXPECT_LT(left_out, 6);
-}
-
-TEST_F(SettleKernel, planes_do_what_their_twin_does) {
-  for (const double speed : {0.0, 0.2}) {
-    compare_colliders(device(), WEFT_PLANE, speed, false, 11);
-    compare_colliders(device(), WEFT_PLANE, speed, true, 12);
-  }
-}
-
-TEST_F(SettleKernel, spheres_do_what_their_twin_does_inside_outside_and_swept) {
-  for (const double speed : {0.0, 0.2, 20.0}) {   // 5 m in this substep
-    compare_colliders(device(), WEFT_SPHERE, speed, false, 21);
-    compare_colliders(device(), WEFT_SPHERE, speed, true, 22);
-  }
-}
-
-TEST_F(SettleKernel, a_particle_in_a_spheres_centre_comes_out_on_top) {
-  Random random(3);
-  Scene scene = loose_scene(1);
-  scene.colliders.resize(1);
-  CookedFabric fabric = loose_particles(random, 8, scene.solver);
-  fabric.positions[0] = {0.25f, 0.5f, -0.5f, 1};
-  SinglePass passes(device(), scene, fabric);
-  passes.put_iterate(fabric.positions);
-  gpu::Collider ball{};
-  ball.shape = WEFT_SPHERE;
-  ball.radius = 0.5f;
-  ball.centre_from = ball.centre_to = {0.25f, 0.5f, -0.5f};
-  ball.normal_from = ball.normal_to = {0, 1, 0};
-  FrameInput input = frame_of(1);
-  input.colliders = std::span(&ball, 1);
-  passes.begin(input);
-  passes.run("stretch");
-  EXPECT_LT((vector(passes.particles(gpu::positions)[0]) - reference::Vector(0.25, 1.002, -0.5)).norm(), 8 * kRounding);
 }
 
 TEST_F(SettleKernel, a_particle_that_turns_non_finite_is_put_back_and_counted) {

@@ -233,8 +233,8 @@ void twin_frame(const Scene& scene, const CookedFabric& fabric, reference::Point
   std::vector<reference::Body> bodies;
   for (const Collider& c : scene.colliders) {
     const reference::Vector centre(c.centre.x, c.centre.y, c.centre.z), normal(c.normal.x, c.normal.y, c.normal.z);
-    bodies.push_back({centre, centre, normal, normal, c.shape == ColliderShape::plane ? -1 : c.radius, reference::Vector::Zero(),
-                      std::sqrt(c.friction * material.friction)});
+    bodies.push_back({.shape = static_cast<reference::Shape>(c.shape), .centre_before = centre, .centre_after = centre, .normal_before = normal,
+                      .normal_after = normal, .radius = c.radius, .friction = std::sqrt(c.friction * material.friction)});
   }
   for (std::uint32_t s = 0; s < substeps_of(scene.solver); ++s) {
     reference::Points p = x;
@@ -274,10 +274,10 @@ TEST_F(Kernel, whole_frames_do_what_all_twins_do_in_order) {
       cloth.transform.translate = {0, 0.31f, 0};
       cloth.fabric.bend = 1e-3;
       cloth.anchors.emplace_back().corners = {Corner::low_low, Corner::high_high};
+      scene.colliders.emplace_back().centre = {0, 0.2f, 0};
       Collider& ball = scene.colliders.emplace_back();
       ball.shape = ColliderShape::sphere;
       ball.radius = 0.3;
-      scene.colliders.emplace_back().centre = {0, 0.2f, 0};
       const auto simulation = must(Simulation::create(device(), scene));
       const CookedFabric& fabric = simulation->fabric();
       reference::Points x = points(fabric.positions), v(x.size(), reference::Vector::Zero());

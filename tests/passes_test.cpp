@@ -211,7 +211,7 @@ TEST(BufferNeeds, sizes_are_those_of_the_cooked_arrays) {
   EXPECT_EQ(bytes(gpu::bend_uses), s.fabric.bend_uses.pairs.size() * 16);
   EXPECT_EQ(bytes(gpu::tethers), 30 * 4 * 8u);
   EXPECT_EQ(bytes(gpu::anchors), 6 * 28u);
-  EXPECT_EQ(bytes(gpu::colliders), 3 * 72u);
+  EXPECT_EQ(bytes(gpu::colliders), 3 * sizeof(gpu::Collider));
   EXPECT_EQ(bytes(gpu::counters), 8u);
 }
 

@@ -137,10 +137,16 @@ TEST(BrokenScene, wrong_colliders_are_told_with_path_value_and_limit) {
   expect_refused({
       Broken{R"({"colliders": [{"shape": "sphere", "radius": 0}]})", "colliders[0].radius: 0 is not above 0 (m)"},
       Broken{R"({"colliders": [{"shape": "sphere", "radius": -2}]})", "colliders[0].radius: -2 is not above 0 (m)"},
-      Broken{R"({"colliders": [{"shape": "cube"}]})", "colliders[0].shape: \"cube\" is not \"plane\" or \"sphere\""},
+      Broken{R"({"colliders": [{"shape": "cube"}]})", "colliders[0].shape: \"cube\" is not \"plane\", \"sphere\", \"capsule\" or \"box\""},
       Broken{R"({"colliders": [{"shape": "plane", "normal": [0, 0, 0]}]})", "colliders[0].normal: is a vector of length 0"},
       Broken{R"({"colliders": [{"shape": "plane", "radius": 1}]})", "colliders[0].radius: a plane has no radius"},
       Broken{R"({"colliders": [{"shape": "sphere", "normal": [0, 1, 0]}]})", "colliders[0].normal: a sphere has no normal"},
+      Broken{R"({"colliders": [{"shape": "sphere", "length": 1}]})", "colliders[0].length: a sphere has no length"},
+      Broken{R"({"colliders": [{"shape": "capsule", "size": [1, 1, 1]}]})", "colliders[0].size: a capsule has no size"},
+      Broken{R"({"colliders": [{"shape": "capsule", "length": 0}]})", "colliders[0].length: 0 is not above 0 (m)"},
+      Broken{R"({"colliders": [{"shape": "box", "radius": 1}]})", "colliders[0].radius: a box has no radius"},
+      Broken{R"({"colliders": [{"shape": "box", "size": [1, 0, 1]}]})", "colliders[0].size[1]: 0 is not above 0 (m)"},
+      Broken{R"({"colliders": [{"shape": "box", "axis": [0, 0, 0]}]})", "colliders[0].axis: is a vector of length 0"},
       Broken{R"({"colliders": [{"friction": -1}]})", "colliders[0].friction: -1 is less than 0"},
       Broken{R"({"colliders": [{"keys": [{"time": 2}, {"time": 1}]}]})", "colliders[0].keys[1].time: 1 is not after 2 (s)"},
       Broken{"{\"colliders\": " + many("{}", 65) + "}", "colliders: 65 entries are more than 64"}});

@@ -72,6 +72,12 @@ TEST(Scene, every_key_arrives) {
   EXPECT_EQ(scene.colliders.at(0).radius, 0.25);
   EXPECT_EQ(scene.colliders.at(0).keys.at(0).time, 2);
   EXPECT_EQ(scene.colliders.at(1).normal, (Vec3{0, 0, 1}));
+  EXPECT_EQ(scene.colliders.at(2).shape, ColliderShape::capsule);
+  EXPECT_EQ(scene.colliders.at(2).axis, (Vec3{1, 0, 0}));
+  EXPECT_EQ(scene.colliders.at(2).length, 0.75);
+  EXPECT_EQ(scene.colliders.at(3).shape, ColliderShape::box);
+  EXPECT_EQ(scene.colliders.at(3).size, (Vec3{1, 2, 3}));
+  EXPECT_EQ(scene.colliders.at(3).degrees, 45);
   EXPECT_EQ(scene.camera.eye, (Vec3{0, 1, 5}));
   EXPECT_EQ(scene.camera.fov_degrees, 30);
   EXPECT_EQ(scene.light.direction, (Vec3{0, -2, 0}));

@@ -50,7 +50,9 @@ inline constexpr const char* kFull = R"({
     {"grid": {"size": [2, 3], "cells": [4, 5], "topology": "centre", "upright": true}, "fabric": "silk", "tethers": false,
      "anchors": [{"corners": ["low_high", "high_high"]}]}],
   "colliders": [{"shape": "sphere", "centre": [0, 1, 0], "radius": 0.25, "friction": 0, "colour": [0, 1, 0], "keys": [{"time": 2}]},
-                {"shape": "plane", "centre": [0, -1, 0], "normal": [0, 0, 5]}],
+                {"shape": "plane", "centre": [0, -1, 0], "normal": [0, 0, 5]},
+                {"shape": "capsule", "axis": [2, 0, 0], "length": 0.75, "radius": 0.125},
+                {"shape": "box", "size": [1, 2, 3], "axis": [0, 0, 4], "degrees": 45}],
   "camera": {"eye": [0, 1, 5], "target": [0, 1, 0], "fov_degrees": 30},
   "light": {"direction": [0, -2, 0], "colour": [1, 1, 1], "sun": 3, "sky": 0.5}
 })";

@@ -11,6 +11,7 @@
 
 #include "compute/commands.h"
 #include "engine/solver.h"
+#include "shaders/motion.ref.h"
 #include "shaders/relax.ref.h"
 #include "tests/gpu_fixture.h"
 
@@ -87,6 +88,41 @@ inline FrameInput frame_of(std::uint32_t substeps) {
   FrameInput input;
   input.substeps = substeps;
   return input;
+}
+
+inline constexpr double kDampings[] = {0.1, 2.0};   // those of loose_particles, by turns
+inline const reference::Vector kGravity(0.5, -9.81, 1);
+
+inline Scene loose_scene(std::uint32_t substeps) {
+  Scene scene;
+  scene.solver.substeps = substeps;
+  return scene;
+}
+
+inline FrameInput falling(std::uint32_t substeps) {
+  FrameInput input = frame_of(substeps);
+  input.gravity = {static_cast<float>(kGravity.x()), static_cast<float>(kGravity.y()), static_cast<float>(kGravity.z())};
+  return input;
+}
+
+// Iterates a few centimetres from where the particles were.
+inline std::vector<gpu::vec4> moved(Random& random, const CookedFabric& fabric, double size) {
+  std::vector<gpu::vec4> p;
+  for (const gpu::vec4& x : fabric.positions) {
+    const gpu::vec4 d = x.w == 0 ? gpu::vec4{0, 0, 0, 0} : anywhere(random, size, 0);
+    p.push_back({x.x + d.x, x.y + d.y, x.z + d.z, x.w});
+  }
+  return p;
+}
+
+// The velocities that lead to these iterates: what predict leaves behind.
+inline std::vector<gpu::vec4> leading_to(const std::vector<gpu::vec4>& p, const CookedFabric& fabric) {
+  std::vector<gpu::vec4> v;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const auto speed = reference::velocity(vector(fabric.positions[i]), vector(p[i]), fabric.h);
+    v.push_back({static_cast<float>(speed.x()), static_cast<float>(speed.y()), static_cast<float>(speed.z()), fabric.velocities[i].w});
+  }
+  return v;
 }
 
 class SinglePass {

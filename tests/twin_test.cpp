@@ -138,16 +138,26 @@ TEST(TetherTwin, it_is_one_sided_exact_and_its_gradient_is_the_slope_of_its_valu
 }
 
 Body ball(double radius, double friction) {
-  return {Vector::Zero(), Vector::Zero(), Vector::UnitY(), Vector::UnitY(), radius, Vector::Zero(), friction};
+  return {.shape = Shape::sphere, .radius = radius, .friction = friction};
+}
+Body capsule_of(double half_length, double radius) {
+  Body body{.shape = Shape::capsule, .radius = radius, .half_size = Vector(0, half_length, 0)};
+  body.rotation_before = body.rotation_after = Eigen::Quaterniond(0.3, -0.5, 0.7, 0.2).normalized();
+  return body;
+}
+Body box_of(const Vector& half_size) {
+  Body body{.shape = Shape::box, .half_size = half_size};
+  body.rotation_before = body.rotation_after = Eigen::Quaterniond(0.6, 0.1, -0.4, 0.5).normalized();
+  return body;
 }
 Body floor_at(double height, double friction) {
-  return {Vector(0, height, 0), Vector(0, height, 0), Vector::UnitY(), Vector::UnitY(), -1, Vector::Zero(), friction};
+  return {.shape = Shape::plane, .centre_before = Vector(0, height, 0), .centre_after = Vector(0, height, 0), .friction = friction};
 }
 
 TEST(ColliderTwin, the_gradient_is_the_slope_of_the_distance) {
   Random random(8);
   for (int trial = 0; trial < 100; ++trial)
-    for (Body body : {ball(0.5, 0), floor_at(0.2, 0)}) {
+    for (Body body : {ball(0.5, 0), floor_at(0.2, 0), capsule_of(0.4, 0.15), box_of({0.5, 0.4, 0.3})}) {
       body.normal_after = anywhere(random, 1).normalized();
       const Vector p = anywhere(random, 1).normalized() * between(random, 0.2, 2);
       const Vector slope = difference([&](const Vector& q) { return signed_distance(body, q); }, p);
@@ -158,7 +168,7 @@ TEST(ColliderTwin, the_gradient_is_the_slope_of_the_distance) {
 TEST(ColliderTwin, whoever_is_inside_comes_out_by_the_shortest_way_and_whoever_is_outside_stays) {
   Random random(9);
   for (int trial = 0; trial < 500; ++trial)
-    for (const Body& body : {ball(0.5, 0), floor_at(0.2, 0)}) {
+    for (const Body& body : {ball(0.5, 0), floor_at(0.2, 0), capsule_of(0.4, 0.3), box_of({0.5, 0.4, 0.3})}) {
       const Vector p = anywhere(random, 1), x = p;
       const Vector q = out_of_body(body, x, p, 0.01);
       const double before = signed_distance(body, p);
@@ -176,6 +186,28 @@ TEST(ColliderTwin, a_point_that_a_fast_sphere_ran_over_is_caught_on_the_way) {
   const Vector q = out_of_body(body, p, p, 0);
   EXPECT_NEAR(signed_distance(body, q), 0, 1e-12);
   EXPECT_EQ(out_of_body(body, Vector(0, 0.2, 0), Vector(0, 0.2, 0), 0), Vector(0, 0.2, 0));   // beside its path
+}
+
+TEST(ColliderTwin, a_thin_box_that_ran_past_holds_the_point_before_the_face_that_met_it) {
+  Body body{.shape = Shape::box, .half_size = Vector(0.01, 1, 1)};
+  body.centre_before = {-3, 0, 0};
+  body.centre_after = {2, 0, 0};
+  const Vector p(0.2, 0.05, 0), q = out_of_body(body, p, p, 0.002);
+  EXPECT_LT((q - Vector(2.012, 0.05, 0)).norm(), 1e-9);
+  EXPECT_EQ(out_of_body(body, Vector(0.2, 1.1, 0), Vector(0.2, 1.1, 0), 0.002), Vector(0.2, 1.1, 0));   // beside its path
+}
+
+TEST(ColliderTwin, a_point_that_ends_nearer_the_far_face_goes_back_the_way_it_came) {
+  const Body box{.shape = Shape::box, .half_size = Vector(1, 0.1, 1)};
+  EXPECT_LT((out_of_body(box, Vector(0, 0.2, 0), Vector(0.3, -0.05, 0), 0) - Vector(0.3, 0.1, 0)).norm(), 1e-9);
+  EXPECT_LT((out_of_body(box, Vector(0, 0, 0), Vector(0.3, -0.05, 0), 0) - Vector(0.3, -0.1, 0)).norm(), 1e-9);   // began inside
+}
+
+TEST(ColliderTwin, what_sticks_to_a_turning_box_turns_with_it) {
+  Body body{.shape = Shape::box, .half_size = Vector(1, 1, 1), .friction = 1e3};
+  body.rotation_after = Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Vector::UnitY()));
+  const Vector x(1, 0.2, 0.1), there = body.rotation_after * x;
+  EXPECT_LT((out_of_body(body, x, there - 0.01 * (body.rotation_after * Vector::UnitX()), 0) - there).norm(), 1e-12);
 }
 
 TEST(ColliderTwin, friction_stays_in_its_cone_and_sticks_inside_it) {

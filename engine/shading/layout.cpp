@@ -7,6 +7,9 @@
 namespace weft::shading {
 namespace {
 
+static_assert(static_cast<int>(ColliderShape::plane) == WEFT_SHAPE_PLANE && static_cast<int>(ColliderShape::sphere) == WEFT_SHAPE_SPHERE &&
+              static_cast<int>(ColliderShape::capsule) == WEFT_SHAPE_CAPSULE && static_cast<int>(ColliderShape::box) == WEFT_SHAPE_BOX);
+
 struct Box {
   Vec3 low{std::numeric_limits<float>::max(), std::numeric_limits<float>::max(), std::numeric_limits<float>::max()};
   Vec3 high = -1.0f * low;
@@ -25,6 +28,12 @@ void add_moved(Box& box, const Box& what, std::span<const Key> keys) {
   }
 }
 
+// How far a collider goes from its centre, however it is turned.
+float reach_of(const Collider& collider) {
+  if (collider.shape == ColliderShape::box) return 0.5f * length(collider.size);
+  return static_cast<float>(collider.radius + (collider.shape == ColliderShape::capsule ? 0.5 * collider.length : 0));
+}
+
 vec4 with_zero(Vec3 v) { return {v.x, v.y, v.z, 0}; }
 
 }  // namespace
@@ -40,12 +49,12 @@ Extent extent_of(const Scene& scene, std::span<const std::span<const Vec3>> clot
       for (const Anchor& anchor : scene.cloths[i].anchors) add_moved(box, cloth, anchor.keys);
   }
   for (const Collider& collider : scene.colliders) {
-    if (collider.shape != ColliderShape::sphere) continue;
-    const auto r = static_cast<float>(collider.radius);
-    const Box sphere{collider.centre - Vec3{r, r, r}, collider.centre + Vec3{r, r, r}};
-    box.add(sphere.low);
-    box.add(sphere.high);
-    add_moved(box, sphere, collider.keys);
+    if (collider.shape == ColliderShape::plane) continue;
+    const float r = reach_of(collider);
+    const Box around{collider.centre - Vec3{r, r, r}, collider.centre + Vec3{r, r, r}};
+    box.add(around.low);
+    box.add(around.high);
+    add_moved(box, around, collider.keys);
   }
   for (const Collider& collider : scene.colliders)
     if (collider.shape == ColliderShape::plane && collider.normal.y > 0.7f) box.low.y = std::min(box.low.y, collider.centre.y);
@@ -64,12 +73,14 @@ float tile_size(float radius) {
 Solid solid_of(const Collider& collider, const ColliderPose& pose, const Frame& frame, Vec3 target, float tile) {
   Solid solid{};
   solid.colour = collider.colour;
-  if (collider.shape == ColliderShape::sphere) {
+  if (collider.shape != ColliderShape::plane) {
     const auto r = static_cast<float>(collider.radius);
-    solid.shape = WEFT_SHAPE_SPHERE;
-    solid.axis_x = {r, 0, 0, 0};
-    solid.axis_y = {0, r, 0, 0};
-    solid.axis_z = {0, 0, r, 0};
+    const Vec3 half = collider.shape == ColliderShape::box ? 0.5f * collider.size : Vec3{r, r, r};
+    solid.shape = static_cast<std::uint32_t>(collider.shape);
+    solid.axis_x = with_zero(rotated(pose.rotation, {half.x, 0, 0}));
+    solid.axis_y = with_zero(rotated(pose.rotation, {0, half.y, 0}));
+    solid.axis_z = with_zero(rotated(pose.rotation, {0, 0, half.z}));
+    if (collider.shape == ColliderShape::capsule) solid.end = static_cast<float>(0.5 * collider.length / collider.radius);
     solid.centre = with_zero(pose.centre);
     solid.roughness = 0.45f;
     return solid;
@@ -95,7 +106,8 @@ Solid solid_of(const Collider& collider, const ColliderPose& pose, const Frame& 
 }
 
 std::uint32_t vertex_count(const Solid& solid) {
-  return solid.shape == WEFT_SHAPE_SPHERE ? 6 * WEFT_SPHERE_SLICES * WEFT_SPHERE_STACKS : 6;
+  if (solid.shape == WEFT_SHAPE_PLANE) return 6;
+  return solid.shape == WEFT_SHAPE_BOX ? 36 : 6 * WEFT_SPHERE_SLICES * WEFT_SPHERE_STACKS;
 }
 
 }  // namespace weft::shading

@@ -10,7 +10,7 @@
 
 namespace weft::shading {
 
-/// Around the cloths' rest places and the spheres, wherever their keys take them, down to a floor below.
+/// Around the cloths' rest places and the colliders that have an end, wherever their keys take them, down to a floor below.
 Extent extent_of(const Scene& scene, std::span<const std::span<const Vec3>> cloths);
 
 /// The size of a floor's tile: a round number of about a quarter of the radius.

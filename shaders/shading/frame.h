@@ -55,11 +55,13 @@ struct Solid {
   uint shape;      // WEFT_SHAPE_*
   uint view;       // WEFT_VIEW_*
   float cell;      // m: the size of the floor's pattern; 0 for none
-  float unused;
+  float end;       // capsules: half the length over the radius
 };
 
 #define WEFT_SHAPE_PLANE 0
 #define WEFT_SHAPE_SPHERE 1
+#define WEFT_SHAPE_CAPSULE 2
+#define WEFT_SHAPE_BOX 3
 
 #define WEFT_SPHERE_SLICES 96
 #define WEFT_SPHERE_STACKS 48

@@ -1,4 +1,4 @@
-// Planes and spheres without a vertex buffer: the corners of a unit shape follow from the vertex's number.
+// Planes, spheres, capsules and boxes without a vertex buffer: the corners of a unit shape follow from the vertex's number.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "sky.glsl"
@@ -22,11 +22,31 @@ vec3 sphere_point(uint vertex) {
   return vec3(cos(latitude) * cos(longitude), sin(latitude), cos(latitude) * sin(longitude));
 }
 
+// A face a sixth: the axis that it is square to, then its side. The corner's other two axes follow in cyclic order.
+void box_point(uint vertex, out vec3 local, out vec3 normal) {
+  const uint axis = vertex / 12;
+  const float side = (vertex / 6) % 2 == 0 ? -1.0 : 1.0;
+  const vec2 corner = 2.0 * vec2(kCorners[vertex % 6]) - 1.0;
+  local[axis] = side;
+  local[(axis + 1) % 3] = corner.x;
+  local[(axis + 2) % 3] = side * corner.y;
+  normal = vec3(0);
+  normal[axis] = side;
+}
+
 void main() {
   vec3 local, normal;
   if (solid.shape == WEFT_SHAPE_SPHERE) {
     local = sphere_point(gl_VertexIndex);
     normal = local;
+  } else if (solid.shape == WEFT_SHAPE_CAPSULE) {
+    // A sphere cut at its equator, the halves moved apart: the row of cells that is cut becomes the cylinder.
+    normal = sphere_point(gl_VertexIndex);
+    const uint cell = gl_VertexIndex / 6;
+    const bool upper = 2 * (cell / WEFT_SPHERE_SLICES + kCorners[gl_VertexIndex % 6].y) > WEFT_SPHERE_STACKS;
+    local = normal + vec3(0, upper ? solid.end : -solid.end, 0);
+  } else if (solid.shape == WEFT_SHAPE_BOX) {
+    box_point(gl_VertexIndex, local, normal);
   } else {
     // x and z span the plane, y is its normal: seen from above, counter-clockwise.
     vec2 corner = 2.0 * vec2(kCorners[gl_VertexIndex % 6]) - 1.0;
