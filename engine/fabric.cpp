@@ -19,6 +19,9 @@ constexpr std::uint32_t kDefaultSubsteps = 10;
 // times a multiplier of zero is no number, and takes a particle's other links along.
 constexpr double kSoftest = 1e12;
 
+// Single precision squares lengths: what is shorter counts as ends at one place (stretch.comp).
+constexpr float kShortestLink = 1e-8f;   // m
+
 // Mass of every point: a third of each triangle's around it.
 std::vector<double> point_masses(const Mesh& mesh, double area_density) {
   std::vector<double> masses(mesh.points.size());
@@ -61,6 +64,8 @@ class Cook {
     lay_out_tethers();
     for (const gpu::vec4& p : fabric_.positions)
       if (!std::isfinite(p.x + p.y + p.z + p.w)) return fail("a particle's position or inverse mass is not finite: the mesh or its mass is beyond single precision");
+    for (const StretchLink& link : fabric_.links)
+      if (!(link.rest > kShortestLink)) return fail("a link of ", link.rest, " m is not longer than ", kShortestLink, " m: scale the mesh up");
     return std::move(fabric_);
   }
 

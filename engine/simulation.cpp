@@ -7,6 +7,11 @@
 #include "engine/simulation_state.h"
 
 namespace weft {
+namespace {
+
+constexpr double kMostDispatches = 4e6;   // about 400 MB of steps and commands
+
+}  // namespace
 
 Simulation::Simulation(std::unique_ptr<State> state) : state_(std::move(state)) {}
 
@@ -47,6 +52,12 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
   if (!readback) return readback.take_error();
   state->readback = std::move(*readback);
   std::fill_n(state->readback[0].mapped, sizeof(gpu::Counters), std::byte{0});
+  // One advance records all of its dispatches at once.
+  const double most_substeps = std::max(scene.solver.longest_advance, 1 / scene.solver.rate) / state->fabric.h + 1;
+  const double dispatches = 2 + most_substeps * (1 + scene.solver.iterations * static_cast<double>(state->solver->plan().passes.size()));
+  if (dispatches > kMostDispatches)
+    return fail("solver: the longest advance of ", scene.solver.longest_advance, " s takes about ", dispatches, " dispatches, more than ", kMostDispatches,
+                "; take fewer substeps or iterations, or a shorter longest_advance");
   auto pool = compute::CommandPool::create(device, "weft");
   if (!pool) return pool.take_error();
   state->pool = std::move(*pool);
@@ -58,9 +69,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
     if (!commands) return commands.take_error();
     slot.commands = *commands;
     if (!options.timings) continue;
-    const double most_substeps = std::max(scene.solver.longest_advance, 1 / scene.solver.rate) / state->fabric.h + 1;
-    const double passes = (2 + most_substeps * (1 + scene.solver.iterations * static_cast<double>(state->solver->plan().passes.size())));
-    auto timestamps = compute::Timestamps::create(device, "weft frame", static_cast<std::uint32_t>(std::min(passes, 60000.0)));
+    auto timestamps = compute::Timestamps::create(device, "weft frame", static_cast<std::uint32_t>(std::min(dispatches, 60000.0)));
     if (!timestamps) return timestamps.take_error();
     slot.timestamps = std::move(*timestamps);
   }

@@ -123,12 +123,15 @@ Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<
   if (const VkResult ended = device->vk().vkEndCommandBuffer(slot.commands); ended != VK_SUCCESS)
     return fail("a frame's command buffer could not be ended (VkResult ", ended, ")");
   if (timestamps != nullptr) timestamps->reset();
-  slot.value = ++submitted;
-  last_timed = timestamps != nullptr ? &slot : nullptr;
+  const std::uint64_t value = submitted + 1;
   const VkCommandBufferSubmitInfo commands{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO, nullptr, slot.commands, 0};
-  const VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, ready.get(), slot.value, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
+  const VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, ready.get(), value, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
   const VkSubmitInfo2 work{VK_STRUCTURE_TYPE_SUBMIT_INFO_2, nullptr, 0, static_cast<std::uint32_t>(waits.size()), waits.data(), 1, &commands, 1, &signal};
-  return device->submit(work);
+  if (auto done = device->submit(work); !done) return done;
+  // Only what was really submitted may be waited for.
+  slot.value = submitted = value;
+  last_timed = timestamps != nullptr ? &slot : nullptr;
+  return {};
 }
 
 // For devices without timestamps: every dispatch is submitted alone and timed on the CPU, waking and waiting included.
