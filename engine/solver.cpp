@@ -132,8 +132,10 @@ Result<void> Solver::create_pipelines(const compute::Device& device, const compu
   if (!layout) return layout.take_error();
   layout_ = std::move(*layout);
   for (const PlannedPass& planned : plan_.passes) {
-    const compute::SpecializationConstant width{planned.group_size_constant, workgroup_};
-    auto pipeline = compute::ComputePipeline::create(device, &cache, planned.label, planned.spirv, std::span(&width, 1), layout_.get());
+    // A shader ignores the constants that it does not have.
+    std::vector<compute::SpecializationConstant> constants{{planned.group_size_constant, workgroup_}};
+    for (std::uint32_t shape = 0; shape < WEFT_SHAPES; ++shape) constants.push_back({WEFT_SHAPE_CONSTANT + shape, colliders_[shape]});
+    auto pipeline = compute::ComputePipeline::create(device, &cache, planned.label, planned.spirv, constants, layout_.get());
     if (!pipeline) return pipeline.take_error();
     pipelines_.push_back(std::move(*pipeline));
   }
@@ -145,7 +147,6 @@ std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
   if (input.substeps == 0) return {};
   gpu::Push push{};
   push.tether_pairs = tether_pairs_;
-  std::copy(colliders_.begin(), colliders_.end(), push.colliders);
   push.h = static_cast<float>(h_);
   push.inverse_h = static_cast<float>(1 / h_);
   push.inverse_h2 = static_cast<float>(1 / (h_ * h_));

@@ -115,13 +115,14 @@ struct Anchor {
   vec3 to;            // m, at its end
 };
 
-// The buffer holds all planes, then all spheres, capsules and boxes, and a push says how many of each: a shape that a scene
-// has none of costs it nothing. Where two overlap, the later has the last word.
+// The buffer holds all planes, then all spheres, capsules and boxes. How many of each is a specialisation constant: a scene
+// that has none of a shape has no code for it either. Where two overlap, the later has the last word.
 #define WEFT_PLANE 0
 #define WEFT_SPHERE 1
 #define WEFT_CAPSULE 2
 #define WEFT_BOX 3
 #define WEFT_SHAPES 4
+#define WEFT_SHAPE_CONSTANT 1   // the first of their constants; 0 is the width of a workgroup
 
 struct Collider {
   float radius;       // m, spheres and capsules
@@ -145,11 +146,10 @@ struct Counters {
   uint coincident;    // links skipped because their ends were at one place
 };
 
-/// What every pass is told. 64 of the 128 bytes that every device has.
+/// What every pass is told. 48 of the 128 bytes that every device has.
 struct Push {
   uint count;         // threads with work
   uint tether_pairs;  // per particle
-  uint colliders[WEFT_SHAPES];   // of each shape
   uint flags;         // WEFT_LAST_ITERATION ...
   float h;            // s, substep
   float inverse_h;    // 1/s
@@ -197,7 +197,7 @@ inline uvec2 pack_link(const Link& link) {
 }
 
 static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 8 && sizeof(Push) == 64);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 8 && sizeof(Push) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);
 
 enum Binding : uint {

@@ -126,6 +126,24 @@ TEST_F(SimulationPhysics, a_sheet_dropped_on_the_floor_comes_to_rest_on_it) {
   EXPECT_LT(strain_of(*simulation).max, 1e-3);
 }
 
+// A wall of 2 cm that comes 5 m in a frame must carry the sheet along, not run through it.
+TEST_F(SimulationPhysics, a_thin_box_that_moves_five_metres_in_a_frame_carries_a_sheet_along) {
+  Scene scene = sheet(16);
+  scene.gravity = {0, 0, 0};
+  scene.cloths[0].grid->upright = true;   // in the xy plane
+  Collider& wall = scene.colliders.emplace_back();
+  wall.shape = ColliderShape::box;
+  wall.centre = {0, 0, -1};
+  wall.size = {0.02f, 4, 4};
+  wall.degrees = 90;   // its thin side along z
+  wall.keys = {{0, {}, {0, 1, 0}, 0}, {2 * kFrame, {0, 0, 10}, {0, 1, 0}, 0}};
+  const auto simulation = must(Simulation::create(device(), scene));
+  run(*simulation, 2 * kFrame);
+  const double front = 9 + 0.01 + scene.cloths[0].fabric.thickness;
+  for (const gpu::vec4& p : must(simulation->read_positions())) EXPECT_GT(p.z, front - 1e-5);
+  EXPECT_EQ(simulation->counts().non_finite, 0u);
+}
+
 // F9: vertices that started below the plane and moved down were never recovered.
 TEST_F(SimulationPhysics, what_starts_below_the_floor_and_moves_down_comes_up) {
   Scene scene = sheet(12);
