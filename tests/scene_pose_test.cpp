@@ -83,3 +83,18 @@ TEST(Pose, different_axes_take_the_shortest_arc) {
   EXPECT_NEAR(half.axis.y, std::sqrt(0.5), 1e-6);
   EXPECT_NEAR(half.axis.z, 0, 1e-6);
 }
+
+TEST(Rotation, takes_up_to_a_capsules_axis_and_turns_a_box_about_its_own) {
+  Collider capsule;
+  capsule.shape = ColliderShape::capsule;
+  for (const Vec3 axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, -1, 0}, Vec3{0.6f, 0, -0.8f}}) {
+    capsule.axis = axis;
+    EXPECT_LT(length(rotated(rest_rotation(capsule), {0, 1, 0}) - axis), 1e-6);
+  }
+  Collider box;
+  box.shape = ColliderShape::box;
+  box.axis = {0, 0, 1};
+  box.degrees = 90;
+  EXPECT_LT(length(rotated(rest_rotation(box), {1, 0, 0}) - Vec3{0, 1, 0}), 1e-6);
+  EXPECT_LT(length(rotated(rotation_about({0, 1, 0}, 90) * rest_rotation(box), {0, 1, 0}) - Vec3{0, 0, 1}), 1e-6);
+}

@@ -144,6 +144,8 @@ TEST_F(SimulationApi, bad_input_is_refused_with_a_sentence_that_names_it) {
   expect_refused(simulation->move_collider(0, {bad, good}), "collider 0");
   expect_refused(simulation->move_collider(0, {good, bad}), "collider 0");
   expect_refused(simulation->move_collider(0, {good, {0, 0, 0}}), "normal");
+  expect_refused(simulation->move_collider(1, {good, good, {0, 0, 0, 0}}), "rotation of collider 1");
+  expect_refused(simulation->move_collider(1, {good, good, {0, 0, kNan, 1}}), "not finite");
   expect_refused(simulation->set_gravity(bad), "gravity");
   const std::vector<gpu::vec4> too_few(3);
   expect_refused(simulation->write_positions(too_few), "3");
