@@ -96,7 +96,7 @@ class Cook {
       // What the GPU will read, so that strain and reference see the same link.
       const gpu::uvec2 packed = gpu::pack_link({0, static_cast<float>(s.rest), static_cast<float>(std::min(s.compliance, kSoftest)), s.only_pulls});
       const gpu::Link link = gpu::unpack_link(packed.x, packed.y);
-      fabric_.links.push_back({particle_of_[s.a], particle_of_[s.b], link.rest, link.compliance, s.only_pulls});
+      fabric_.links.push_back({particle_of_[s.a], particle_of_[s.b], link.rest, link.response, s.only_pulls, 0});
     }
   }
 
@@ -144,15 +144,22 @@ class Cook {
   }
 
   void lay_out_links() {
+    std::vector<std::uint32_t> uses(fabric_.positions.size());
+    for (const StretchLink& link : fabric_.links) ++uses[link.a], ++uses[link.b];
+    const bool split = scene_.solver.averaging == Averaging::mass_split, iterated = scene_.solver.iterations > 1;
+    for (std::size_t i = 0; i < uses.size(); ++i)
+      fabric_.split_weights.push_back((split ? std::max<float>(1, static_cast<float>(uses[i])) : 1) * fabric_.positions[i].w);
     std::vector<std::vector<gpu::uvec2>> lists(fabric_.positions.size());
-    for (const StretchLink& link : fabric_.links) {
-      lists[link.a].push_back(gpu::pack_link({link.b, link.rest, link.compliance, link.only_pulls}));
-      lists[link.b].push_back(gpu::pack_link({link.a, link.rest, link.compliance, link.only_pulls}));
+    for (StretchLink& link : fabric_.links) {
+      const double weight = double(fabric_.split_weights[link.a]) + fabric_.split_weights[link.b];
+      const double gain = weight > 0 ? 1 / (weight + link.compliance * inverse_h2_) : 0;
+      const float response = iterated ? link.compliance : static_cast<float>(gain);
+      const gpu::uvec2 to_b = gpu::pack_link({link.b, link.rest, response, link.only_pulls});
+      lists[link.a].push_back(to_b);
+      lists[link.b].push_back(gpu::pack_link({link.a, link.rest, response, link.only_pulls}));
+      if (!iterated) link.gain = gpu::unpack_link(to_b.x, to_b.y).response;
     }
     fabric_.stretch = cooking::pack_rows(lists, cooking::Padding::owner);
-    const bool split = scene_.solver.averaging == Averaging::mass_split;
-    for (std::size_t i = 0; i < lists.size(); ++i)
-      fabric_.split_weights.push_back((split ? std::max<float>(1, static_cast<float>(lists[i].size())) : 1) * fabric_.positions[i].w);
   }
 
   // Masses are split among a particle's bends as among its links; with plain averaging the counts stand in the gather alone.

@@ -20,8 +20,9 @@ namespace weft {
 struct StretchLink {
   std::uint32_t a, b;
   float rest;        // m, as the GPU has it
-  float compliance;  // m/N, as the GPU has it
+  float compliance;  // m/N
   bool only_pulls;
+  float gain = 0;    // kg: 1 / (W_a + W_b + compliance / h^2) as the GPU has it, with one iteration a substep; 0 if neither end gives way
 };
 
 /// A cloth's place in the arrays.
@@ -52,7 +53,7 @@ struct CookedFabric {
   std::vector<gpu::vec4> velocities;         // particles: xyz (m/s), w the cloth's index as bits
   std::vector<float> split_weights;          // particles: n w (mass split) or w (count), see stretch.comp
   std::vector<StretchLink> links;
-  PairRows stretch;                          // entries: gpu::pack_link
+  PairRows stretch;                          // entries: gpu::pack_link with the gain, or the compliance with several iterations
   std::vector<gpu::Bend> bends;
   PairRows bend;                             // entries: (particle, coefficient bits); one iteration a substep only
   PairRows bend_uses;                        // entries: (bend, K w bits); several iterations only

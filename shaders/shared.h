@@ -167,14 +167,18 @@ struct Push {
 #define WEFT_MAX_PARTICLES 0x00ffffffu
 
 // A link of the stretch pass in eight bytes: 24 bits of index, a rest length with 16 bits of mantissa (relative error up to
-// 2^-17) and a compliance with 7 (below 0.4 %), and one bit for links that only pull.
+// 2^-17), a response with 7 (below 0.4 %), and one bit for links that only pull.
 //
-//   x: [31..24] compliance exponent   [23..0] index
-//   y: [31..8]  rest length, a positive float's bits 30..7   [7..1] compliance mantissa   [0] only pulls
+// With one iteration a substep nothing in an XPBD multiplier changes but C, so the response is the gain 1 / (W_a + W_b + alpha/h^2)
+// (kg), worked out when cooking: the pass neither adds masses nor divides by them. Both ends have the same bits of it, so
+// momentum is conserved. With several iterations the response is the compliance alpha (m/N).
+//
+//   x: [31..24] response exponent   [23..0] index
+//   y: [31..8]  rest length, a positive float's bits 30..7   [7..1] response mantissa   [0] only pulls
 struct Link {
   uint other;
   float rest;         // m; 0 marks padding
-  float compliance;   // m/N
+  float response;     // gain (kg) or compliance (m/N)
   bool only_pulls;
 };
 
@@ -182,7 +186,7 @@ WEFT_INLINE Link unpack_link(uint x, uint y) {
   Link link;
   link.other = x & 0xffffffu;
   link.rest = WEFT_FLOAT((y >> 8) << 7);
-  link.compliance = WEFT_FLOAT(((x >> 24) << 23) | ((y & 0xfeu) << 15));
+  link.response = WEFT_FLOAT(((x >> 24) << 23) | ((y & 0xfeu) << 15));
   link.only_pulls = (y & 1u) != 0u;
   return link;
 }
@@ -192,8 +196,8 @@ WEFT_INLINE Link unpack_link(uint x, uint y) {
 inline uvec2 pack_link(const Link& link) {
   // Rounded to nearest: half of the last kept bit is added before cutting; a carry runs into the exponent, as it should.
   const uint rest = (WEFT_BITS(link.rest) + 0x40u) >> 7;
-  const uint compliance = (WEFT_BITS(link.compliance) + 0x8000u) & 0x7fff0000u;
-  return {(link.other & 0xffffffu) | ((compliance >> 23) << 24), (rest << 8) | ((compliance >> 15) & 0xfeu) | (link.only_pulls ? 1u : 0u)};
+  const uint response = (WEFT_BITS(link.response) + 0x8000u) & 0x7fff0000u;
+  return {(link.other & 0xffffffu) | ((response >> 23) << 24), (rest << 8) | ((response >> 15) & 0xfeu) | (link.only_pulls ? 1u : 0u)};
 }
 
 static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);

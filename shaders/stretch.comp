@@ -35,16 +35,14 @@ vec3 impulse(vec4 p, uvec2 packed, inout float lambda) {
   const float squared = dot(d, d);
   coincident += uint(squared < 1e-20);
   const float len = sqrt(squared + 1e-20);   // not max(): its care for NaN costs the software driver 5 %
-  const float alpha = link.compliance * push.inverse_h2;
-  const float weight = p.w + q.w + alpha;
 #ifdef ITERATED
-  float change = (link.rest - len - alpha * lambda) / max(weight, 1e-20);
+  const float alpha = link.response * push.inverse_h2;
+  float change = (link.rest - len - alpha * lambda) / max(p.w + q.w + alpha, 1e-20);
   if (link.only_pulls) change = min(change, -lambda);
   lambda += change;
   return (change / len) * d;
 #else
-  // One division for both; lambda is zero. Two anchors give no finite number, and main() then leaves them where they are.
-  const float scale = (link.rest - len) / (weight * len);
+  const float scale = (link.rest - len) * link.response / len;
   return (link.only_pulls && scale > 0 ? 0 : scale) * d;
 #endif
 }

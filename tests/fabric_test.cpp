@@ -128,7 +128,7 @@ TEST(Fabric, both_ends_of_a_link_list_it_and_odd_lists_are_padded_with_their_own
     for (const auto& [own, other] : {std::pair(link.a, link.b), std::pair(link.b, link.a)})
       EXPECT_EQ(std::count_if(lists[own].begin(), lists[own].end(), [&](gpu::uvec2 e) {
         const gpu::Link found = gpu::unpack_link(e.x, e.y);
-        return found.other == other && found.rest == link.rest && found.compliance == link.compliance && found.only_pulls == link.only_pulls;
+        return found.other == other && found.rest == link.rest && found.response == link.gain && found.only_pulls == link.only_pulls;
       }), 1);
 }
 
@@ -279,6 +279,25 @@ TEST(Fabric, render_vertices_know_their_particle_and_all_corners_around_it) {
     }
   }
   EXPECT_EQ(corners, 3 * fabric.triangles.size());
+}
+
+TEST(Fabric, a_link_answers_with_its_gain_in_one_iteration_and_with_its_compliance_in_several) {
+  Scene scene = hung(9);
+  const CookedFabric fabric = cooked(scene);
+  for (const StretchLink& link : fabric.links) {
+    const double weight = double(fabric.split_weights[link.a]) + fabric.split_weights[link.b];
+    EXPECT_NEAR(link.gain * (weight + link.compliance / (fabric.h * fabric.h)), 1, 0.004);   // 7 bits of mantissa, rounded: 2^-8
+  }
+  scene.solver.iterations = 2;
+  const CookedFabric iterated = cooked(scene);
+  const auto lists = unpacked(iterated.stretch);
+  for (const StretchLink& link : iterated.links) {
+    EXPECT_EQ(link.gain, 0);
+    EXPECT_EQ(std::count_if(lists[link.a].begin(), lists[link.a].end(), [&](gpu::uvec2 e) {
+      const gpu::Link found = gpu::unpack_link(e.x, e.y);
+      return found.other == link.b && found.response == link.compliance;
+    }), 1);
+  }
 }
 
 TEST(Fabric, the_softest_fabric_has_finite_compliances) {

@@ -187,7 +187,7 @@ TEST(PackedLink, it_comes_back_within_its_tolerance) {
     ASSERT_EQ(back.other, link.other);
     ASSERT_EQ(back.only_pulls, link.only_pulls);
     ASSERT_NEAR(back.rest / link.rest, 1, 8e-6);   // 16 bits of mantissa, rounded: 2^-17
-    ASSERT_NEAR(back.compliance / link.compliance, 1, 0.004);
+    ASSERT_NEAR(back.response / link.response, 1, 0.004);
     // What the GPU will read packs to itself: nothing drifts.
     const gpu::uvec2 again = gpu::pack_link(back);
     ASSERT_TRUE(again.x == packed.x && again.y == packed.y);
@@ -210,7 +210,7 @@ TEST(PackedLink, extremes_stay_in_their_fields) {
             return value == expected || std::abs(double(value) - expected) <= std::max(relative * expected, 1e-40);
           };
           EXPECT_TRUE(near(back.rest, rest, 8e-6)) << rest;
-          EXPECT_TRUE(near(back.compliance, compliance, 0.004)) << compliance;
+          EXPECT_TRUE(near(back.response, compliance, 0.004)) << compliance;
         }
 }
 

@@ -58,16 +58,24 @@ inline CookedFabric loose_particles(Random& random, std::uint32_t count, const S
   return fabric;
 }
 
-/// Adds links between random particles, with the places and masses that cooking gives them.
-inline void link_up(CookedFabric& fabric, const std::vector<StretchLink>& links, Averaging averaging) {
+/// Adds links between random particles, with the places, masses and responses that cooking gives them.
+inline void link_up(CookedFabric& fabric, const std::vector<StretchLink>& links, Averaging averaging, std::uint32_t iterations = 1) {
+  std::vector<std::uint32_t> uses(fabric.positions.size());
+  for (const StretchLink& link : links) ++uses[link.a], ++uses[link.b];
+  for (std::size_t i = 0; i < uses.size(); ++i)
+    fabric.split_weights[i] = fabric.positions[i].w * (averaging == Averaging::mass_split ? std::max(1.f, static_cast<float>(uses[i])) : 1);
   std::vector<std::vector<gpu::uvec2>> lists(fabric.positions.size());
   fabric.links.clear();
   for (const StretchLink& link : links) {
-    const gpu::uvec2 to_b = gpu::pack_link({link.b, link.rest, link.compliance, link.only_pulls});
+    const double weight = double(fabric.split_weights[link.a]) + fabric.split_weights[link.b];
+    const double gain = weight > 0 ? 1 / (weight + link.compliance / (fabric.h * fabric.h)) : 0;
+    const float response = iterations > 1 ? link.compliance : static_cast<float>(gain);
+    const gpu::uvec2 to_b = gpu::pack_link({link.b, link.rest, response, link.only_pulls});
     lists[link.a].push_back(to_b);
-    lists[link.b].push_back(gpu::pack_link({link.a, link.rest, link.compliance, link.only_pulls}));
+    lists[link.b].push_back(gpu::pack_link({link.a, link.rest, response, link.only_pulls}));
     const gpu::Link packed = gpu::unpack_link(to_b.x, to_b.y);
-    fabric.links.push_back({link.a, link.b, packed.rest, packed.compliance, packed.only_pulls});
+    fabric.links.push_back({link.a, link.b, packed.rest, iterations > 1 ? packed.response : link.compliance, packed.only_pulls,
+                            iterations > 1 ? 0 : packed.response});
   }
   fabric.stretch = {};
   for (std::uint32_t i = 0; i < lists.size(); ++i) {
@@ -77,10 +85,6 @@ inline void link_up(CookedFabric& fabric, const std::vector<StretchLink>& links,
     for (std::size_t k = 0; k < lists[i].size(); k += 2)
       fabric.stretch.pairs.push_back({lists[i][k].x, lists[i][k].y, lists[i][k + 1].x, lists[i][k + 1].y});
   }
-  std::vector<std::uint32_t> uses(fabric.positions.size());
-  for (const StretchLink& link : links) ++uses[link.a], ++uses[link.b];
-  for (std::size_t i = 0; i < uses.size(); ++i)
-    fabric.split_weights[i] = fabric.positions[i].w * (averaging == Averaging::mass_split ? std::max(1.f, static_cast<float>(uses[i])) : 1);
 }
 
 /// A frame of so many substeps, nothing moving.

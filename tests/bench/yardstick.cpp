@@ -42,7 +42,7 @@ Csr csr_of(const CookedFabric& fabric) {
     for (const gpu::Link& link : list) {
       csr.other.push_back(link.other);
       csr.rest.push_back(link.rest);
-      csr.compliance.push_back(link.compliance);
+      csr.compliance.push_back(link.response);
     }
     csr.first.push_back(static_cast<std::uint32_t>(csr.other.size()));
   }
