@@ -43,7 +43,7 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   solver.tether_pairs_ = fabric.tethers_per_particle / 2;
   for (const Collider& collider : scene.colliders) ++solver.colliders_[static_cast<std::size_t>(collider.shape)];
   // Both are measured choices: the software driver runs a workgroup on one core, GPUs want full warps and waves.
-  solver.workgroup_ = options.workgroup != 0 ? options.workgroup : device.is_software() ? 128 : 64;
+  solver.workgroup_ = options.workgroup != 0 ? options.workgroup : device.is_software() ? 512 : 64;
   if (solver.workgroup_ > device.limits().max_workgroup_invocations)
     return fail("a workgroup of ", solver.workgroup_, " threads is larger than the device's ", device.limits().max_workgroup_invocations);
   auto plan = make_plan(features_of(scene, fabric), options.gather_storage);
