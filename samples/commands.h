@@ -24,6 +24,7 @@ struct RunOptions {
   std::optional<std::uint32_t> frames;   // none: the scene's
   std::uint32_t every = 0;      // 0: only the final frame is drawn
   bool picture = true;
+  bool check = false;           // count crossings of cloth at every frame
   std::string device;           // as compute::DeviceChoice::name
   std::vector<Assignment> assignments;
 };

@@ -116,6 +116,7 @@ std::string report_json(const Figures& figures, const PassTimes& times) {
   report["strain"] = {{"mean", figures.strain.mean}, {"rms", figures.strain.rms}, {"max", figures.strain.max}};
   report["non_finite"] = figures.counts.non_finite;
   report["coincident"] = figures.counts.coincident;
+  if (figures.intersections) report["intersections"] = {{"max", figures.intersections->max}, {"final", figures.intersections->final}};
   report["clamped_seconds"] = figures.clamped_seconds;
   report["hash"] = hash;
   constexpr int kIndent = 2;

@@ -39,6 +39,12 @@ class PassTimes {
   std::vector<std::vector<double>> rows_;
 };
 
+/// Edge-triangle pairs of cloth that cross (engine/reference/intersections.h), at the start and after every frame.
+struct Intersections {
+  std::uint64_t max = 0;     // of all of these
+  std::uint64_t final = 0;
+};
+
 /// What report.json says besides the pass times.
 struct Figures {
   std::string scene, device;
@@ -53,6 +59,7 @@ struct Figures {
   Counts counts;
   double clamped_seconds = 0;
   std::uint64_t hash = 0;
+  std::optional<Intersections> intersections;   // none unless they were counted
 };
 
 /// Everything about a simulation's state but times. Waits for it.

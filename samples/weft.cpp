@@ -51,6 +51,7 @@ int main(int count, char** arguments) {
   CLI::Option* every_option = run_command->add_option("--every", run_options.every, "Draw every K-th frame too, as frame_0000.png");
   every_option->type_name("K")->check(CLI::Range(1u, kMostFrames));
   run_command->add_flag("--no-picture", no_picture, "Draw nothing: needs no graphics queue")->excludes(every_option);
+  run_command->add_flag("--check", run_options.check, "Count where cloth crosses cloth, at every frame");
   run_command->add_option("--device", run_options.device, "Index or part of the name; weft info lists them");
 
   TimeOptions time_options;

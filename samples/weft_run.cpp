@@ -3,10 +3,12 @@
 // The scene is simulated twice. The first time makes pictures, figures and the times of whole frames; the second, on a
 // device of its own, has a timestamp pair around every pass. They are apart because timestamps take time themselves, and
 // because a software driver that has drawn once gives timestamps that mean nothing (llvmpipe bins them with the tiles).
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 
 #include "engine/export.h"
+#include "engine/reference/intersections.h"
 #include "engine/shading/shading.h"
 #include "samples/commands.h"
 #include "samples/console.h"
@@ -100,10 +102,25 @@ Result<void> write_mesh(const Simulation& simulation, const std::filesystem::pat
   return write_ply(file, *vertices, *normals, vertex_strain(simulation.fabric(), *particles), triangles);
 }
 
+Result<void> count(const Simulation& simulation, Intersections& intersections) {
+  const auto particles = simulation.read_positions();
+  if (!particles) return fail(particles.error());
+  std::vector<Vec3> positions;
+  positions.reserve(particles->size());
+  for (const gpu::vec4& particle : *particles) positions.push_back({particle.x, particle.y, particle.z});
+  intersections.final = count_crossings(positions, simulation.fabric().triangles);
+  intersections.max = std::max(intersections.max, intersections.final);
+  return {};
+}
+
 void print(const Figures& figures, double rate) {
   std::printf("%u frames, %.3g s; strain: mean %.3g %%, rms %.3g %%, max %.3g %%\n", figures.frames, figures.frames / rate,
               100 * figures.strain.mean, 100 * figures.strain.rms, 100 * figures.strain.max);
   if (figures.frame) std::printf("A whole frame takes %.3g ms (median), %.3g ms (95 %%)\n", figures.frame->median, figures.frame->p95);
+  if (const auto& found = figures.intersections; found && found->max == 0) std::printf("Cloth crosses cloth in no frame\n");
+  else if (found)
+    std::printf("Cloth crosses cloth: %llu pairs of edge and triangle in the worst frame, %llu in the last\n",
+                static_cast<unsigned long long>(found->max), static_cast<unsigned long long>(found->final));
   if (figures.timed_on_cpu) std::printf("This device has no timestamps: passes were timed on the CPU\n");
   if (figures.clamped_seconds > 0)
     std::printf("%.3g s were not simulated: solver.longest_advance is shorter than a frame\n", figures.clamped_seconds);
@@ -137,7 +154,14 @@ Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& f
   // A scene of no frames is a picture of its rest pose, and normals are made by a frame.
   if (scene.frames == 0)
     if (const Result<Advance> none = simulation.advance(0); !none) return failed(none.error());
+  std::optional<Intersections> intersections;
+  if (options.check) {
+    // The pose the simulation starts from counts too, and is the final one of a scene of no frames.
+    if (const Result<void> counted = count(simulation, intersections.emplace()); !counted) return failed(counted.error());
+  }
   const Result<Frames> frames = simulate(simulation, "simulating " + scene.name, [&](std::uint32_t frame) -> Result<void> {
+    if (intersections)
+      if (Result<void> counted = count(simulation, *intersections); !counted) return counted;
     if (options.every == 0 || frame % options.every != 0) return {};
     return painter.draw(simulation, options.out / frame_name(frame));
   });
@@ -150,6 +174,7 @@ Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& f
   figures = std::move(*measured);
   figures.frames = static_cast<std::uint32_t>(frames->milliseconds.size());
   figures.clamped_seconds = frames->clamped;
+  figures.intersections = intersections;
   if (!frames->milliseconds.empty()) figures.frame = spread_of(frames->milliseconds);
   return kDone;
 }

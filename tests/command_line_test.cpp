@@ -181,6 +181,27 @@ TEST_F(CommandLine, what_a_scene_does_not_call_for_is_not_in_its_report) {
   }
 }
 
+TEST_F(CommandLine, check_counts_crossings_at_every_frame) {
+  const auto report_of = [&](const std::vector<std::string>& call) {
+    const Outcome outcome = weft(call);
+    EXPECT_EQ(outcome.exit, 0) << outcome.error;
+    return json::parse(read(folder / "out/report.json"), nullptr, false);
+  };
+  const std::string hung = WEFT_SOURCE_DIR "/assets/scenes/hung.json", tablecloth = WEFT_SOURCE_DIR "/assets/scenes/tablecloth.json";
+  const json unchecked = report_of({"run", hung, "--frames", "1", "--no-picture", "--out", out()});
+  EXPECT_FALSE(unchecked.contains("intersections")) << "nobody asked";
+
+  const json apart = report_of({"run", hung, "--frames", "10", "--check", "--no-picture", "--out", out()});
+  EXPECT_EQ(apart["intersections"]["max"], 0);
+  EXPECT_EQ(apart["intersections"]["final"], 0);
+  EXPECT_NE(read(folder / "stdout").find("Cloth crosses cloth in no frame"), std::string::npos);
+
+  const json crossed = report_of({"run", tablecloth, "--check", "--no-picture", "--out", out()});
+  EXPECT_GT(crossed["intersections"]["max"], 0) << "nothing keeps its folds apart";
+  EXPECT_GE(crossed["intersections"]["max"], crossed["intersections"]["final"]);
+  EXPECT_NE(read(folder / "stdout").find("in the worst frame"), std::string::npos);
+}
+
 TEST_F(CommandLine, two_processes_end_in_the_same_bits) {
   const std::string sheet = write("sheet.json", kSheet);
   std::string hashes[2];
