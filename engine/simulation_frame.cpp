@@ -114,7 +114,7 @@ Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<
   FrameSlot& slot = slots[submitted % slots.size()];
   if (slot.value > 0)
     if (auto done = compute::wait_for(*device, ready.get(), slot.value); !done) return done;
-  compute::Timestamps* timestamps = options.timings && !options.timings_on_cpu && slot.timestamps.supported() ? &slot.timestamps : nullptr;
+  compute::Timestamps* timestamps = options.timings && !timed_on_cpu() ? &slot.timestamps : nullptr;
   if (timestamps != nullptr) timestamps->rewind();
   const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT, nullptr};
   if (const VkResult began = device->vk().vkBeginCommandBuffer(slot.commands, &begin); began != VK_SUCCESS)
@@ -162,7 +162,7 @@ Result<Advance> Simulation::advance(double seconds) {
   FrameInput input;
   auto advance = s.plan_frame(seconds, input);
   if (!advance) return advance;
-  if (s.options.timings && timed_on_cpu()) {
+  if (s.timed_on_cpu()) {
     if (auto done = s.wait(); !done) return done.take_error();
     if (auto done = s.run_pass_by_pass(input); !done) return done.take_error();
     input.substeps = 0;   // what is left of the frame: the counters
@@ -187,7 +187,9 @@ Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) {
   return advance;
 }
 
-bool Simulation::timed_on_cpu() const { return state_->options.timings && (state_->options.timings_on_cpu || !state_->slots[0].timestamps.supported()); }
+bool Simulation::State::timed_on_cpu() const { return options.timings && (options.timings_on_cpu || !slots[0].timestamps.supported()); }
+
+bool Simulation::timed_on_cpu() const { return state_->timed_on_cpu(); }
 
 std::vector<DispatchTime> Simulation::dispatch_times() const {
   if (timed_on_cpu()) return state_->cpu_times;

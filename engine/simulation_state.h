@@ -52,6 +52,7 @@ struct Simulation::State {
   const FrameSlot* last_timed = nullptr;
 
   double now() const { return static_cast<double>(ticks) * fabric.h; }
+  bool timed_on_cpu() const;
   Result<Advance> plan_frame(double seconds, FrameInput& input);
   void move_scene(FrameInput& input);
   void record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps);

@@ -178,7 +178,7 @@ void Solver::list_stage(Stage stage, const FrameInput& input, gpu::Push push) {
     const Pass& pass = *plan_.passes[k].pass;
     if (pass.stage != stage || (pass.domain == Domain::anchors && !input.anchors_move)) continue;
     push.count = counts_[k];
-    steps_.push_back({k, parity_, counts_[k], push});
+    steps_.push_back({k, parity_, push});
     if (pass.relaxes) parity_ ^= 1;
   }
 }
@@ -201,7 +201,7 @@ void Solver::record_step(compute::Recorder& recorder, const Step& step) const {
   const VkDescriptorSet sets[] = {storage_sets_[step.parity].handle(), texel_sets_[step.parity].handle()};
   recorder.bind(pipelines_[step.pass].handle(), layout_.get(), sets);
   recorder.push(layout_.get(), std::as_bytes(std::span(&step.push, 1)));
-  recorder.dispatch((step.count + workgroup_ - 1) / workgroup_);
+  recorder.dispatch((step.push.count + workgroup_ - 1) / workgroup_);
 }
 
 std::uint64_t Solver::mask(std::uint64_t bindings, std::uint32_t parity) const {

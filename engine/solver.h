@@ -35,11 +35,10 @@ class Solver {
   static Result<Solver> create(const compute::Device& device, const compute::PipelineCache& cache, const Scene& scene, const CookedFabric& fabric,
                                const SolverOptions& options);
 
-  /// One dispatch of a frame, in order. record() is the same list without gaps.
+  /// One dispatch of a frame.
   struct Step {
     std::uint32_t pass;    // into plan().passes
     std::uint32_t parity;  // which of the two iterates is `predicted`
-    std::uint32_t count;
     gpu::Push push;
   };
   /// Lists a frame's dispatches and moves the iterates' parity on: call once a frame, then record all of it.
@@ -54,13 +53,9 @@ class Solver {
 
   const Plan& plan() const { return plan_; }
   const compute::Arena& arena() const { return arena_; }
-  std::span<const BufferNeed> needs() const { return needs_; }
   /// Must be a buffer of the plan. `predicted` and `relaxed` by name, not by role.
   const compute::Buffer& buffer(gpu::Binding binding) const;
   bool has(gpu::Binding binding) const { return plan_.buffers() >> binding & 1; }
-  std::uint32_t parity() const { return parity_; }
-  void set_parity(std::uint32_t parity) { parity_ = parity; }
-  std::uint32_t workgroup() const { return workgroup_; }
 
  private:
   Result<void> create_buffers(const compute::Device& device, const Scene& scene, const CookedFabric& fabric);

@@ -47,6 +47,29 @@ TEST_F(SimulationApi, two_fresh_simulations_agree_to_the_bit) {
   }
 }
 
+TEST_F(SimulationApi, timing_passes_on_either_clock_changes_no_bit_and_names_every_dispatch) {
+  std::uint64_t hashes[3];
+  for (const int clock : {0, 1, 2}) {   // none, the GPU's, the CPU's
+    SimulationOptions options;
+    options.timings = clock > 0;
+    options.timings_on_cpu = clock == 2;
+    const auto simulation = must(Simulation::create(device(), everything(), options));
+    run(*simulation, 0.25);
+    hashes[clock] = hash_of(*simulation);
+    EXPECT_EQ(simulation->timed_on_cpu(), clock == 2);
+    const auto timings = simulation->timings();
+    const auto passes = clock == 0 ? std::vector<PassUse>() : simulation->passes();
+    ASSERT_EQ(timings.size(), passes.size());
+    for (std::size_t k = 0; k < passes.size(); ++k) {
+      EXPECT_EQ(timings[k].name, passes[k].name);
+      EXPECT_EQ(timings[k].dispatches, passes[k].dispatches_per_frame) << passes[k].name;
+      EXPECT_GE(timings[k].milliseconds, 0);
+    }
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+  EXPECT_EQ(hashes[0], hashes[2]);
+}
+
 TEST_F(SimulationApi, both_ways_to_gather_give_the_same_frames) {
   for (const std::uint32_t iterations : {1u, 2u}) {
     Scene scene = everything();

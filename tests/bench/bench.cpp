@@ -53,13 +53,14 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-// The stretch pass alone, many times in one submit, against the same number of yardstick passes.
+// The stretch pass alone, many times in one submit, against the same number of yardstick passes. Second argument: gather
+// through storage buffers.
 void stretch_pass(benchmark::State& state) {
   Scene scene = hung_sheet(static_cast<std::uint32_t>(state.range(0)));
   scene.cloths[0].bending = true;   // so that stretch stands alone, without settling
   const CookedFabric fabric = need(cook(scene, need(make_meshes(scene))));
   const auto cache = need(compute::PipelineCache::create(device()));
-  Solver solver = need(Solver::create(device(), cache, scene, fabric, {}));
+  Solver solver = need(Solver::create(device(), cache, scene, fabric, {.gather_storage = state.range(1) != 0}));
   const FrameInput input{1, scene.gravity, false, {}, {}};
   const auto steps = solver.frame(input);
   const auto stretch = std::find_if(steps.begin(), steps.end(), [&](const Solver::Step& s) { return solver.plan().passes[s.pass].label == "stretch"; });
@@ -111,7 +112,7 @@ void default_frame(benchmark::State& state) {
   state.counters["ns/particle"] = 1e9 * median(frame) / static_cast<double>(fabric.positions.size());
 }
 
-BENCHMARK(stretch_pass)->Arg(100)->Arg(200)->Arg(300)->Unit(benchmark::kMillisecond)->Iterations(40);
+BENCHMARK(stretch_pass)->ArgNames({"n", "storage"})->ArgsProduct({{100, 200, 300}, {0, 1}})->Unit(benchmark::kMillisecond)->Iterations(40);
 BENCHMARK(default_frame)->Arg(100)->Arg(200)->Arg(300)->Unit(benchmark::kMillisecond)->Iterations(60);
 
 }  // namespace
