@@ -22,6 +22,9 @@ constexpr double kSoftest = 1e12;
 // Single precision squares lengths: what is shorter counts as ends at one place (stretch.comp).
 constexpr float kShortestLink = 1e-8f;   // m
 
+// Rows of links are padded to one length where that adds no more than this: to fetch where a row begins costs as much.
+constexpr double kMostPadding = 0.15;
+
 // Mass of every point: a third of each triangle's around it.
 std::vector<double> point_masses(const Mesh& mesh, double area_density) {
   std::vector<double> masses(mesh.points.size());
@@ -159,7 +162,11 @@ class Cook {
       lists[link.b].push_back(gpu::pack_link({link.a, link.rest, response, link.only_pulls}));
       if (!iterated) link.gain = gpu::unpack_link(to_b.x, to_b.y).response;
     }
-    fabric_.stretch = cooking::pack_rows(lists, cooking::Padding::owner);
+    for (std::size_t i = 0; i < uses.size(); ++i) {
+      const float weight = fabric_.split_weights[i], count = std::max<float>(1, static_cast<float>(uses[i]));
+      fabric_.iterate_weights.push_back(iterated ? weight : split ? fabric_.positions[i].w : weight / count);
+    }
+    fabric_.stretch = cooking::pack_rows(lists, cooking::Padding::owner, iterated ? 0 : kMostPadding);
   }
 
   // Masses are split among a particle's bends as among its links; with plain averaging the counts stand in the gather alone.
@@ -243,9 +250,16 @@ class Cook {
 
 namespace cooking {
 
-PairRows pack_rows(std::span<const std::vector<gpu::uvec2>> lists, Padding padding) {
+PairRows pack_rows(std::span<const std::vector<gpu::uvec2>> lists, Padding padding, double most_padding) {
   PairRows packed;
   packed.rows.reserve(lists.size());
+  std::size_t longest = 0, total = 0;
+  for (const auto& list : lists) {
+    longest = std::max(longest, (list.size() + 1) / 2);
+    total += (list.size() + 1) / 2;
+  }
+  const bool even = static_cast<double>(longest * lists.size()) <= (1 + most_padding) * static_cast<double>(total);
+  if (most_padding > 0 && even) packed.stride = static_cast<std::uint32_t>(longest);
   for (std::uint32_t owner = 0; owner < lists.size(); ++owner) {
     const auto& list = lists[owner];
     packed.rows.push_back({static_cast<std::uint32_t>(packed.pairs.size()), static_cast<std::uint32_t>(list.size())});
@@ -253,6 +267,7 @@ PairRows pack_rows(std::span<const std::vector<gpu::uvec2>> lists, Padding paddi
       const gpu::uvec2 second = k + 1 < list.size() ? list[k + 1] : gpu::uvec2{padding == Padding::owner ? owner : list[k].x, 0};
       packed.pairs.push_back({list[k].x, list[k].y, second.x, second.y});
     }
+    if (packed.stride > 0) packed.pairs.resize(std::size_t(owner + 1) * packed.stride, {owner, 0, owner, 0});
   }
   return packed;
 }

@@ -45,6 +45,7 @@ struct AnchorTarget {
 struct PairRows {
   std::vector<gpu::uvec2> rows;    // per particle
   std::vector<gpu::uvec4> pairs;
+  std::uint32_t stride = 0;        // pairs in every row, where they are padded to one length; 0: rows tell
 };
 
 struct CookedFabric {
@@ -52,6 +53,7 @@ struct CookedFabric {
   std::vector<gpu::vec4> positions;          // particles: xyz (m), w inverse mass (1/kg), 0 for anchors
   std::vector<gpu::vec4> velocities;         // particles: xyz (m/s), w the cloth's index as bits
   std::vector<float> split_weights;          // particles: n w (mass split) or w (count), see stretch.comp
+  std::vector<float> iterate_weights;        // particles: what a particle takes of the sum over its links, see stretch.comp
   std::vector<StretchLink> links;
   PairRows stretch;                          // entries: gpu::pack_link with the gain, or the compliance with several iterations
   std::vector<gpu::Bend> bends;

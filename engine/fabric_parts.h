@@ -56,7 +56,8 @@ Result<std::vector<AnchorChoice>> choose_anchors(const weft::Cloth& cloth, const
 enum class Padding { owner, repeated };
 
 /// Lists of (id, payload) pairs, packed two a fetch; a place that is left over holds the list's own number or the last id, and
-/// payload 0.
-PairRows pack_rows(std::span<const std::vector<gpu::uvec2>> lists, Padding padding);
+/// payload 0. Where that adds no more than the fraction `most_padding`, all rows are padded to one length with pairs of the list's
+/// own number and payload 0; 0: never.
+PairRows pack_rows(std::span<const std::vector<gpu::uvec2>> lists, Padding padding, double most_padding = 0);
 
 }  // namespace weft::cooking

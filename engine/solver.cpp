@@ -40,6 +40,7 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   solver.device_ = &device;
   solver.settings_ = scene.solver;
   solver.h_ = fabric.h;
+  solver.stretch_stride_ = fabric.stretch.stride;
   solver.tether_pairs_ = fabric.tethers_per_particle / 2;
   for (const Collider& collider : scene.colliders) ++solver.colliders_[static_cast<std::size_t>(collider.shape)];
   // Both are measured choices: the software driver runs a workgroup on one core, GPUs want full warps and waves.
@@ -80,7 +81,7 @@ Result<void> Solver::create_buffers(const compute::Device& device, const Scene& 
   arena_ = std::move(*arena);
 
   std::vector<gpu::vec4> iterate = fabric.positions;
-  for (std::size_t i = 0; i < iterate.size(); ++i) iterate[i].w = fabric.split_weights[i];
+  for (std::size_t i = 0; i < iterate.size(); ++i) iterate[i].w = fabric.iterate_weights[i];
   std::vector<gpu::Anchor> anchors;
   for (const AnchorTarget& a : fabric.anchors) anchors.push_back({a.particle, {a.rest.x, a.rest.y, a.rest.z}, {a.rest.x, a.rest.y, a.rest.z}});
   const gpu::Counters zero{};
@@ -135,6 +136,7 @@ Result<void> Solver::create_pipelines(const compute::Device& device, const compu
     // A shader ignores the constants that it does not have.
     std::vector<compute::SpecializationConstant> constants{{planned.group_size_constant, workgroup_}};
     for (std::uint32_t shape = 0; shape < WEFT_SHAPES; ++shape) constants.push_back({WEFT_SHAPE_CONSTANT + shape, colliders_[shape]});
+    constants.push_back({WEFT_STRIDE_CONSTANT, stretch_stride_});
     auto pipeline = compute::ComputePipeline::create(device, &cache, planned.label, planned.spirv, constants, layout_.get());
     if (!pipeline) return pipeline.take_error();
     pipelines_.push_back(std::move(*pipeline));

@@ -75,7 +75,7 @@ class Solver {
   std::vector<compute::ComputePipeline> pipelines_;
   std::vector<Step> steps_;
   std::array<std::uint32_t, WEFT_SHAPES> colliders_{};   // of each shape
-  std::uint32_t tether_pairs_ = 0, workgroup_ = 0, parity_ = 0;
+  std::uint32_t tether_pairs_ = 0, stretch_stride_ = 0, workgroup_ = 0, parity_ = 0;
   double h_ = 0;
 };
 

@@ -11,7 +11,7 @@
 #define WEFT_BUFFERS(X)                                                                                                  \
   X(0,  positions,      vec4)     /* particles      xyz position at the substep's start (m), w inverse mass (1/kg) */    \
   X(1,  velocities,     vec4)     /* particles      xyz velocity that `predicted` was made with (m/s), w material index */ \
-  X(2,  predicted,      vec4)     /* particles      xyz current iterate (m), w split inverse mass (1/kg) */              \
+  X(2,  predicted,      vec4)     /* particles      xyz current iterate (m), w its share of a sum (stretch.comp) */       \
   X(3,  relaxed,        vec4)     /* particles      the next iterate: swaps with `predicted` after a relaxing pass */    \
   X(4,  stretch_rows,   uvec2)    /* particles      first link pair, number of links */                                  \
   X(5,  stretch_links,  uvec4)    /* link pairs     two links (pack_link) */                                             \
@@ -123,6 +123,9 @@ struct Anchor {
 #define WEFT_BOX 3
 #define WEFT_SHAPES 4
 #define WEFT_SHAPE_CONSTANT 1   // the first of their constants; 0 is the width of a workgroup
+
+// Pairs of links in every row of stretch_links; 0 where stretch_rows has to tell.
+#define WEFT_STRIDE_CONSTANT 5
 
 struct Collider {
   float radius;       // m, spheres and capsules

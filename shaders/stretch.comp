@@ -5,6 +5,9 @@
 // Masses are split (Tonge et al. 2012): particle i, in n_i links, shows each of them the inverse mass W_i = n_i w_i and takes
 // the mean of what they ask for: dlambda = -(C + a lambda) / (W_a + W_b + a), dp_i = omega (W_i / n_i) sum grad C dlambda.
 // With W_i = w_i instead the same lines are plain count-averaging, which does not conserve momentum.
+//
+// An iterate's w is what the particle takes of the sum: W_i, from which the multipliers follow too, with several iterations a
+// substep; with one, in which links come with their gain, W_i / n_i.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -24,6 +27,10 @@ layout(push_constant, scalar) uniform Constants { Push push; };
 #include "settle.glsl"
 #endif
 
+#ifndef ITERATED
+layout(constant_id = WEFT_STRIDE_CONSTANT) const uint stride = 0;
+#endif
+
 uint coincident = 0;
 
 // The impulse of one link on the particle at p, per unit of its inverse mass. Its multiplier is read and renewed.
@@ -33,7 +40,7 @@ vec3 impulse(vec4 p, uvec2 packed, inout float lambda) {
   const vec4 q = FETCH(predicted, link.other);
   const vec3 d = p.xyz - q.xyz;
   const float squared = dot(d, d);
-  coincident += uint(squared < 1e-20);
+  coincident += uint(squared < 1e-20 && link.rest > 0);
   const float len = sqrt(squared + 1e-20);   // not max(): its care for NaN costs the software driver 5 %
 #ifdef ITERATED
   const float alpha = link.response * push.inverse_h2;
@@ -51,7 +58,13 @@ void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.count) return;
   const vec4 p = FETCH(predicted, i);
+#ifdef ITERATED
   const uvec2 row = FETCH_UINT2(stretch_rows, i);
+  const float share = p.w / max(float(row.y), 1);
+#else
+  const uvec2 row = stride > 0 ? uvec2(i * stride, 2 * stride) : FETCH_UINT2(stretch_rows, i);
+  const float share = p.w;
+#endif
   const uint end = row.x + ((row.y + 1) >> 1);
   vec3 sum = vec3(0);
   for (uint k = row.x; k < end; ++k) {
@@ -66,12 +79,10 @@ void main() {
     stretch_lambda[k] = lambda;
 #endif
   }
-  // A row is padded with links to the particle itself, which are no fault.
-  coincident -= row.y & 1;
   if (coincident > 0) atomicAdd(counters[0].coincident, coincident);
   // A neighbour that is lost must not take this particle along.
   if (!(dot(sum, sum) < 1e20)) sum = vec3(0);
-  const vec4 next = vec4(p.xyz + (push.relaxation * p.w / max(float(row.y), 1)) * sum, p.w);
+  const vec4 next = vec4(p.xyz + (push.relaxation * share) * sum, p.w);
 #ifdef SETTLE
   settle(i, next);
 #else

@@ -34,7 +34,7 @@ TEST_F(SettleKernel, predict_does_what_its_twin_does_and_leaves_anchors_alone) {
       if (!held) {
         EXPECT_LT((vector(velocities[i]) - wanted.velocity).norm(), 8 * kRounding * 3.5);
       }
-      EXPECT_EQ(predicted[i].w, fabric.split_weights[i]);
+      EXPECT_EQ(predicted[i].w, fabric.iterate_weights[i]);
       EXPECT_EQ(std::memcmp(&velocities[i].w, &fabric.velocities[i].w, 4), 0);   // the material's index stays
     }
   }

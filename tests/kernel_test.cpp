@@ -89,10 +89,11 @@ TEST_F(Kernel, stretch_does_what_its_twin_does_on_random_links) {
     for (const std::uint32_t iterations : {1u, 3u})
       for (const Compliance compliance : {Compliance::rigid, Compliance::soft, Compliance::mixed}) {
         const auto seed = static_cast<std::uint64_t>(compliance) + 10 * iterations;
+        const bool padded = iterations == 1 && compliance != Compliance::soft;   // rows of one length, or not
         Random random(seed);
         const Scene scene = plain_scene(averaging, iterations);
         CookedFabric fabric = loose_particles(random, 150, scene.solver);
-        link_up(fabric, random_links(random, 150, 600, compliance), averaging, iterations);
+        link_up(fabric, random_links(random, 150, 600, compliance), averaging, iterations, padded);
         const Outcome outcome = compare_stretch(device(), scene, fabric, seed % 2 == 0);
         // Lengths up to 3.5 m. Count-averaging lets the two ends of unlike mass overshoot, and each iteration carries the
         // error of the one before on.

@@ -49,6 +49,7 @@ inline CookedFabric loose_particles(Random& random, std::uint32_t count, const S
     fabric.positions.push_back(anywhere(random, 1, i % 8 == 3 ? 0 : static_cast<float>(between(random, 1, 100))));
     fabric.velocities.push_back(anywhere(random, 2, std::bit_cast<float>(i % 2)));
     fabric.split_weights.push_back(fabric.positions.back().w);
+    fabric.iterate_weights.push_back(fabric.positions.back().w);
     fabric.stretch.rows.push_back({0, 0});
     fabric.surface_rows.push_back({i, 0, 0, 0});
   }
@@ -58,12 +59,15 @@ inline CookedFabric loose_particles(Random& random, std::uint32_t count, const S
   return fabric;
 }
 
-/// Adds links between random particles, with the places, masses and responses that cooking gives them.
-inline void link_up(CookedFabric& fabric, const std::vector<StretchLink>& links, Averaging averaging, std::uint32_t iterations = 1) {
+/// Adds links between random particles, with the places, masses and responses that cooking gives them. `padded`: rows of one length.
+inline void link_up(CookedFabric& fabric, const std::vector<StretchLink>& links, Averaging averaging, std::uint32_t iterations = 1, bool padded = false) {
   std::vector<std::uint32_t> uses(fabric.positions.size());
   for (const StretchLink& link : links) ++uses[link.a], ++uses[link.b];
-  for (std::size_t i = 0; i < uses.size(); ++i)
-    fabric.split_weights[i] = fabric.positions[i].w * (averaging == Averaging::mass_split ? std::max(1.f, static_cast<float>(uses[i])) : 1);
+  for (std::size_t i = 0; i < uses.size(); ++i) {
+    const float w = fabric.positions[i].w, count = std::max(1.f, static_cast<float>(uses[i]));
+    fabric.split_weights[i] = w * (averaging == Averaging::mass_split ? count : 1);
+    fabric.iterate_weights[i] = iterations > 1 ? fabric.split_weights[i] : averaging == Averaging::mass_split ? w : w / count;
+  }
   std::vector<std::vector<gpu::uvec2>> lists(fabric.positions.size());
   fabric.links.clear();
   for (const StretchLink& link : links) {
@@ -78,10 +82,14 @@ inline void link_up(CookedFabric& fabric, const std::vector<StretchLink>& links,
                             iterations > 1 ? 0 : packed.response});
   }
   fabric.stretch = {};
+  std::size_t longest = 0;
+  for (const auto& list : lists) longest = std::max(longest, list.size() + list.size() % 2);
+  if (padded) fabric.stretch.stride = static_cast<std::uint32_t>(longest / 2);
   for (std::uint32_t i = 0; i < lists.size(); ++i) {
     fabric.stretch.rows.push_back({static_cast<std::uint32_t>(fabric.stretch.pairs.size()), static_cast<std::uint32_t>(lists[i].size())});
     // The last place of an odd row holds a link of no length to the particle itself.
     if (lists[i].size() % 2 == 1) lists[i].push_back({i, 0});
+    if (padded) lists[i].resize(longest, {i, 0});
     for (std::size_t k = 0; k < lists[i].size(); k += 2)
       fabric.stretch.pairs.push_back({lists[i][k].x, lists[i][k].y, lists[i][k + 1].x, lists[i][k + 1].y});
   }
@@ -149,7 +157,7 @@ class SinglePass {
 
   /// Where the particles are taken to be by the next pass; w becomes their split mass.
   void put_iterate(std::vector<gpu::vec4> p) {
-    for (std::size_t i = 0; i < p.size(); ++i) p[i].w = fabric_.split_weights[i];
+    for (std::size_t i = 0; i < p.size(); ++i) p[i].w = fabric_.iterate_weights[i];
     put(parity_ == 0 ? gpu::predicted : gpu::relaxed, p);
   }
   std::vector<gpu::vec4> iterate() const { return particles(parity_ == 0 ? gpu::predicted : gpu::relaxed); }
