@@ -118,6 +118,16 @@ struct SolverSettings {
   double longest_advance = 0.1; // s: a longer advance() is clamped to this, and the surplus reported
 };
 
+/// Cloth against cloth, itself included, and against mesh colliders. Off unless the scene asks for it or has a mesh collider.
+struct Contacts {
+  bool enabled = false;
+  double recover = 0.25;        // m/s, >= 0: how fast a pair that is closer than it should be is taken apart
+  std::uint32_t capacity = 0;   // pairs there is room for at the start; 0: chosen. advance() enlarges it and repeats the frame
+  double cell = 0;              // m, cell of the spatial hash; 0: chosen
+  double reach = 0;             // m, how far a particle may stray from its path before pairs are searched again; 0: chosen
+  bool operator==(const Contacts&) const = default;
+};
+
 struct Camera {
   Vec3 eye{0, 1, 4}, target{0, 0.5f, 0};   // m
   double fov_degrees = 40;      // vertical
@@ -136,6 +146,7 @@ struct Scene {
   std::uint32_t frames = 300;
   Vec3 gravity{0, -9.81f, 0};         // m/s^2
   SolverSettings solver;
+  Contacts contacts;
   std::vector<Cloth> cloths;          // at least one
   std::vector<Collider> colliders;    // at most 64
   Camera camera;

@@ -48,6 +48,8 @@ void lengthen(json& value, std::string_view key) {
     value = json::object({{"preset", value}});
   else if (key == "tethers" && value.is_boolean() && value.get<bool>())
     value = json::object();
+  else if (key == "contacts" && value.is_boolean())
+    value = json::object({{"enabled", value}});
   else if (value.is_null())
     value = json::object();
 }

@@ -5,7 +5,8 @@
 //
 // A visitor has these members, each called with the key and the value it stands for:
 //   text, flag, number, optional_number, stiffness (a number or "rigid"), whole, choice, choices, vector2, vector3, direction,
-//   unit (normalised), colour, file, cells, whole_list, object, optional_object, list, fabric, tethers, note (read by nobody)
+//   unit (normalised), colour, file, cells, whole_list, object, optional_object, list, fabric, tethers, contacts, note (read by
+//   nobody)
 #pragma once
 
 #include <array>
@@ -42,6 +43,7 @@ constexpr std::size_t kMostCloths = 64;
 constexpr std::size_t kMostColliders = 64;
 constexpr std::size_t kMostAnchors = 1024;
 constexpr std::size_t kMostKeys = 100'000;
+constexpr std::size_t kMostCandidates = 64 << 20;  // a gigabyte of pairs
 constexpr std::size_t kMostVertices = 4'000'000;  // as many as a mesh may have
 
 using Names = std::span<const std::string_view>;
@@ -176,6 +178,16 @@ void fields(V& v, SolverSettings& solver) {
   v.number("longest_advance", solver.longest_advance, above(0, 10, "s"));
 }
 
+/// The object form of `contacts`; to write it is to ask for contacts.
+template <class V>
+void fields(V& v, Contacts& contacts) {
+  v.flag("enabled", contacts.enabled);
+  v.number("recover", contacts.recover, between(0, 100, "m/s"));
+  v.whole("capacity", contacts.capacity, between(0, kMostCandidates));
+  v.number("cell", contacts.cell, between(0, 1e3, "m"));
+  v.number("reach", contacts.reach, between(0, 1e3, "m"));
+}
+
 template <class V>
 void fields(V& v, Camera& camera) {
   v.vector3("eye", camera.eye, kPlace);
@@ -198,6 +210,7 @@ void fields(V& v, Scene& scene) {
   v.whole("frames", scene.frames, between(0, 1'000'000));
   v.vector3("gravity", scene.gravity, between(-1e3, 1e3, "m/s^2"));
   v.object("solver", scene.solver);
+  v.contacts("contacts", scene.contacts);
   v.list("cloths", scene.cloths, 1, kMostCloths);
   v.list("colliders", scene.colliders, 0, kMostColliders);
   v.object("camera", scene.camera);

@@ -210,6 +210,20 @@ class Reader {
     }
   }
 
+  /// true, false, or an object, which means true unless it says otherwise.
+  void contacts(std::string_view key, Contacts& out) {
+    const json* value = find(key);
+    if (!value) return;
+    if (value->is_boolean()) {
+      out.enabled = value->get<bool>();
+    } else if (value->is_object()) {
+      out.enabled = true;
+      read(*value, path_of(key), folder_, faults_, out);
+    } else {
+      wrong(key, *value, "true, false or an object");
+    }
+  }
+
  private:
   const json* find(std::string_view key) {
     known_.push_back(key);

@@ -86,6 +86,7 @@ struct SceneWriter {
     else
       put(key, false);
   }
+  void contacts(std::string_view key, const Contacts& value) { put(key, written(value)); }
 };
 
 }  // namespace weft

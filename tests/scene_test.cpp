@@ -32,6 +32,7 @@ TEST(Scene, every_key_arrives) {
   EXPECT_EQ(scene.solver.averaging, Averaging::count);
   EXPECT_EQ(scene.solver.relaxation, 1);
   EXPECT_EQ(scene.solver.longest_advance, 0.05);
+  EXPECT_EQ(scene.contacts, (Contacts{true, 0.5, 4096, 0.03, 0.002}));
 
   const Cloth& curtain = scene.cloths.at(0);
   EXPECT_EQ(curtain.name, "curtain");
@@ -90,6 +91,22 @@ TEST(Scene, a_fabric_object_starts_from_its_preset) {
   Fabric expected = *fabric_preset("leather");
   expected.shear = 7;
   EXPECT_EQ(scene->cloths[0].fabric, expected);
+}
+
+TEST(Scene, contacts_are_off_until_asked_for_in_any_of_three_ways) {
+  const auto contacts_of = [](const std::string& value, std::vector<Assignment> assignments = {}) {
+    const Result<Scene> scene = parse(R"({"cloths": [{"grid": {}}])" + (value.empty() ? "" : ", \"contacts\": " + value) + "}", std::move(assignments));
+    return scene ? scene->contacts : Contacts{false, -1, 0, 0, 0};
+  };
+  EXPECT_EQ(contacts_of(""), Contacts{});
+  EXPECT_EQ(contacts_of("false"), Contacts{});
+  EXPECT_EQ(contacts_of("true"), (Contacts{true, 0.25, 0, 0, 0}));
+  EXPECT_EQ(contacts_of("{}"), (Contacts{true, 0.25, 0, 0, 0}));
+  EXPECT_EQ(contacts_of(R"({"enabled": false, "cell": 0.5})"), (Contacts{false, 0.25, 0, 0.5, 0}));
+  EXPECT_EQ(contacts_of("", {{"contacts", "true"}}), (Contacts{true, 0.25, 0, 0, 0}));
+  EXPECT_EQ(contacts_of("", {{"contacts.reach", "0.01"}}), (Contacts{true, 0.25, 0, 0, 0.01}));
+  EXPECT_EQ(contacts_of("false", {{"contacts.reach", "0.01"}}), (Contacts{false, 0.25, 0, 0, 0.01}));
+  EXPECT_EQ(contacts_of("true", {{"contacts", "false"}}), Contacts{});
 }
 
 TEST(Scene, a_default_fabric_is_cotton) { EXPECT_EQ(Fabric{}, *fabric_preset("cotton")); }
@@ -187,6 +204,7 @@ TEST(SceneText, a_written_scene_reads_back_the_same) {
     EXPECT_EQ(scene_text(*second), written);
     EXPECT_EQ(second->cloths[0].fabric, first->cloths[0].fabric);
     EXPECT_EQ(second->cloths[0].anchors.size(), first->cloths[0].anchors.size());
+    EXPECT_EQ(second->contacts, first->contacts);
     EXPECT_EQ(second->light.colour, first->light.colour);
   }
 }
@@ -230,7 +248,7 @@ TEST(SceneFile, random_values_in_the_right_places_never_crash) {
   const char* paths[] = {"frames", "gravity", "gravity[1]", "solver", "solver.rate", "cloths", "cloths[0]", "cloths[0].mesh", "cloths[0].fabric",
                          "cloths[0].fabric.stretch", "cloths[0].anchors", "cloths[0].anchors[0].keys", "cloths[0].anchors[0].keys[1]",
                          "cloths[0].anchors[1].box", "cloths[0].anchors[2].vertices", "cloths[1].grid", "cloths[1].grid.cells",
-                         "cloths[0].appearance.albedo", "colliders", "colliders[0]", "camera", "light.direction", "cloths[0].tethers"};
+                         "cloths[0].appearance.albedo", "colliders", "colliders[0]", "camera", "light.direction", "cloths[0].tethers", "contacts", "contacts.capacity"};
   const char* values[] = {"null", "true", "[]", "{}", "\"\"", "-1", "0", "1e308", "-0.0", "18446744073709551615", "-9223372036854775808",
                           "[1,2,3]", "[[],{}]", "{\"a\":1}", "1e-308", "\"rigid\"", "[null,null,null]", "4294967296", "[1e308,1e308,1e308]"};
   for (int round = 0; round < 2000; ++round) {
