@@ -1,0 +1,24 @@
+// contact_arm: how many threads the substep's contacts take, and what the last detection came to. One thread.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+READ_WRITE(Detection, detection)
+READ_WRITE(Counters, counters)
+
+layout(push_constant, scalar) uniform Constants { Push push; };
+
+Groups groups_of(uint threads) { return Groups((threads + gl_WorkGroupSize.x - 1) / gl_WorkGroupSize.x, 1, 1); }
+
+// push.count: particles.
+void main() {
+  if (gl_GlobalInvocationID.x != 0) return;
+  const uint found = detection[0].candidates, kept = min(found, push.capacity);
+  detection[0].contacts = groups_of(kept);
+  detection[0].touched = groups_of(kept > 0 ? push.count : 0);
+  for (uint round = 0; round < 3; ++round) detection[0].lowered[round] = 0;
+  detection[0].unsafe = 0;
+  if (detection[0].age > 0) return;
+  counters[0].contacts_most = max(counters[0].contacts_most, found);
+  counters[0].contacts_lost += found - kept;
+}

@@ -1,0 +1,55 @@
+// detect_arm: decides whether pairs are searched for in this substep, and how far particles may stray until the next search.
+// One thread; the group counts that it leaves behind dispatch the passes of the detection, or nothing.
+//
+// A long leash finds more pairs, a short one asks for detections more often. The leash grows while detections follow each
+// other closely and shrinks slowly while the paths hold to their end.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+READ_WRITE(Detection, detection)
+READ_WRITE(Counters, counters)
+
+layout(push_constant, scalar) uniform Constants { Push push; };
+
+const uint too_soon = 3;   // substeps
+const float grow = 1.5, shrink = 0.9;
+
+Groups groups_of(uint threads) { return Groups((threads + gl_WorkGroupSize.x - 1) / gl_WorkGroupSize.x, 1, 1); }
+
+// `old`: substeps since the last detection.
+float reach_after(float reach, uint old) {
+  if (reach <= 0) return push.reach_low;
+  if (old < too_soon) return min(grow * reach, push.reach_high);
+  if (old >= WEFT_HORIZON) return max(shrink * reach, push.reach_low);
+  return reach;
+}
+
+void begin_detection() {
+  detection[0].reach = reach_after(detection[0].reach, detection[0].age + 1);
+  detection[0].due = 0;
+  detection[0].age = 0;
+  detection[0].candidates = 0;
+  for (uint k = 0; k < 2 * WEFT_LEVELS; ++k) detection[0].extents[k] = 0;
+  detection[0].particles = groups_of(push.count);
+  detection[0].primitives = groups_of(push.triangles + push.edges);
+  detection[0].blocks = groups_of((push.slots + 7) / 8);   // eight slots a thread
+  detection[0].edges = groups_of(push.edges);
+  ++counters[0].detections;
+}
+
+void skip_detection() {
+  detection[0].age = min(detection[0].age + 1, WEFT_HORIZON);
+  const Groups none = Groups(0, 1, 1);
+  detection[0].particles = none;
+  detection[0].primitives = none;
+  detection[0].blocks = none;
+  detection[0].edges = none;
+}
+
+// push.count: particles.
+void main() {
+  if (gl_GlobalInvocationID.x != 0) return;
+  if (detection[0].due != 0) begin_detection();
+  else skip_detection();
+}

@@ -1,0 +1,23 @@
+// grid_fill: puts every primitive into its slot. A slot's count falls back to zero on the way, ready for the next detection.
+// Which of a slot's places a primitive gets depends on the order in which threads run; nothing else does.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+READ_WRITE(uint, grid_counts)
+READ(Detection, detection)
+GATHER_UINT(grid_starts)
+WRITE(vec4, grid_entries)
+
+layout(push_constant, scalar) uniform Constants { Push push; };
+
+#include "primitive.glsl"
+
+// push.count: triangles, then edges.
+void main() {
+  const uint i = gl_GlobalInvocationID.x;
+  if (i >= push.count) return;
+  const Place place = place_of(i);
+  const uint left = atomicAdd(grid_counts[place.slot], 0xffffffffu);
+  grid_entries[FETCH_UINT(grid_starts, place.slot) + left - 1] = vec4(place.middle, uintBitsToFloat(i | place.level << level_shift));
+}

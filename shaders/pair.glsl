@@ -1,0 +1,76 @@
+// pair: the search for what a primitive may meet before the next detection, and the candidates that come of it.
+//
+// A and B cannot meet while every particle is within its clearance of its path if, with the distance d between them at the
+// detection and u the largest difference between a path of A and a path of B,
+//     d - u - clearance_A - clearance_B >= keep,
+// because two points of A and B, mixtures of their particles, come closer by no more than such a difference, and by both
+// clearances. Nor can they if their boxes do not overlap. A pair that stays together wherever it goes has u = 0.
+
+#include "grid.glsl"
+#include "proximity.glsl"
+
+GATHER(positions)
+GATHER(velocities)
+GATHER_UINT(grid_starts)
+GATHER(grid_entries)
+WRITE(uvec4, candidates)
+READ_WRITE(uint, leashes)
+
+// What the pass does with a primitive, of this level, whose box may overlap.
+void meet(uint primitive, uint its_level);
+
+void visit(vec4 entry, vec3 middle, vec3 near, uint level, uint kind) {
+  const uint bits = floatBitsToUint(entry.w);
+  const uint primitive = bits & primitive_mask;
+  const uint its_kind = primitive >= push.triangles ? of_edges : of_triangles;
+  if (bits >> level_shift == level && its_kind == kind && all(lessThanEqual(abs(entry.xyz - middle), near))) meet(primitive, level);
+}
+
+void search_cells(ivec3 first, ivec3 last, vec3 middle, vec3 near, uint level, uint kind) {
+  for (int z = first.z; z <= last.z; ++z)
+    for (int y = first.y; y <= last.y; ++y)
+      for (int x = first.x; x <= last.x; ++x) {
+        const ivec3 cell = ivec3(x, y, z);
+        const uint slot = slot_of(cell, level, kind);
+        const uint end = FETCH_UINT(grid_starts, slot + 1);
+        for (uint k = FETCH_UINT(grid_starts, slot); k < end; ++k) {
+          const vec4 entry = FETCH(grid_entries, k);
+          if (cell_at(entry.xyz, level) == cell) visit(entry, middle, near, level, kind);
+        }
+      }
+}
+
+// Meets all primitives of a kind, from a level upwards, whose boxes may overlap. Where a level has more cells in question
+// than there are primitives (a fast vertex among small triangles, a triangle too large for the last level), the primitives
+// are gone through instead.
+void search(Sweep sweep, uint kind, uint from_level) {
+  const vec3 middle = middle_of(sweep), half_size = half_sides(sweep);
+  const uint primitives = push.triangles + push.edges;
+  for (uint level = from_level; level < WEFT_LEVELS; ++level) {
+    const float extent = uintBitsToFloat(detection[0].extents[kind * WEFT_LEVELS + level]);
+    if (extent <= 0) continue;
+    const vec3 near = half_size + extent;
+    const ivec3 first = cell_at(middle - near, level), last = cell_at(middle + near, level);
+    const vec3 cells = vec3(last) - vec3(first) + 1;
+    if (cells.x * cells.y * cells.z <= float(primitives)) search_cells(first, last, middle, near, level, kind);
+    else for (uint k = 0; k < primitives; ++k) visit(FETCH(grid_entries, k), middle, near, level, kind);
+  }
+}
+
+bool overlap(Sweep a, Sweep b) { return all(lessThanEqual(a.low, b.high)) && all(lessThanEqual(b.low, a.high)); }
+
+float inverse_mass(uint i) { return FETCH(positions, i).w; }
+
+// A cloth at rest must not push itself apart, however thick it is.
+bool same_cloth(uint a, uint b) { return floatBitsToUint(FETCH(velocities, a).w) == floatBitsToUint(FETCH(velocities, b).w); }
+const float share_of_rest = 0.9;
+
+// Without a place a pair cannot be kept apart by itself: its particles are held where they are.
+void add_candidate(uvec4 particle, float keep, bool edges) {
+  const uint index = atomicAdd(detection[0].candidates, 1u);
+  if (index < push.capacity) {
+    candidates[index] = pack_candidate(particle.x, particle.y, particle.z, particle.w, keep, edges);
+  } else {
+    for (uint k = 0; k < 4; ++k) atomicMin(leashes[particle[k]], 0u);
+  }
+}

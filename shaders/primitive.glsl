@@ -1,0 +1,33 @@
+// primitive: a thread's primitive, triangle or edge, and its place in the grid.
+
+#include "grid.glsl"
+
+GATHER_UINT4(triangles)
+GATHER_UINT2(edges)
+
+struct Place {
+  vec3 middle;
+  float half_side;   // m, its longest
+  uint kind, level, slot;
+};
+
+Sweep sweep_of_primitive(uint primitive) {
+  if (primitive >= push.triangles) {
+    const uvec2 edge = FETCH_UINT2(edges, primitive - push.triangles);
+    return sweep_of(track_of(edge.x), track_of(edge.y), FETCH(rest, edge.x).w);
+  }
+  const uvec4 face = FETCH(triangles, primitive);
+  return sweep_of(track_of(face.x), track_of(face.y), track_of(face.z), FETCH(rest, face.x).w);
+}
+
+Place place_of(uint primitive) {
+  const Sweep sweep = sweep_of_primitive(primitive);
+  const vec3 sides = half_sides(sweep);
+  Place place;
+  place.middle = middle_of(sweep);
+  place.half_side = max(sides.x, max(sides.y, sides.z));
+  place.kind = primitive >= push.triangles ? of_edges : of_triangles;
+  place.level = level_of(place.half_side);
+  place.slot = slot_of(cell_at(place.middle, place.level), place.level, place.kind);
+  return place;
+}
