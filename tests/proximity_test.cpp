@@ -1,0 +1,144 @@
+// The twins of proximity and of the detection against what they must be by themselves: no sampled pair of points is closer
+// than the closest, and no sampled motion lets a pair that was left out come as close as it must keep.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "shaders/detect.ref.h"
+#include "tests/twins.h"
+
+namespace weft::reference {
+namespace {
+
+// Random weights that are not negative and sum to 1; corners and edges as often as the inside.
+Eigen::VectorXd mixture(Random& random, int count) {
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(count);
+  do
+    for (int k = 0; k < count; ++k) weights[k] = random() % 3 == 0 ? 0 : -std::log(between(random, 1e-12, 1));
+  while (weights.sum() == 0);
+  return weights / weights.sum();
+}
+
+Weights sampled(Random& random, int a) {
+  Weights weights;
+  weights << mixture(random, a), -mixture(random, 4 - a);
+  return weights;
+}
+
+// Four points in general position, in a plane, on a line, or with two at one place.
+Quad random_quad(Random& random) {
+  const double scale = std::pow(10, between(random, -3, 1));
+  Quad x;
+  for (Vector& v : x) v = scale * anywhere(random, 1);
+  const auto kind = random() % 5;
+  if (kind == 1)
+    for (Vector& v : x) v.z() = 0;
+  if (kind == 2)
+    for (Vector& v : x) v = v.x() * Vector(1, 0.5, -0.25);
+  if (kind == 3) x[3] = x[2];
+  return x;
+}
+
+TEST(ProximityTwin, no_two_sampled_points_are_closer_and_its_weights_are_of_the_two_sides) {
+  Random random(41);
+  for (int trial = 0; trial < 2000; ++trial) {
+    const int a = 1 + trial % 2;
+    const Quad x = random_quad(random);
+    const Proximity found = closest(x, a);
+    double sum_a = 0, sum_b = 0;
+    for (int j = 0; j < 4; ++j) {
+      EXPECT_GE(j < a ? found.weights[j] : -found.weights[j], 0);
+      (j < a ? sum_a : sum_b) += found.weights[j];
+    }
+    EXPECT_NEAR(sum_a, 1, 1e-9);
+    EXPECT_NEAR(sum_b, -1, 1e-9);
+    EXPECT_EQ(found.distance, offset(found.weights, x).norm());
+    for (int sample = 0; sample < 200; ++sample) EXPECT_LE(found.distance, offset(sampled(random, a), x).norm() + 1e-12);
+  }
+}
+
+TEST(ProximityTwin, moving_the_closest_points_along_either_side_brings_them_no_closer) {
+  Random random(42);
+  for (int trial = 0; trial < 2000; ++trial) {
+    const int a = 1 + trial % 2;
+    const Quad x = random_quad(random);
+    const Proximity found = closest(x, a);
+    for (int sample = 0; sample < 20; ++sample) {
+      const Weights step = sampled(random, a) - found.weights;
+      EXPECT_GE(offset(found.weights + 1e-4 * step, x).norm(), found.distance - 1e-10);
+    }
+  }
+}
+
+TEST(ProximityTwin, crossing_sides_touch) {
+  Random random(43);
+  for (int trial = 0; trial < 500; ++trial) {
+    const int a = 1 + trial % 2;
+    Quad x = random_quad(random);
+    // Side A is moved so that a point of it lies on side B.
+    const Vector d = offset(sampled(random, a), x);
+    for (int j = 0; j < a; ++j) x[static_cast<std::size_t>(j)] -= d;
+    EXPECT_LT(closest(x, a).distance, 1e-9);
+  }
+}
+
+// Two sides, near each other and moving fast, of which one may be held.
+Tracks random_tracks(Random& random) {
+  Tracks t;
+  t.reach = std::pow(10, between(random, -3, -1));
+  const Vector drift = anywhere(random, std::pow(10, between(random, -2, 1)));
+  const double apart = std::pow(10, between(random, -3, 0)), speed = std::pow(10, between(random, -3, 0));
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    t.references.push_back(anywhere(random, 0.3));
+    t.rest.push_back(anywhere(random, 0.3));
+    t.paths.push_back(drift + anywhere(random, speed));
+    t.thickness.push_back(0.01);
+    t.inverse_masses.push_back(1);
+    t.cloth.push_back(0);
+  }
+  const Vector away = anywhere(random, 1).normalized() * apart;
+  for (Vector& r : t.references) r += (&r - t.references.data()) < 2 ? away : Vector(-away);
+  return t;
+}
+
+// Where a particle may be: on its leash, or one substep further if it was stopped on its way there.
+Vector within_clearance(Random& random, const Tracks& t, std::uint32_t i, double substeps) {
+  const Vector at = t.references[i] + t.paths[i] * std::min(substeps, kHorizon) / kHorizon;
+  return at + anywhere(random, 1).normalized() * (t.reach + t.paths[i].norm() / kHorizon);
+}
+
+TEST(DetectTwin, a_pair_that_is_left_out_keeps_its_distance_wherever_its_particles_may_go) {
+  Random random(44);
+  const Particles all{0, 1, 2, 3};
+  int left_out = 0, close = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    const int a = 1 + trial % 2;
+    const Tracks t = random_tracks(random);
+    if (spare_distance(t, all, a) < 0) continue;
+    ++left_out;
+    const double keep = keep_of(t, all, a);
+    double least = INFINITY;
+    for (int sample = 0; sample < 20; ++sample) {
+      const double substeps = static_cast<double>(random() % 15);
+      Quad x;
+      for (std::uint32_t i = 0; i < 4; ++i) x[i] = within_clearance(random, t, i, substeps);
+      least = std::min(least, closest(x, a).distance);
+    }
+    EXPECT_GE(least, keep - 1e-12);
+    close += least < 2 * (t.reach + keep);
+  }
+  EXPECT_GT(left_out, 1000);
+  EXPECT_GT(close, 20) << "a test that never comes near tells nothing";
+}
+
+TEST(DetectTwin, common_motion_adds_no_more_than_what_a_stop_can_cost) {
+  Tracks t{{{0, 0, 0}, {0.2, 0, 0}, {0, 0.5, 0.5}, {0, 0.5, -0.5}}, Points(4, Vector(1, 1, 1)), {}, std::vector<double>(4, 0.01), std::vector<double>(4, 1.0), {0, 0, 1, 1}, 0.01};
+  t.rest = t.references;
+  const double moving = spare_distance(t, {0, 1, 2, 3}, 2);
+  t.paths = Points(4, Vector::Zero());
+  EXPECT_NEAR(spare_distance(t, {0, 1, 2, 3}, 2) - moving, 2 * std::sqrt(3.0) / kHorizon, 1e-12);
+}
+
+}  // namespace
+}  // namespace weft::reference
