@@ -65,6 +65,8 @@ class Cook {
     lay_out_links();
     if (!fabric_.bends.empty()) lay_out_bends();
     lay_out_tethers();
+    fabric_.cloth_triangles = static_cast<std::uint32_t>(fabric_.triangles.size());
+    if (contacts_on(scene_)) cooking::add_contacts(fabric_);
     for (const gpu::vec4& p : fabric_.positions)
       if (!std::isfinite(p.x + p.y + p.z + p.w)) return fail("a particle's position or inverse mass is not finite: the mesh or its mass is beyond single precision");
     for (const StretchLink& link : fabric_.links)

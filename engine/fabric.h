@@ -66,7 +66,11 @@ struct CookedFabric {
   std::vector<gpu::Material> materials;      // per cloth
   std::vector<gpu::uvec4> surface_rows;      // per render vertex
   std::vector<gpu::uvec2> corners;
-  std::vector<Triangle> triangles;           // over particles
+  std::vector<Triangle> triangles;           // over particles: of cloths, then of mesh colliders
+  std::uint32_t cloth_triangles = 0;         // how many of them are cloth
+  std::vector<gpu::uvec2> edges;             // over particles: of all triangles, each once; lower particle first
+  std::vector<gpu::vec4> rest;               // particles: xyz where they are at rest (m), w thickness (m); only with contacts
+  double mean_edge = 0;                      // m, over the edges of cloth; only with contacts
   double h = 0;                              // s, the substep that coefficients were cooked for
   std::vector<std::string> notes;            // one sentence a kind of thing that was mended, left out or clamped
 };

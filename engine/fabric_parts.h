@@ -53,6 +53,9 @@ struct AnchorChoice {
 };
 Result<std::vector<AnchorChoice>> choose_anchors(const weft::Cloth& cloth, const Mesh& mesh);
 
+/// Fills what only scenes with contacts have: edges, rest and mean_edge. Positions, materials and triangles must be there.
+void add_contacts(CookedFabric& fabric);
+
 enum class Padding { owner, repeated };
 
 /// Lists of (id, payload) pairs, packed two a fetch; a place that is left over holds the list's own number or the last id, and

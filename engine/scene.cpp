@@ -58,6 +58,8 @@ Result<Scene> load_scene(const std::filesystem::path& file, std::span<const Assi
   return scene;
 }
 
+bool contacts_on(const Scene& scene) { return scene.contacts.enabled; }
+
 std::string scene_text(const Scene& scene) {
   constexpr int kIndent = 2;
   return SceneWriter::written(scene).dump(kIndent, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';

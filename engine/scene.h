@@ -174,6 +174,9 @@ Scene default_scene(const std::filesystem::path& mesh, Vec3 low, Vec3 high);
 /// Silk, cotton, denim, leather with their figures; nothing for another name. Sources stand beside the table.
 std::optional<Fabric> fabric_preset(std::string_view name);
 
+/// Whether cloth meets cloth.
+bool contacts_on(const Scene& scene);
+
 /// How a collider stands before its keys turn it: takes +y to a capsule's axis and the world's axes to a box's.
 Rotation rest_rotation(const Collider& collider);
 
