@@ -1,6 +1,9 @@
 #include "engine/passes.h"
 
-#include <array>
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
 
 #include "shaders/embedded.h"
 
@@ -11,22 +14,37 @@ using namespace feature;
 
 // All that C++ says about passes. What a pass touches stands in its shader alone.
 constexpr Pass kPasses[] = {
-    // name         shader              stage                 one thread per     only with              not with                relaxes settles
-    {"predict",     "predict",          Stage::frame_begin,   Domain::particles, kPlain,                kPlain,                 false,  false},
-    {"anchor",      "anchor",           Stage::substep_begin, Domain::anchors,   kAnchors,              kPlain,                 false,  false},
-    {"stretch",     "stretch",          Stage::iteration,     Domain::particles, kBending,              kIterated,              true,   false},
-    {"stretch",     "stretch",          Stage::iteration,     Domain::particles, kPlain,                kBending | kIterated,   true,   true},
-    {"stretch",     "stretch_iterated", Stage::iteration,     Domain::particles, kBending | kIterated,  kPlain,                 true,   false},
-    {"stretch",     "stretch_iterated", Stage::iteration,     Domain::particles, kIterated,             kBending,               true,   true},
-    {"bend",        "bend",             Stage::iteration,     Domain::particles, kBending,              kIterated,              true,   true},
-    {"bend_lambda", "bend_lambda",      Stage::iteration,     Domain::bends,     kBending | kIterated,  kPlain,                 false,  false},
-    {"bend_gather", "bend_gather",      Stage::iteration,     Domain::particles, kBending | kIterated,  kPlain,                 true,   true},
-    {"surface",     "surface",          Stage::frame_end,     Domain::vertices,  kPlain,                kPlain,                 false,  false},
+    // name            shader              stage                 one thread per               only with              not with                relaxes settles
+    {"predict",        "predict",          Stage::frame_begin,   Domain::particles,           kPlain,                kPlain,                 false,  false, "+watch"},
+    {"anchor",         "anchor",           Stage::substep_begin, Domain::anchors,             kAnchors,              kPlain,                 false,  false, "+watch"},
+    {"detect_arm",     "detect_arm",       Stage::detect,        Domain::once,                kContacts,             kPlain,                 false,  false},
+    {"detect_path",    "detect_path",      Stage::detect,        Domain::detected_particles,  kContacts,             kPlain,                 false,  false},
+    {"grid_count",     "grid_count",       Stage::detect,        Domain::primitives,          kContacts,             kPlain,                 false,  false},
+    {"grid_total",     "grid_total",       Stage::detect,        Domain::slots,               kContacts,             kPlain,                 false,  false},
+    {"grid_scan",      "grid_scan",        Stage::detect,        Domain::slots,               kContacts,             kPlain,                 false,  false},
+    {"grid_fill",      "grid_fill",        Stage::detect,        Domain::primitives,          kContacts,             kPlain,                 false,  false},
+    {"pair_faces",     "pair_faces",       Stage::detect,        Domain::detected_particles,  kContacts,             kPlain,                 false,  false},
+    {"pair_edges",     "pair_edges",       Stage::detect,        Domain::edges,               kContacts,             kPlain,                 false,  false},
+    {"contact_arm",    "contact_arm",      Stage::detect,        Domain::once,                kContacts,             kPlain,                 false,  false},
+    {"contact_prepare","contact_prepare",  Stage::detect,        Domain::candidates,          kContacts,             kPlain,                 false,  false},
+    {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kBending,              kIterated,              true,   false},
+    {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kPlain,                kBending | kIterated,   true,   true},
+    {"stretch",        "stretch_iterated", Stage::iteration,     Domain::particles,           kBending | kIterated,  kPlain,                 true,   false},
+    {"stretch",        "stretch_iterated", Stage::iteration,     Domain::particles,           kIterated,             kBending,               true,   true},
+    {"bend",           "bend",             Stage::iteration,     Domain::particles,           kBending,              kIterated,              true,   true},
+    {"bend_lambda",    "bend_lambda",      Stage::iteration,     Domain::bends,               kBending | kIterated,  kPlain,                 false,  false},
+    {"bend_gather",    "bend_gather",      Stage::iteration,     Domain::particles,           kBending | kIterated,  kPlain,                 true,   true},
+    {"contact_solve",  "contact_solve",    Stage::iteration,     Domain::candidates,          kContacts,             kPlain,                 false,  false},
+    {"contact_apply",  "contact_apply",    Stage::iteration,     Domain::touched_particles,   kContacts,             kColliders,             false,  false},
+    {"contact_apply",  "contact_apply",    Stage::iteration,     Domain::touched_particles,   kContacts | kColliders, kPlain,                false,  false, "+collide"},
+    {"contact_limit",  "contact_limit",    Stage::substep_end,   Domain::candidates,          kContacts,             kPlain,                 false,  false, "", 4},
+    {"settle",         "settle",           Stage::substep_end,   Domain::particles,           kContacts,             kPlain,                 false,  false},
+    {"surface",        "surface",          Stage::frame_end,     Domain::vertices,            kPlain,                kPlain,                 false,  false},
 };
 
 std::string fused_with(const Pass& pass, std::uint32_t features) {
-  if (!pass.settles) return "";
-  return std::string(features & kTethers ? "+tether" : "") + (features & kColliders ? "+collide" : "") + "+settle";
+  if (!pass.settles) return features & kContacts ? pass.fused : "";
+  return std::string(features & kTethers ? "+tether" : "") + (features & kColliders ? "+collide" : "") + (features & kContacts ? "" : "+settle");
 }
 
 template <class Element>
@@ -34,6 +52,7 @@ constexpr BufferNeed::Texel texel_of() {
   if (std::is_same_v<Element, gpu::vec4>) return BufferNeed::Texel::float4;
   if (std::is_same_v<Element, gpu::uvec4>) return BufferNeed::Texel::uint4;
   if (std::is_same_v<Element, gpu::uvec2>) return BufferNeed::Texel::uint2;
+  if (std::is_same_v<Element, gpu::uint>) return BufferNeed::Texel::uint1;
   return BufferNeed::Texel::none;
 }
 
@@ -54,6 +73,7 @@ std::uint32_t features_of(const Scene& scene, const CookedFabric& fabric) {
   if (!fabric.tethers.empty()) features |= kTethers;
   if (!scene.colliders.empty()) features |= kColliders;
   if (scene.solver.iterations > 1) features |= kIterated;
+  if (!fabric.rest.empty()) features |= kContacts;
   return features;
 }
 
@@ -62,7 +82,7 @@ Result<Plan> make_plan(std::uint32_t features, bool gather_storage) {
   for (const Pass& pass : kPasses) {
     if ((features & pass.needs) != pass.needs || (features & pass.without) != 0) continue;
     const std::string fused = fused_with(pass, features);
-    PlannedPass planned{&pass, pass.name + fused, shader_named(pass.shader + fused, gather_storage), 0, 0, 0};
+    PlannedPass planned{&pass, pass.name + fused, shader_named(pass.shader + fused, gather_storage)};
     auto touched = compute::reflect(planned.spirv);
     if (!touched) return fail("pass ", planned.label, ": ", touched.error());
     if (!touched->local_size_id[0] || touched->push_constant_bytes > sizeof(gpu::Push))
@@ -71,24 +91,56 @@ Result<Plan> make_plan(std::uint32_t features, bool gather_storage) {
     for (const compute::Binding& binding : touched->bindings) {
       const std::uint64_t bit = std::uint64_t(1) << binding.binding;
       if (binding.binding >= 64 || binding.set > WEFT_TEXEL_SET) return fail("pass ", planned.label, ": set ", binding.set, ", binding ", binding.binding, " is not in shared.h");
-      (binding.set == WEFT_TEXEL_SET ? plan.texels : plan.storage) |= bit;
+      (binding.set == WEFT_TEXEL_SET ? planned.texels : planned.storage) |= bit;
       if (binding.read) planned.reads |= bit;
       if (binding.written) planned.writes |= bit;
     }
+    plan.texels |= planned.texels;
+    plan.storage |= planned.storage;
     plan.passes.push_back(planned);
   }
   return plan;
 }
 
-std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const CookedFabric& fabric) {
+ContactSizes contact_sizes(const Scene& scene, const CookedFabric& fabric) {
+  ContactSizes sizes;
+  if (fabric.rest.empty()) return sizes;
+  const Contacts& wanted = scene.contacts;
+  float thickness = 0;
+  for (const gpu::vec4& rest : fabric.rest) thickness = std::max(thickness, rest.w);
+  const double edge = fabric.mean_edge > 0 ? fabric.mean_edge : 1e-3;
+  const double reach = wanted.reach > 0 ? wanted.reach : 0.1 * edge;
+  sizes.reach_low = static_cast<float>(reach);
+  sizes.reach_high = static_cast<float>(8 * reach);
+  // A box is an edge long and as much thicker as detection has to look around it.
+  sizes.cell = static_cast<float>(wanted.cell > 0 ? wanted.cell : 1.5 * edge + 2 * reach + thickness);
+  // A millionth of what a particle may stray; 2^22 of them are the largest single correction (contact_solve.comp).
+  sizes.quantum = static_cast<float>(std::ldexp(reach, -20));
+  sizes.recover = static_cast<float>(wanted.recover * fabric.h);
+  const std::size_t primitives = fabric.triangles.size() + fabric.edges.size();
+  // Neighbours in the cloth share cells, so that half as many slots are seldom taken twice.
+  sizes.slots = static_cast<std::uint32_t>(std::bit_ceil(std::max<std::size_t>(64, primitives / 2)));
+  sizes.capacity = wanted.capacity > 0 ? wanted.capacity : static_cast<std::uint32_t>(std::max<std::size_t>(4096, 2 * fabric.positions.size()));
+  return sizes;
+}
+
+std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const CookedFabric& fabric, const ContactSizes& contacts) {
   const std::uint64_t particles = fabric.positions.size(), vertices = fabric.surface_rows.size();
   const std::uint64_t stretch_pairs = fabric.stretch.pairs.size(), bends = fabric.bends.size();
+  const std::uint64_t triangles = fabric.triangles.size(), edges = fabric.edges.size();
   const std::uint64_t counts[] = {particles, particles, particles, particles, particles, stretch_pairs, stretch_pairs, particles,
                                   fabric.bend.pairs.size(), bends, bends, bends, fabric.bend_uses.pairs.size(), fabric.tethers.size() / 2,
                                   fabric.anchors.size(), scene.colliders.size(), fabric.materials.size(), vertices,
-                                  fabric.corners.size(), vertices, vertices, 1, particles};
+                                  fabric.corners.size(), vertices, vertices, 1, particles,
+                                  // Contacts: from `triangles` on. A block is at least 8 slots.
+                                  triangles, edges, particles, particles, particles, particles, contacts.slots, contacts.slots + 1ull,
+                                  contacts.slots / 8 + 1ull, triangles + edges, 1, contacts.capacity, contacts.capacity, contacts.capacity,
+                                  particles, particles, particles};
+  constexpr auto grows = [](gpu::Binding binding) {
+    return binding == gpu::candidates || binding == gpu::contact_normals || binding == gpu::contact_weights;
+  };
   const BufferNeed all[] = {
-#define WEFT_NEED(number, name, element) {#name, gpu::name, counts[number] * sizeof(gpu::element), texel_of<gpu::element>()},
+#define WEFT_NEED(number, name, element) {#name, gpu::name, counts[number] * sizeof(gpu::element), texel_of<gpu::element>(), grows(gpu::name)},
       WEFT_BUFFERS(WEFT_NEED)
 #undef WEFT_NEED
   };
@@ -99,14 +151,33 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
   return needs;
 }
 
-std::uint32_t domain_size(Domain domain, const CookedFabric& fabric) {
+std::uint32_t domain_size(Domain domain, const CookedFabric& fabric, const ContactSizes& contacts) {
   switch (domain) {
-    case Domain::particles: return static_cast<std::uint32_t>(fabric.positions.size());
+    case Domain::particles:
+    case Domain::detected_particles:
+    case Domain::touched_particles:
+    case Domain::once: return static_cast<std::uint32_t>(fabric.positions.size());   // a single thread is told how many there are
     case Domain::anchors: return static_cast<std::uint32_t>(fabric.anchors.size());
     case Domain::bends: return static_cast<std::uint32_t>(fabric.bends.size());
     case Domain::vertices: return static_cast<std::uint32_t>(fabric.surface_rows.size());
+    case Domain::primitives: return static_cast<std::uint32_t>(fabric.triangles.size() + fabric.edges.size());
+    case Domain::slots: return contacts.slots;
+    case Domain::edges: return static_cast<std::uint32_t>(fabric.edges.size());
+    case Domain::candidates: return contacts.capacity;
   }
   return 0;
+}
+
+std::optional<std::uint32_t> indirect_offset(Domain domain) {
+  switch (domain) {
+    case Domain::detected_particles: return offsetof(gpu::Detection, particles);
+    case Domain::primitives: return offsetof(gpu::Detection, primitives);
+    case Domain::slots: return offsetof(gpu::Detection, blocks);
+    case Domain::edges: return offsetof(gpu::Detection, edges);
+    case Domain::candidates: return offsetof(gpu::Detection, contacts);
+    case Domain::touched_particles: return offsetof(gpu::Detection, touched);
+    default: return std::nullopt;
+  }
 }
 
 }  // namespace weft

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,10 +25,18 @@ inline constexpr std::uint32_t kBending = 2;
 inline constexpr std::uint32_t kTethers = 4;
 inline constexpr std::uint32_t kColliders = 8;
 inline constexpr std::uint32_t kIterated = 16;   // more than one iteration a substep: multipliers are kept
+inline constexpr std::uint32_t kContacts = 32;   // cloth against cloth and mesh colliders
 }  // namespace feature
 
-enum class Stage { frame_begin, substep_begin, iteration, frame_end };
-enum class Domain { particles, anchors, bends, vertices };   // one thread per
+enum class Stage { frame_begin, substep_begin, detect, iteration, substep_end, frame_end };
+
+/// One thread per. The later ones are dispatched with group counts that the GPU itself writes into gpu::Detection, none where
+/// there is nothing to do.
+enum class Domain {
+  particles, anchors, bends, vertices, once,
+  detected_particles, primitives, slots, edges,   // where a detection is due
+  candidates, touched_particles                   // where the last detection found something
+};
 
 struct Pass {
   const char* name;        // in timings, labels and reports; what a pass is fused with is appended
@@ -37,7 +46,9 @@ struct Pass {
   std::uint32_t needs;     // features the scene must have ...
   std::uint32_t without;   // ... and must not have
   bool relaxes;            // writes the next iterate: `predicted` and `relaxed` swap afterwards
-  bool settles;            // ends the iteration: fused with tethers, colliders and the velocity (settle.glsl)
+  bool settles;            // ends the iteration: fused with tethers, colliders and, without contacts, the velocity (settle.glsl)
+  const char* fused = "";  // with contacts: what the shader's name ends in
+  std::uint32_t rounds = 1;   // dispatches one after another; the round is in push.flags
 };
 
 /// Every pass there is, in the order in which they run within their stage.
@@ -51,6 +62,7 @@ struct PlannedPass {
   std::string label;                     // "bend+tether+settle": all that the dispatch does
   std::span<const std::uint32_t> spirv;
   std::uint64_t reads = 0, writes = 0;   // bit per gpu::Binding
+  std::uint64_t storage = 0, texels = 0; // bindings used as storage and as texel buffers
   std::uint32_t group_size_constant = 0; // id of the specialisation constant for the workgroup's width
 };
 
@@ -70,13 +82,29 @@ struct BufferNeed {
   const char* name;
   gpu::Binding binding;
   std::uint64_t bytes;
-  enum class Texel { float4, uint4, uint2, none } texel;   // what a fetch returns
+  enum class Texel { float4, uint4, uint2, uint1, none } texel;   // what a fetch returns
+  bool grows;              // with the room for candidates, while running
 };
 
+/// The numbers that contact passes run with.
+struct ContactSizes {
+  std::uint32_t slots = 0;      // of the spatial hash, a power of two
+  std::uint32_t capacity = 0;   // candidates
+  float cell = 0;               // m
+  float reach_low = 0, reach_high = 0;   // m: leashes
+  float quantum = 0;            // m: unit of summed corrections
+  float recover = 0;            // m a substep
+};
+/// From the scene's settings, or from the mean edge and the thickness where those say 0.
+ContactSizes contact_sizes(const Scene& scene, const CookedFabric& fabric);
+
 /// All buffers with the sizes this fabric gives them, in the order of bindings; those the plan does not use are left out.
-std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const CookedFabric& fabric);
+std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const CookedFabric& fabric, const ContactSizes& contacts);
 
 /// Threads of a domain.
-std::uint32_t domain_size(Domain domain, const CookedFabric& fabric);
+std::uint32_t domain_size(Domain domain, const CookedFabric& fabric, const ContactSizes& contacts);
+
+/// Where in gpu::Detection a domain's group counts are, in bytes; nothing for those that the CPU counts.
+std::optional<std::uint32_t> indirect_offset(Domain domain);
 
 }  // namespace weft

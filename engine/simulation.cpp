@@ -47,14 +47,19 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
   if (!options.pipeline_cache.empty())
     if (auto saved = state->cache.save(); !saved) state->fabric.notes.push_back(saved.error());
 
-  const compute::BufferRequest counters{"counters readback", sizeof(gpu::Counters), VK_BUFFER_USAGE_TRANSFER_DST_BIT};
-  auto readback = compute::Arena::create(device, compute::Memory::readback, "weft readback", std::span(&counters, 1));
+  const compute::BufferRequest reports[] = {{"counters readback", sizeof(gpu::Counters), VK_BUFFER_USAGE_TRANSFER_DST_BIT},
+                                            {"detection readback", sizeof(gpu::Detection), VK_BUFFER_USAGE_TRANSFER_DST_BIT}};
+  auto readback = compute::Arena::create(device, compute::Memory::readback, "weft readback", reports);
   if (!readback) return readback.take_error();
   state->readback = std::move(*readback);
-  std::fill_n(state->readback[0].mapped, sizeof(gpu::Counters), std::byte{0});
+  for (const compute::Buffer& report : state->readback.buffers()) std::fill_n(report.mapped, report.bytes, std::byte{0});
+  if (state->solver->has(gpu::candidates))
+    if (auto made = state->create_snapshot(); !made) return made.take_error();
   // One advance records all of its dispatches at once.
   const double most_substeps = std::max(scene.solver.longest_advance, 1 / scene.solver.rate) / state->fabric.h + 1;
-  const double dispatches = 2 + most_substeps * (1 + scene.solver.iterations * static_cast<double>(state->solver->plan().passes.size()));
+  double iterated = 0, once = 0;   // dispatches an iteration and a substep
+  for (const PlannedPass& planned : state->solver->plan().passes) (planned.pass->stage == Stage::iteration ? iterated : once) += planned.pass->rounds;
+  const double dispatches = 2 + most_substeps * (once + scene.solver.iterations * iterated);
   if (dispatches > kMostDispatches)
     return fail("solver: the longest advance of ", scene.solver.longest_advance, " s takes about ", dispatches, " dispatches, more than ", kMostDispatches,
                 "; take fewer substeps or iterations, or a shorter longest_advance");
@@ -165,9 +170,15 @@ std::vector<PassUse> Simulation::passes() const {
   const std::uint32_t substeps = substeps_of(state_->scene.solver), iterations = state_->scene.solver.iterations;
   std::vector<PassUse> uses;
   for (const PlannedPass& planned : state_->solver->plan().passes) {
-    std::uint32_t dispatches = 1;
-    if (planned.pass->stage == Stage::substep_begin) dispatches = state_->anchors_are_keyed ? substeps : 0;
-    if (planned.pass->stage == Stage::iteration) dispatches = substeps * iterations;
+    std::uint32_t dispatches = planned.pass->rounds;
+    switch (planned.pass->stage) {
+      case Stage::substep_begin: dispatches *= state_->anchors_are_keyed ? substeps : 0; break;
+      case Stage::detect:
+      case Stage::substep_end: dispatches *= substeps; break;
+      case Stage::iteration: dispatches *= substeps * iterations; break;
+      case Stage::frame_begin:
+      case Stage::frame_end: break;
+    }
     uses.push_back({planned.label, dispatches});
   }
   return uses;
@@ -175,13 +186,13 @@ std::vector<PassUse> Simulation::passes() const {
 
 std::vector<BufferUse> Simulation::buffers() const {
   std::vector<BufferUse> uses;
-  for (const compute::Buffer& buffer : state_->solver->arena().buffers()) uses.push_back({buffer.name, buffer.bytes});
+  for (const compute::Buffer* buffer : state_->solver->buffers()) uses.push_back({buffer->name, buffer->bytes});
   return uses;
 }
 
 Counts Simulation::counts() const {
-  const auto* counters = reinterpret_cast<const gpu::Counters*>(state_->readback[0].mapped);
-  return {counters->non_finite, counters->coincident};
+  const gpu::Counters& counters = state_->counters();
+  return {counters.non_finite, counters.coincident, counters.contacts_most, counters.contacts_lost, counters.truncated, counters.detections};
 }
 
 }  // namespace weft

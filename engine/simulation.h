@@ -82,10 +82,14 @@ struct BufferUse {
   std::uint64_t bytes = 0;
 };
 
-/// Counts since create. All zero in a healthy run.
+/// Counts since create. The first two and contacts_lost are zero in a healthy run.
 struct Counts {
   std::uint32_t non_finite = 0;   // particles put back to their last finite position
   std::uint32_t coincident = 0;   // links whose ends were at one place, skipped
+  std::uint32_t contacts_most = 0;   // pairs that could meet, the most that one detection found
+  std::uint32_t contacts_lost = 0;   // pairs that found no room and held their particles still instead: only with record and submit
+  std::uint32_t truncated = 0;       // times that a particle was stopped short so that no cloth crosses another
+  std::uint32_t detections = 0;      // searches for pairs
 };
 
 class Simulation {

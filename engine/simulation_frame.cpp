@@ -96,21 +96,30 @@ void Simulation::State::move_scene(FrameInput& input) {
   input.colliders = colliders;
 }
 
-void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps) {
+// `keep`: a snapshot first, so that the frame can be run again.
+void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool keep) {
   using compute::Use;
   compute::Recorder recorder(*device, commands, timestamps);
-  recorder.barrier(Use::all, Use::compute | Use::transfer);   // earlier frames, and the renderer that still reads them
+  recorder.barrier(Use::all, Use::compute | Use::transfer | Use::indirect);   // earlier frames, and the renderer that still reads them
+  if (keep) {
+    copy_snapshot(commands, false);
+    recorder.barrier(Use::transfer, Use::compute | Use::transfer);
+  }
   const auto steps = solver->frame(input);
   if (!steps.empty()) solver->record_input(recorder, input);
   for (const Solver::Step& step : steps) solver->record_step(recorder, step);
   recorder.finish();
   recorder.barrier(Use::compute, Use::compute | Use::vertex | Use::transfer);
-  const VkBufferCopy region{0, 0, sizeof(gpu::Counters)};
-  device->vk().vkCmdCopyBuffer(commands, solver->buffer(gpu::counters).handle, readback[0].handle, 1, &region);
+  const auto report = [&](gpu::Binding binding, std::size_t bytes, const compute::Buffer& to) {
+    const VkBufferCopy region{0, 0, bytes};
+    device->vk().vkCmdCopyBuffer(commands, solver->buffer(binding).handle, to.handle, 1, &region);
+  };
+  report(gpu::counters, sizeof(gpu::Counters), readback[0]);
+  if (solver->has(gpu::detection)) report(gpu::detection, sizeof(gpu::Detection), readback[1]);
   recorder.barrier(Use::transfer, Use::host | Use::transfer);
 }
 
-Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits) {
+Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits, bool keep) {
   FrameSlot& slot = slots[submitted % slots.size()];
   if (slot.value > 0)
     if (auto done = compute::wait_for(*device, ready.get(), slot.value); !done) return done;
@@ -119,7 +128,7 @@ Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<
   const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT, nullptr};
   if (const VkResult began = device->vk().vkBeginCommandBuffer(slot.commands, &begin); began != VK_SUCCESS)
     return fail("a frame's command buffer could not be begun (VkResult ", began, ")");
-  record_frame(slot.commands, input, timestamps);
+  record_frame(slot.commands, input, timestamps, keep);
   if (const VkResult ended = device->vk().vkEndCommandBuffer(slot.commands); ended != VK_SUCCESS)
     return fail("a frame's command buffer could not be ended (VkResult ", ended, ")");
   if (timestamps != nullptr) timestamps->reset();
@@ -135,8 +144,10 @@ Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<
 }
 
 // For devices without timestamps: every dispatch is submitted alone and timed on the CPU, waking and waiting included.
-Result<void> Simulation::State::run_pass_by_pass(const FrameInput& input) {
+Result<void> Simulation::State::run_pass_by_pass(const FrameInput& input, bool keep) {
   cpu_times.clear();
+  if (keep)
+    if (auto done = compute::run_once(*device, "weft snapshot", [&](VkCommandBuffer commands) { copy_snapshot(commands, false); }); !done) return done;
   const auto start = Clock::now();
   const auto steps = solver->frame(input);
   const auto run = [&](const Solver::Step* step) {
@@ -162,13 +173,8 @@ Result<Advance> Simulation::advance(double seconds) {
   FrameInput input;
   auto advance = s.plan_frame(seconds, input);
   if (!advance) return advance;
-  if (s.timed_on_cpu()) {
-    if (auto done = s.wait(); !done) return done.take_error();
-    if (auto done = s.run_pass_by_pass(input); !done) return done.take_error();
-    input.substeps = 0;   // what is left of the frame: the counters
-  }
-  if (auto done = s.submit_frame(input, {}); !done) return done.take_error();
   if (auto done = s.wait(); !done) return done.take_error();
+  if (auto done = s.run_to_the_end(input); !done) return done.take_error();
   return advance;
 }
 
@@ -176,14 +182,15 @@ Result<Advance> Simulation::submit(double seconds, std::span<const VkSemaphoreSu
   FrameInput input;
   auto advance = state_->plan_frame(seconds, input);
   if (!advance) return advance;
-  if (auto done = state_->submit_frame(input, waits); !done) return done.take_error();
+  if (auto done = state_->make_room_later(); !done) return done.take_error();
+  if (auto done = state_->submit_frame(input, waits, false); !done) return done.take_error();
   return advance;
 }
 
 Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) {
   FrameInput input;
   auto advance = state_->plan_frame(seconds, input);
-  if (advance) state_->record_frame(commands, input, nullptr);
+  if (advance) state_->record_frame(commands, input, nullptr, false);
   return advance;
 }
 

@@ -20,6 +20,9 @@ struct FrameSlot {
 /// Where a collider stands when its keys say `key`.
 ColliderPose keyed_pose(const Collider& collider, const Key& key);
 
+/// 16 bytes each, three times: what a device with a few GiB has for them.
+inline constexpr std::uint64_t kMostCandidates = std::uint64_t(1) << 26;
+
 struct Simulation::State {
   const compute::Device* device = nullptr;
   Scene scene;
@@ -28,7 +31,11 @@ struct Simulation::State {
   CookedFabric fabric;
   compute::PipelineCache cache;
   std::optional<Solver> solver;
-  compute::Arena readback;                     // the counters, copied at every frame's end
+  compute::Arena readback;                     // the counters and, with contacts, the detection, copied at every frame's end
+  compute::Arena snapshot;                     // with contacts: what advance needs to run its frame again
+  std::uint32_t found_at_start = 0;            // candidates in the snapshot
+  std::uint32_t lost_seen = 0;                 // candidates lost by frames that submit has made room after
+  std::uint64_t frames_repeated = 0;
   compute::CommandPool pool;
   std::array<FrameSlot, 2> slots;
   compute::OwnedSemaphore ready;
@@ -55,9 +62,17 @@ struct Simulation::State {
   bool timed_on_cpu() const;
   Result<Advance> plan_frame(double seconds, FrameInput& input);
   void move_scene(FrameInput& input);
-  void record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps);
-  Result<void> submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits);
-  Result<void> run_pass_by_pass(const FrameInput& input);
+  void record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool keep);
+  Result<void> submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits, bool keep);
+  Result<void> run_pass_by_pass(const FrameInput& input, bool keep);
+  Result<void> run_to_the_end(const FrameInput& input);
+  Result<void> create_snapshot();
+  void copy_snapshot(VkCommandBuffer commands, bool back) const;
+  Result<bool> make_room();
+  Result<void> make_room_later();
+  Result<void> detect_anew();
+  const gpu::Counters& counters() const;
+  const gpu::Detection& detection() const { return *reinterpret_cast<const gpu::Detection*>(readback[1].mapped); }
   Result<void> draw_surface();
   Result<void> wait() const;
   Result<std::vector<gpu::vec4>> read(gpu::Binding binding, std::size_t count) const;

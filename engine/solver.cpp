@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 
 namespace weft {
 namespace {
@@ -22,6 +23,7 @@ VkFormat texel_format(BufferNeed::Texel texel) {
     case BufferNeed::Texel::float4: return VK_FORMAT_R32G32B32A32_SFLOAT;
     case BufferNeed::Texel::uint4: return VK_FORMAT_R32G32B32A32_UINT;
     case BufferNeed::Texel::uint2: return VK_FORMAT_R32G32_UINT;
+    case BufferNeed::Texel::uint1: return VK_FORMAT_R32_UINT;
     case BufferNeed::Texel::none: break;
   }
   return VK_FORMAT_UNDEFINED;
@@ -50,20 +52,24 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   auto plan = make_plan(features_of(scene, fabric), options.gather_storage);
   if (!plan) return plan.take_error();
   solver.plan_ = std::move(*plan);
+  solver.contacts_ = weft::contact_sizes(scene, fabric);
+  solver.triangles_ = static_cast<std::uint32_t>(fabric.triangles.size());
+  solver.edges_ = static_cast<std::uint32_t>(fabric.edges.size());
   for (const PlannedPass& planned : solver.plan_.passes) {
-    solver.counts_.push_back(domain_size(planned.pass->domain, fabric));
+    solver.counts_.push_back(domain_size(planned.pass->domain, fabric, solver.contacts_));
     if ((solver.counts_.back() + solver.workgroup_ - 1) / solver.workgroup_ > device.limits().max_workgroups_x)
       return fail("pass ", planned.label, ": ", solver.counts_.back(), " threads need more workgroups than the device's ", device.limits().max_workgroups_x);
   }
-  if (auto made = solver.create_buffers(device, scene, fabric); !made) return made.take_error();
-  if (auto made = solver.create_pipelines(device, cache); !made) return made.take_error();
+  if (auto made = solver.create_buffers(scene, fabric); !made) return made.take_error();
+  if (auto made = solver.create_pipelines(cache); !made) return made.take_error();
   return solver;
 }
 
-Result<void> Solver::create_buffers(const compute::Device& device, const Scene& scene, const CookedFabric& fabric) {
-  needs_ = buffer_needs(plan_, scene, fabric);
+// All buffers of the plan, or those that can grow.
+Result<compute::Arena> Solver::create_arena(bool grows) const {
   std::vector<compute::BufferRequest> requests;
   for (const BufferNeed& need : needs_) {
+    if (need.grows != grows) continue;
     compute::BufferRequest request{need.name, need.bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT};
     // Both iterates are bound in both roles.
     const bool iterate = need.binding == gpu::predicted || need.binding == gpu::relaxed;
@@ -74,18 +80,41 @@ Result<void> Solver::create_buffers(const compute::Device& device, const Scene& 
       request.texel_format = texel_format(need.texel);
     }
     if (need.binding == gpu::vertex_positions || need.binding == gpu::vertex_normals) request.usage |= VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
+    if (need.binding == gpu::detection) request.usage |= VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
     requests.push_back(std::move(request));
   }
-  auto arena = compute::Arena::create(device, compute::Memory::device, "weft", requests);
+  return compute::Arena::create(*device_, compute::Memory::device, grows ? "weft candidates" : "weft", requests);
+}
+
+Result<void> Solver::create_buffers(const Scene& scene, const CookedFabric& fabric) {
+  needs_ = buffer_needs(plan_, scene, fabric, contacts_);
+  auto arena = create_arena(false);
   if (!arena) return arena.take_error();
   arena_ = std::move(*arena);
+  if (has(gpu::candidates)) {
+    auto growing = create_arena(true);
+    if (!growing) return growing.take_error();
+    growing_arena_ = std::move(*growing);
+  }
 
   std::vector<gpu::vec4> iterate = fabric.positions;
   for (std::size_t i = 0; i < iterate.size(); ++i) iterate[i].w = fabric.iterate_weights[i];
   std::vector<gpu::Anchor> anchors;
   for (const AnchorTarget& a : fabric.anchors) anchors.push_back({a.particle, {a.rest.x, a.rest.y, a.rest.z}, {a.rest.x, a.rest.y, a.rest.z}});
-  const gpu::Counters zero{};
-  const std::vector<gpu::Counters> counters{zero};
+  const std::vector<gpu::Counters> counters(1);
+  // What contacts find between detections, substeps and iterations (shared.h).
+  std::vector<gpu::Detection> detection(1);
+  detection[0].due = 1;
+  const std::size_t particles = has(gpu::candidates) ? fabric.positions.size() : 0;
+  const std::uint32_t whole = std::bit_cast<std::uint32_t>(1.0f);
+  const std::vector<gpu::uvec4> fractions(particles, {whole, whole, whole, whole});
+  const std::vector<gpu::ivec4> sums(particles);
+  const std::vector<gpu::vec4> nowhere(particles);
+  const std::vector<std::uint32_t> zeros(std::max<std::size_t>(particles, contacts_.slots));
+  std::vector<gpu::uvec4> triangles;
+  if (has(gpu::triangles))
+    for (const auto& [a, b, c] : fabric.triangles) triangles.push_back({a, b, c, 0});
+  const std::span<const std::byte> none = std::as_bytes(std::span(zeros));
   const std::pair<gpu::Binding, std::span<const std::byte>> contents[] = {
       {gpu::positions, bytes_of(fabric.positions)},        {gpu::velocities, bytes_of(fabric.velocities)},
       {gpu::predicted, bytes_of(iterate)},                 {gpu::relaxed, bytes_of(iterate)},
@@ -95,53 +124,78 @@ Result<void> Solver::create_buffers(const compute::Device& device, const Scene& 
       {gpu::bend_use_rows, bytes_of(fabric.bend_uses.rows)}, {gpu::tethers, bytes_of(fabric.tethers)},
       {gpu::anchors, bytes_of(anchors)},                   {gpu::materials, bytes_of(fabric.materials)},
       {gpu::surface_rows, bytes_of(fabric.surface_rows)},  {gpu::corners, bytes_of(fabric.corners)},
-      {gpu::counters, bytes_of(counters)},
+      {gpu::counters, bytes_of(counters)},                 {gpu::triangles, bytes_of(triangles)},
+      {gpu::edges, bytes_of(fabric.edges)},                {gpu::rest, bytes_of(fabric.rest)},
+      {gpu::references, bytes_of(nowhere)},                {gpu::paths, bytes_of(nowhere)},
+      {gpu::leashes, none.first(particles * sizeof(gpu::uint))}, {gpu::contact_counts, none.first(particles * sizeof(gpu::uint))},
+      {gpu::grid_counts, none.first(contacts_.slots * sizeof(gpu::uint))}, {gpu::detection, bytes_of(detection)},
+      {gpu::contact_sums, bytes_of(sums)},                 {gpu::fractions, bytes_of(fractions)},
   };
   std::vector<compute::Upload> uploads;
   for (const auto& [binding, bytes] : contents)
     if (has(binding) && !bytes.empty()) uploads.push_back({&buffer(binding), bytes});
-  return compute::upload_all(device, uploads);
+  return compute::upload_all(*device_, uploads);
 }
 
-Result<void> Solver::create_pipelines(const compute::Device& device, const compute::PipelineCache& cache) {
-  std::vector<compute::DescriptorBinding> storage, texel;
-  for (std::uint32_t b = 0; b < 64; ++b) {
-    if (plan_.storage >> b & 1) storage.push_back({b, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
-    if (plan_.texels >> b & 1) texel.push_back({b, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER});
-  }
-  if (storage.size() > device.limits().max_storage_buffers_per_stage)
-    return fail("the scene's passes use ", storage.size(), " storage buffers; the device has ", device.limits().max_storage_buffers_per_stage, " a stage");
-  auto storage_layout = compute::DescriptorLayout::create(device, "storage", storage);
-  if (!storage_layout) return storage_layout.take_error();
-  storage_layout_ = std::move(*storage_layout);
-  auto texel_layout = compute::DescriptorLayout::create(device, "texels", texel);
-  if (!texel_layout) return texel_layout.take_error();
-  texel_layout_ = std::move(*texel_layout);
-  for (std::uint32_t parity = 0; parity < 2; ++parity) {
-    std::vector<compute::BoundBuffer> bound_storage, bound_texel;
-    for (const auto& binding : storage) bound_storage.push_back({binding.binding, &buffer(in_role(static_cast<gpu::Binding>(binding.binding), parity))});
-    for (const auto& binding : texel) bound_texel.push_back({binding.binding, &buffer(in_role(static_cast<gpu::Binding>(binding.binding), parity))});
-    auto storage_set = compute::DescriptorSet::create(device, parity == 0 ? "storage even" : "storage odd", storage_layout_, bound_storage);
-    if (!storage_set) return storage_set.take_error();
-    storage_sets_[parity] = std::move(*storage_set);
-    auto texel_set = compute::DescriptorSet::create(device, parity == 0 ? "texels even" : "texels odd", texel_layout_, bound_texel);
-    if (!texel_set) return texel_set.take_error();
-    texel_sets_[parity] = std::move(*texel_set);
-  }
-  const VkDescriptorSetLayout sets[] = {storage_layout_.handle(), texel_layout_.handle()};
-  auto layout = compute::create_pipeline_layout(device, "passes", sets, sizeof(gpu::Push));
-  if (!layout) return layout.take_error();
-  layout_ = std::move(*layout);
+Result<void> Solver::create_pipelines(const compute::PipelineCache& cache) {
   for (const PlannedPass& planned : plan_.passes) {
+    std::vector<compute::DescriptorBinding> storage, texel;
+    for (std::uint32_t b = 0; b < 64; ++b) {
+      if (planned.storage >> b & 1) storage.push_back({b, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
+      if (planned.texels >> b & 1) texel.push_back({b, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER});
+    }
+    if (storage.size() > device_->limits().max_storage_buffers_per_stage)
+      return fail("pass ", planned.label, " uses ", storage.size(), " storage buffers; the device has ", device_->limits().max_storage_buffers_per_stage, " a stage");
+    PassResources& made = resources_.emplace_back();
+    auto storage_layout = compute::DescriptorLayout::create(*device_, planned.label + " storage", storage);
+    if (!storage_layout) return storage_layout.take_error();
+    made.storage_layout = std::move(*storage_layout);
+    auto texel_layout = compute::DescriptorLayout::create(*device_, planned.label + " texels", texel);
+    if (!texel_layout) return texel_layout.take_error();
+    made.texel_layout = std::move(*texel_layout);
+    const VkDescriptorSetLayout sets[] = {made.storage_layout.handle(), made.texel_layout.handle()};
+    auto layout = compute::create_pipeline_layout(*device_, planned.label, sets, sizeof(gpu::Push));
+    if (!layout) return layout.take_error();
+    made.layout = std::move(*layout);
     // A shader ignores the constants that it does not have.
-    std::vector<compute::SpecializationConstant> constants{{planned.group_size_constant, workgroup_}};
+    std::vector<compute::SpecializationConstant> constants{{planned.group_size_constant, workgroup_}, {WEFT_STRIDE_CONSTANT, stretch_stride_}};
     for (std::uint32_t shape = 0; shape < WEFT_SHAPES; ++shape) constants.push_back({WEFT_SHAPE_CONSTANT + shape, colliders_[shape]});
-    constants.push_back({WEFT_STRIDE_CONSTANT, stretch_stride_});
-    auto pipeline = compute::ComputePipeline::create(device, &cache, planned.label, planned.spirv, constants, layout_.get());
+    auto pipeline = compute::ComputePipeline::create(*device_, &cache, planned.label, planned.spirv, constants, made.layout.get());
     if (!pipeline) return pipeline.take_error();
-    pipelines_.push_back(std::move(*pipeline));
+    made.pipeline = std::move(*pipeline);
   }
+  return write_sets();
+}
+
+Result<void> Solver::write_sets() {
+  for (std::size_t k = 0; k < resources_.size(); ++k)
+    for (std::uint32_t parity = 0; parity < 2; ++parity) {
+      const auto write = [&](const compute::DescriptorLayout& layout, const char* kind, compute::DescriptorSet& set) -> Result<void> {
+        std::vector<compute::BoundBuffer> bound;
+        for (const auto& binding : layout.bindings()) bound.push_back({binding.binding, &buffer(in_role(static_cast<gpu::Binding>(binding.binding), parity))});
+        auto written = compute::DescriptorSet::create(*device_, plan_.passes[k].label + kind + (parity == 0 ? " even" : " odd"), layout, bound);
+        if (!written) return written.take_error();
+        set = std::move(*written);
+        return {};
+      };
+      if (auto done = write(resources_[k].storage_layout, " storage", resources_[k].storage_sets[parity]); !done) return done;
+      if (auto done = write(resources_[k].texel_layout, " texels", resources_[k].texel_sets[parity]); !done) return done;
+    }
   return {};
+}
+
+Result<void> Solver::grow(std::uint32_t candidates) {
+  if ((candidates + workgroup_ - 1) / workgroup_ > device_->limits().max_workgroups_x)
+    return fail(candidates, " contact candidates need more workgroups than the device's ", device_->limits().max_workgroups_x);
+  for (BufferNeed& need : needs_)
+    if (need.grows) need.bytes = need.bytes / contacts_.capacity * candidates;
+  contacts_.capacity = candidates;
+  for (std::size_t k = 0; k < counts_.size(); ++k)
+    if (plan_.passes[k].pass->domain == Domain::candidates) counts_[k] = candidates;
+  auto arena = create_arena(true);
+  if (!arena) return arena.take_error();
+  growing_arena_ = std::move(*arena);
+  return write_sets();
 }
 
 std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
@@ -154,16 +208,31 @@ std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
   push.inverse_h2 = static_cast<float>(1 / (h_ * h_));
   push.relaxation = static_cast<float>(settings_.relaxation);
   push.gravity = {input.gravity.x, input.gravity.y, input.gravity.z};
+  push.triangles = triangles_;
+  push.edges = edges_;
+  push.slots = contacts_.slots;
+  push.capacity = contacts_.capacity;
+  push.cell = contacts_.cell;
+  push.quantum = contacts_.quantum;
+  push.recover = contacts_.recover;
+  push.reach_low = contacts_.reach_low;
+  push.reach_high = contacts_.reach_high;
+  push.flags = input.anchors_move ? WEFT_ANCHORS_MOVE : 0;
+  const std::uint32_t frame_flags = push.flags;
   list_stage(Stage::frame_begin, input, push);
   for (std::uint32_t s = 0; s < input.substeps; ++s) {
+    const std::uint32_t flags = frame_flags | (s + 1 == input.substeps ? WEFT_LAST_SUBSTEP : 0);
+    push.flags = flags;
     push.fraction_from = static_cast<float>(s) / static_cast<float>(input.substeps);
     push.fraction_to = static_cast<float>(s + 1) / static_cast<float>(input.substeps);
     list_stage(Stage::substep_begin, input, push);
+    list_stage(Stage::detect, input, push);
     for (std::uint32_t k = 0; k < settings_.iterations; ++k) {
-      push.flags = (k == 0 ? WEFT_FIRST_ITERATION : 0) | (k + 1 == settings_.iterations ? WEFT_LAST_ITERATION : 0) |
-                   (s + 1 == input.substeps ? WEFT_LAST_SUBSTEP : 0);
+      push.flags = flags | (k == 0 ? WEFT_FIRST_ITERATION : 0) | (k + 1 == settings_.iterations ? WEFT_LAST_ITERATION : 0);
       list_stage(Stage::iteration, input, push);
     }
+    push.flags = flags;
+    list_stage(Stage::substep_end, input, push);
   }
   list_stage(Stage::frame_end, input, push);
   return steps_;
@@ -180,7 +249,11 @@ void Solver::list_stage(Stage stage, const FrameInput& input, gpu::Push push) {
     const Pass& pass = *plan_.passes[k].pass;
     if (pass.stage != stage || (pass.domain == Domain::anchors && !input.anchors_move)) continue;
     push.count = counts_[k];
-    steps_.push_back({k, parity_, push});
+    for (std::uint32_t round = 0; round < pass.rounds; ++round) {
+      gpu::Push told = push;
+      told.flags |= round << WEFT_ROUND_SHIFT;
+      steps_.push_back({k, parity_, told});
+    }
     if (pass.relaxes) parity_ ^= 1;
   }
 }
@@ -199,11 +272,15 @@ void Solver::record_input(compute::Recorder& recorder, const FrameInput& input) 
 
 void Solver::record_step(compute::Recorder& recorder, const Step& step) const {
   const PlannedPass& planned = plan_.passes[step.pass];
-  recorder.begin_pass(planned.label.c_str(), mask(planned.reads, step.parity), mask(planned.writes, step.parity));
-  const VkDescriptorSet sets[] = {storage_sets_[step.parity].handle(), texel_sets_[step.parity].handle()};
-  recorder.bind(pipelines_[step.pass].handle(), layout_.get(), sets);
-  recorder.push(layout_.get(), std::as_bytes(std::span(&step.push, 1)));
-  recorder.dispatch((step.push.count + workgroup_ - 1) / workgroup_);
+  const PassResources& resources = resources_[step.pass];
+  const auto indirect = indirect_offset(planned.pass->domain);
+  recorder.begin_pass(planned.label.c_str(), mask(planned.reads, step.parity), mask(planned.writes, step.parity),
+                      indirect ? std::uint64_t(1) << gpu::detection : 0);
+  const VkDescriptorSet sets[] = {resources.storage_sets[step.parity].handle(), resources.texel_sets[step.parity].handle()};
+  recorder.bind(resources.pipeline.handle(), resources.layout.get(), sets);
+  recorder.push(resources.layout.get(), std::as_bytes(std::span(&step.push, 1)));
+  if (indirect) recorder.dispatch_indirect(buffer(gpu::detection).handle, *indirect);
+  else recorder.dispatch(planned.pass->domain == Domain::once ? 1 : (step.push.count + workgroup_ - 1) / workgroup_);
 }
 
 std::uint64_t Solver::mask(std::uint64_t bindings, std::uint32_t parity) const {
@@ -214,8 +291,19 @@ std::uint64_t Solver::mask(std::uint64_t bindings, std::uint32_t parity) const {
 }
 
 const compute::Buffer& Solver::buffer(gpu::Binding binding) const {
-  const auto at = std::find_if(needs_.begin(), needs_.end(), [&](const BufferNeed& need) { return need.binding == binding; });
-  return arena_[static_cast<std::size_t>(at - needs_.begin())];
+  std::size_t places[2] = {0, 0};
+  for (const BufferNeed& need : needs_) {
+    if (need.binding == binding) return need.grows ? growing_arena_[places[1]] : arena_[places[0]];
+    ++places[need.grows];
+  }
+  assert(!"not a buffer of the plan");
+  return arena_[0];
+}
+
+std::vector<const compute::Buffer*> Solver::buffers() const {
+  std::vector<const compute::Buffer*> all;
+  for (const BufferNeed& need : needs_) all.push_back(&buffer(need.binding));
+  return all;
 }
 
 }  // namespace weft

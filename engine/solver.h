@@ -41,6 +41,10 @@ class Solver {
     std::uint32_t parity;  // which of the two iterates is `predicted`
     gpu::Push push;
   };
+  /// Room for this many candidates from now on; those found so far are lost, so that the next substep must detect. The GPU must be done
+  /// with this solver. Errors: no memory; a device limit.
+  Result<void> grow(std::uint32_t candidates);
+
   /// Lists a frame's dispatches and moves the iterates' parity on: call once a frame, then record all of it.
   std::span<const Step> frame(const FrameInput& input);
 
@@ -52,14 +56,27 @@ class Solver {
   void record_step(compute::Recorder& recorder, const Step& step) const;
 
   const Plan& plan() const { return plan_; }
-  const compute::Arena& arena() const { return arena_; }
   /// Must be a buffer of the plan. `predicted` and `relaxed` by name, not by role.
   const compute::Buffer& buffer(gpu::Binding binding) const;
   bool has(gpu::Binding binding) const { return plan_.buffers() >> binding & 1; }
+  /// All of them with their sizes, in the order of bindings.
+  std::vector<const compute::Buffer*> buffers() const;
+  const ContactSizes& contact_sizes() const { return contacts_; }
+  /// Which of the two iterates the next frame begins with; a frame that is to be run again needs it back.
+  std::uint32_t parity() const { return parity_; }
+  void set_parity(std::uint32_t parity) { parity_ = parity; }
 
  private:
-  Result<void> create_buffers(const compute::Device& device, const Scene& scene, const CookedFabric& fabric);
-  Result<void> create_pipelines(const compute::Device& device, const compute::PipelineCache& cache);
+  struct PassResources {
+    compute::DescriptorLayout storage_layout, texel_layout;
+    compute::DescriptorSet storage_sets[2], texel_sets[2];   // by parity
+    compute::OwnedPipelineLayout layout;
+    compute::ComputePipeline pipeline;
+  };
+  Result<compute::Arena> create_arena(bool grows) const;
+  Result<void> create_buffers(const Scene& scene, const CookedFabric& fabric);
+  Result<void> create_pipelines(const compute::PipelineCache& cache);
+  Result<void> write_sets();
   void list_stage(Stage stage, const FrameInput& input, gpu::Push push);
   std::uint64_t mask(std::uint64_t bindings, std::uint32_t parity) const;
 
@@ -68,12 +85,11 @@ class Solver {
   Plan plan_;
   std::vector<BufferNeed> needs_;
   std::vector<std::uint32_t> counts_;   // threads of each pass
-  compute::Arena arena_;
-  compute::DescriptorLayout storage_layout_, texel_layout_;
-  compute::DescriptorSet storage_sets_[2], texel_sets_[2];   // by parity
-  compute::OwnedPipelineLayout layout_;
-  std::vector<compute::ComputePipeline> pipelines_;
+  compute::Arena arena_, growing_arena_;
+  std::vector<PassResources> resources_;   // of each pass: a device need not have room for all bindings in one
   std::vector<Step> steps_;
+  ContactSizes contacts_;
+  std::uint32_t triangles_ = 0, edges_ = 0;
   std::array<std::uint32_t, WEFT_SHAPES> colliders_{};   // of each shape
   std::uint32_t tether_pairs_ = 0, stretch_stride_ = 0, workgroup_ = 0, parity_ = 0;
   double h_ = 0;

@@ -16,7 +16,9 @@ READ_WRITE(Counters, counters)
 
 layout(push_constant, scalar) uniform Constants { Push push; };
 
+#ifdef SETTLE
 #include "settle.glsl"
+#endif
 
 vec3 share(vec3 p, uvec2 entry) {
   return uintBitsToFloat(entry.y) * (FETCH(predicted, entry.x).xyz - p);
@@ -35,5 +37,10 @@ void main() {
   }
   // A lost neighbour must not take this particle along.
   const bool usable = dot(sum, sum) < 1e20;
-  settle(i, vec4(usable ? p.xyz - push.relaxation * sum : p.xyz, p.w));
+  const vec4 next = vec4(usable ? p.xyz - push.relaxation * sum : p.xyz, p.w);
+#ifdef SETTLE
+  settle(i, next);
+#else
+  relaxed[i] = next;
+#endif
 }

@@ -12,7 +12,9 @@ READ_WRITE(Counters, counters)
 
 layout(push_constant, scalar) uniform Constants { Push push; };
 
+#ifdef SETTLE
 #include "settle.glsl"
+#endif
 
 vec3 share(uvec2 use) {
   return uintBitsToFloat(use.y) * FETCH(bend_impulses, use.x).xyz;
@@ -29,5 +31,10 @@ void main() {
     const uvec4 pair = FETCH(bend_uses, k);
     sum += share(pair.xy) + share(pair.zw);
   }
-  settle(i, vec4(p.xyz + push.relaxation * sum, p.w));
+  const vec4 next = vec4(p.xyz + push.relaxation * sum, p.w);
+#ifdef SETTLE
+  settle(i, next);
+#else
+  relaxed[i] = next;
+#endif
 }

@@ -1,5 +1,6 @@
 // predict: where every particle would go in the frame's first substep if nothing held it (symplectic Euler).
-// The predictions of later substeps are made where the one before ends (settle.glsl). An anchor stays.
+// The predictions of later substeps are made where the one before ends (finish.glsl). An anchor stays.
+// With contacts it also watches whether a prediction strays (leash.glsl).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -12,14 +13,30 @@ WRITE(vec4, predicted)
 
 layout(push_constant, scalar) uniform Constants { Push push; };
 
-void main() {
-  const uint i = gl_GlobalInvocationID.x;
-  if (i >= push.count) return;
-  const vec4 x = FETCH(positions, i);
-  if (x.w == 0) return;
+#ifdef WATCH
+READ_WRITE(Detection, detection)
+#include "leash.glsl"
+#endif
+
+vec3 free_flight(uint i, vec3 x) {
   const vec4 v = FETCH(velocities, i);
   const float keep = FETCH(materials, floatBitsToUint(v.w)).x;
   const vec3 driven = driven_velocity(v.xyz, push.gravity, keep, push.h);
   velocities[i].xyz = driven;
-  predicted[i].xyz = predicted_position(x.xyz, driven, push.h);
+  return predicted_position(x, driven, push.h);
+}
+
+void main() {
+  const uint i = gl_GlobalInvocationID.x;
+  if (i >= push.count) return;
+  const vec4 x = FETCH(positions, i);
+  vec3 p = x.xyz;
+  if (x.w != 0) {
+    p = free_flight(i, x.xyz);
+    predicted[i].xyz = p;
+  }
+#ifdef WATCH
+  const bool follows = x.w == 0 && (push.flags & WEFT_ANCHORS_MOVE) != 0;
+  if (!follows && strays(p, expected_at(i, detection[0].age + 2), uintBitsToFloat(leashes[i]))) detection[0].due = 1;
+#endif
 }

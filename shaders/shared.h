@@ -31,7 +31,24 @@
   X(19, vertex_positions, vec4)   /* vertices       for the renderer: xyz, 1 */                                          \
   X(20, vertex_normals, vec4)     /* vertices       for the renderer: xyz, 0 */                                          \
   X(21, counters,       Counters) /* 1              what was mended while running */                                     \
-  X(22, bend_use_rows,  uvec2)    /* particles      first use pair, number of uses */
+  X(22, bend_use_rows,  uvec2)    /* particles      first use pair, number of uses */                                    \
+  X(23, triangles,      uvec4)    /* triangles      three particles, unused: of cloths and of mesh colliders */          \
+  X(24, edges,          uvec2)    /* edges          two particles: of those triangles, each once */                      \
+  X(25, rest,           vec4)     /* particles      xyz rest position (m), w thickness (m) */                            \
+  X(26, references,     vec4)     /* particles      xyz position at the last detection (m), w unused */                  \
+  X(27, paths,          vec4)     /* particles      xyz what it would go in WEFT_HORIZON substeps from there (m), w unused */ \
+  X(28, leashes,        uint)     /* particles      how far it may stray from that path: a float's bits (m); 0: held */  \
+  X(29, grid_counts,    uint)     /* slots          entries; all zero between detections */                              \
+  X(30, grid_starts,    uint)     /* slots + 1      first entry */                                                       \
+  X(31, grid_totals,    uint)     /* blocks         entries of a workgroup's slots */                                    \
+  X(32, grid_entries,   vec4)     /* primitives     xyz middle of its box (m), w bits: level << 28, and triangle or triangles + edge */ \
+  X(33, detection,      Detection) /* 1             what detection and contacts tell each other */                       \
+  X(34, candidates,     uvec4)    /* capacity       pairs that may meet before the next detection (pack_candidate) */    \
+  X(35, contact_normals, vec4)    /* capacity       xyz from side B to side A, w distance to keep (m); w < 0: no contact */ \
+  X(36, contact_weights, vec4)    /* capacity       barycentric, side A's above 0 and side B's below */                  \
+  X(37, contact_counts, uint)     /* particles      contacts of this substep; 0 between substeps */                      \
+  X(38, contact_sums,   ivec4)    /* particles      xyz sum of corrections in units of `quantum`, w unused; 0 between iterations */ \
+  X(39, fractions,      uvec4)    /* particles      bits of the fraction of its way it may go, lowered round by round; 1.0 between substeps */
 
 // Texel views (GATHER) live in a second descriptor set under the same numbers.
 #define WEFT_STORAGE_SET 0
@@ -47,6 +64,7 @@ namespace weft::gpu {
 using uint = std::uint32_t;
 struct uvec2 { uint x, y; };
 struct uvec4 { uint x, y, z, w; };
+struct ivec4 { int x, y, z, w; };
 struct vec2 { float x, y; };
 struct vec3 { float x, y, z; };
 struct vec4 { float x, y, z, w; };
@@ -77,18 +95,22 @@ WEFT_BUFFERS(WEFT_BINDING)
 #define GATHER(name) READ(vec4, name)
 #define GATHER_UINT4(name) READ(uvec4, name)
 #define GATHER_UINT2(name) READ(uvec2, name)
+#define GATHER_UINT(name) READ(uint, name)
 #define GATHER_WRITE(name) READ_WRITE(vec4, name)
 #define FETCH(name, i) name[i]
 #define FETCH_UINT2(name, i) name[i]
+#define FETCH_UINT(name, i) name[i]
 #else
 #define WEFT_TEXELS(sampler, name) layout(set = WEFT_TEXEL_SET, binding = name##_binding) uniform sampler name##_texels;
 #define GATHER(name) WEFT_TEXELS(samplerBuffer, name)
 #define GATHER_UINT4(name) WEFT_TEXELS(usamplerBuffer, name)
 #define GATHER_UINT2(name) WEFT_TEXELS(usamplerBuffer, name)
+#define GATHER_UINT(name) WEFT_TEXELS(usamplerBuffer, name)
 #define GATHER_WRITE(name) WEFT_TEXELS(samplerBuffer, name) \
   layout(set = WEFT_STORAGE_SET, binding = name##_binding, scalar) writeonly buffer name##_block { vec4 name[]; };
 #define FETCH(name, i) texelFetch(name##_texels, int(i))
 #define FETCH_UINT2(name, i) texelFetch(name##_texels, int(i)).xy
+#define FETCH_UINT(name, i) texelFetch(name##_texels, int(i)).x
 #endif
 
 layout(local_size_x_id = 0) in;
@@ -147,9 +169,38 @@ struct Material {
 struct Counters {
   uint non_finite;    // particles put back to their last finite position
   uint coincident;    // links skipped because their ends were at one place
+  uint contacts_most; // candidates that one detection found, at most
+  uint contacts_lost; // candidates that found no place, all detections together
+  uint truncated;     // times that a particle was stopped short: by a plane, its leash or a lost candidate
+  uint detections;
 };
 
-/// What every pass is told. 48 of the 128 bytes that every device has.
+/// Arguments of an indirect dispatch.
+struct Groups {
+  uint x, y, z;
+};
+
+// A box goes to the level of the grid whose cells are at least as long as it: cell * 2^level.
+#define WEFT_LEVELS 16
+
+// Detection looks for pairs that can come within their distance while every particle stays on a leash about the straight path
+// that it was on when they were detected (detect_path.comp says why that loses nothing). The group counts let the GPU itself
+// decide whether there is anything to do.
+struct Detection {
+  Groups particles, primitives, blocks, edges;   // of the detection's passes; no groups where none is due
+  Groups contacts;    // a thread a candidate
+  Groups touched;     // a thread a particle, where there are candidates
+  uint due;           // the next substep begins with a detection
+  uint age;           // substeps since the last one, at most WEFT_HORIZON
+  uint candidates;    // that it found; more than push.capacity: the rest were lost
+  float reach;        // m, the leashes' length
+  uint lowered[3];    // some particle's fraction was lowered in this round (contact_limit.comp)
+  uint unsafe;        // ... and the last round still found a pair to cross: the static planes hold
+  uint extents[2 * WEFT_LEVELS];   // bits of the longest half side of a box (m) at each level, of triangles, then of edges
+};
+#define WEFT_HORIZON 10u
+
+/// What every pass is told. 84 of the 128 bytes that every device has.
 struct Push {
   uint count;         // threads with work
   uint tether_pairs;  // per particle
@@ -160,11 +211,21 @@ struct Push {
   float relaxation;   // omega
   float fraction_from, fraction_to;   // of the frame, at this substep's start and end
   vec3 gravity;       // m/s^2
+  // Contacts only.
+  uint triangles, edges;   // how many; together the grid's primitives
+  uint slots;         // of the grid, a power of two
+  uint capacity;      // candidates
+  float cell;         // m, at level 0
+  float quantum;      // m, unit of contact_sums
+  float recover;      // m: what a substep makes good of a distance that is too small
+  float reach_low, reach_high;   // m, limits of Detection::reach
 };
 
 #define WEFT_LAST_ITERATION 1u  // of the substep: velocities follow
 #define WEFT_LAST_SUBSTEP 2u    // of the frame: no further prediction
 #define WEFT_FIRST_ITERATION 4u // of the substep: multipliers start at zero
+#define WEFT_ROUND_SHIFT 8u      // bits 8 and 9: which round of a pass that runs in several
+#define WEFT_ANCHORS_MOVE 8u    // in this frame: each anchor's next place is known to the anchor pass alone
 
 #define WEFT_NONE 0xffffffffu
 #define WEFT_MAX_PARTICLES 0x00ffffffu
@@ -194,6 +255,36 @@ WEFT_INLINE Link unpack_link(uint x, uint y) {
   return link;
 }
 
+// A candidate in 16 bytes: four particles of 24 bits, and in their top bytes, first to last, the bits of the distance that the
+// pair keeps (m); its sign tells the kind. Vertex-triangle: the vertex is side A, the triangle side B. Edge-edge: two and two.
+struct Candidate {
+  uint particle[4];
+  float keep;         // m
+  bool edges;
+};
+
+WEFT_INLINE Candidate unpack_candidate(uvec4 packed) {
+  const uint bits = (packed.x & 0xff000000u) | ((packed.y >> 24) << 16) | ((packed.z >> 24) << 8) | (packed.w >> 24);
+  Candidate candidate;
+  candidate.particle[0] = packed.x & 0xffffffu;
+  candidate.particle[1] = packed.y & 0xffffffu;
+  candidate.particle[2] = packed.z & 0xffffffu;
+  candidate.particle[3] = packed.w & 0xffffffu;
+  candidate.keep = WEFT_FLOAT(bits & 0x7fffffffu);
+  candidate.edges = (bits & 0x80000000u) != 0u;
+  return candidate;
+}
+
+WEFT_INLINE uvec4 pack_candidate(uint a, uint b, uint c, uint d, float keep, bool edges) {
+  const uint bits = WEFT_BITS(keep) | (edges ? 0x80000000u : 0u);
+  uvec4 packed;
+  packed.x = a | (bits & 0xff000000u);
+  packed.y = b | (((bits >> 16) & 0xffu) << 24);
+  packed.z = c | (((bits >> 8) & 0xffu) << 24);
+  packed.w = d | (bits << 24);
+  return packed;
+}
+
 #ifdef __cplusplus
 
 inline uvec2 pack_link(const Link& link) {
@@ -204,7 +295,7 @@ inline uvec2 pack_link(const Link& link) {
 }
 
 static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 8 && sizeof(Push) == 48);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 24 && sizeof(Push) == 84 && sizeof(Detection) == 232);
 static_assert(std::is_trivially_copyable_v<Push>);
 
 enum Binding : uint {

@@ -11,7 +11,8 @@
 namespace weft {
 namespace {
 
-constexpr std::uint32_t kAll = feature::kAnchors | feature::kBending | feature::kTethers | feature::kColliders | feature::kIterated;
+constexpr std::uint32_t kAll = feature::kAnchors | feature::kBending | feature::kTethers | feature::kColliders | feature::kIterated |
+                               feature::kContacts;
 
 template <class Body>
 void for_every_plan(Body body) {
@@ -35,14 +36,31 @@ std::vector<std::string> labels(std::uint32_t features) {
 
 bool has(const Plan& plan, gpu::Binding binding) { return plan.buffers() >> binding & 1; }
 
-TEST(Plan, exactly_one_pass_settles_and_it_is_the_last_of_its_iteration) {
-  for_every_plan([](const Plan& plan, std::uint32_t, bool) {
+TEST(Plan, exactly_one_pass_settles_and_it_is_the_last_of_its_iteration_but_for_contacts) {
+  for_every_plan([](const Plan& plan, std::uint32_t features, bool) {
     EXPECT_EQ(std::count_if(plan.passes.begin(), plan.passes.end(), [](const PlannedPass& p) { return p.pass->settles; }), 1);
-    const PlannedPass* last = nullptr;
+    std::vector<const Pass*> iteration;
     for (const PlannedPass& planned : plan.passes)
-      if (planned.pass->stage == Stage::iteration) last = &planned;
-    ASSERT_NE(last, nullptr);
-    EXPECT_TRUE(last->pass->settles && last->pass->relaxes);
+      if (planned.pass->stage == Stage::iteration) iteration.push_back(planned.pass);
+    if (features & feature::kContacts) {
+      ASSERT_GT(iteration.size(), 2u);
+      EXPECT_STREQ(iteration.end()[-2]->name, "contact_solve");
+      EXPECT_STREQ(iteration.end()[-1]->name, "contact_apply");
+      iteration.resize(iteration.size() - 2);
+    }
+    ASSERT_FALSE(iteration.empty());
+    EXPECT_TRUE(iteration.back()->settles && iteration.back()->relaxes);
+  });
+}
+
+TEST(Plan, contacts_end_their_substeps_in_a_pass_of_their_own) {
+  for_every_plan([](const Plan& plan, std::uint32_t features, bool) {
+    const bool contacts = features & feature::kContacts;
+    EXPECT_EQ(std::count_if(plan.passes.begin(), plan.passes.end(), [](const PlannedPass& p) { return p.label == "settle"; }), contacts ? 1 : 0);
+    // Velocities are written by what ends a substep, and by the first prediction.
+    int writers = 0;
+    for (const PlannedPass& planned : plan.passes) writers += (planned.writes >> gpu::velocities & 1) != 0;
+    EXPECT_EQ(writers, 2);
   });
 }
 
@@ -68,7 +86,7 @@ TEST(Plan, its_buffers_are_what_its_passes_touch) {
 
 TEST(Plan, whatever_a_pass_writes_for_others_is_read) {
   // For the renderer and the host alone; the other iterate is read in the next pass, under the other name.
-  constexpr std::uint64_t kOutputs = 1ull << gpu::vertex_positions | 1ull << gpu::vertex_normals | 1ull << gpu::counters | 1ull << gpu::relaxed;
+  constexpr std::uint64_t kOutputs = 1ull << gpu::vertex_positions | 1ull << gpu::vertex_normals | 1ull << gpu::counters | 1ull << gpu::relaxed;   // and arguments of dispatches
   for_every_plan([](const Plan& plan, std::uint32_t, bool) {
     std::uint64_t reads = 0, writes = 0;
     for (const PlannedPass& planned : plan.passes) {
@@ -125,20 +143,26 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   using Labels = std::vector<std::string>;
   EXPECT_EQ(labels(kPlain), (Labels{"predict", "stretch+settle", "surface"}));
   EXPECT_EQ(labels(kBending | kTethers), (Labels{"predict", "stretch", "bend+tether+settle", "surface"}));
-  EXPECT_EQ(labels(kAll & ~kIterated), (Labels{"predict", "anchor", "stretch", "bend+tether+collide+settle", "surface"}));
+  EXPECT_EQ(labels(kAll & ~kIterated & ~kContacts), (Labels{"predict", "anchor", "stretch", "bend+tether+collide+settle", "surface"}));
   EXPECT_EQ(labels(kColliders | kIterated), (Labels{"predict", "stretch+collide+settle", "surface"}));
-  EXPECT_EQ(labels(kAll), (Labels{"predict", "anchor", "stretch", "bend_lambda", "bend_gather+tether+collide+settle", "surface"}));
+  EXPECT_EQ(labels(kAll & ~kContacts), (Labels{"predict", "anchor", "stretch", "bend_lambda", "bend_gather+tether+collide+settle", "surface"}));
+  EXPECT_EQ(labels(kContacts), (Labels{"predict+watch", "detect_arm", "detect_path", "grid_count", "grid_total", "grid_scan", "grid_fill", "pair_faces", "pair_edges",
+                                       "contact_arm", "contact_prepare", "stretch", "contact_solve", "contact_apply", "contact_limit", "settle", "surface"}));
+  EXPECT_EQ(labels(kAll & ~kIterated),
+            (Labels{"predict+watch", "anchor+watch", "detect_arm", "detect_path", "grid_count", "grid_total", "grid_scan", "grid_fill", "pair_faces", "pair_edges",
+                    "contact_arm", "contact_prepare", "stretch", "bend+tether+collide", "contact_solve", "contact_apply+collide", "contact_limit", "settle", "surface"}));
 }
 
 TEST(Plan, every_shader_of_the_table_exists_in_both_variants) {
-  constexpr const char* kFused[] = {"+settle", "+tether+settle", "+collide+settle", "+tether+collide+settle"};
-  const auto expect = [](const std::string& name) {
+  constexpr const char* kFused[] = {"+settle", "+tether+settle", "+collide+settle", "+tether+collide+settle", "", "+tether", "+collide", "+tether+collide"};
+  const std::set<std::string> no_gathers = {"anchor", "detect_arm", "grid_total", "grid_scan", "contact_arm"};
+  const auto expect = [&](const std::string& name) {
     EXPECT_FALSE(shader(name).empty()) << name;
     // What does not gather has one variant that is right for both.
-    if (name != "anchor") { EXPECT_FALSE(shader(name + ".storage").empty()) << name; }
+    if (!no_gathers.contains(name)) { EXPECT_FALSE(shader(name + ".storage").empty()) << name; }
   };
   for (const Pass& pass : all_passes()) {
-    if (!pass.settles) expect(pass.shader);
+    if (!pass.settles) expect(pass.shader), expect(std::string(pass.shader) + pass.fused);
     else
       for (const char* fused : kFused) expect(std::string(pass.shader) + fused);
   }
@@ -161,6 +185,7 @@ Subject subject(std::uint32_t features) {
     cloth.anchors[0].top = 0;
   }
   if (features & feature::kColliders) made.scene.colliders.resize(3);
+  made.scene.contacts.enabled = features & feature::kContacts;
   made.scene.solver.iterations = features & feature::kIterated ? 2 : 1;
   const auto meshes = make_meshes(made.scene);
   auto fabric = cook(made.scene, *meshes);
@@ -186,7 +211,7 @@ TEST(BufferNeeds, every_buffer_of_the_plan_has_bytes_and_no_other_is_listed) {
     const auto plan = make_plan(features_of(s.scene, s.fabric), false);
     ASSERT_TRUE(plan) << plan.error();
     std::uint64_t listed = 0;
-    for (const BufferNeed& need : buffer_needs(*plan, s.scene, s.fabric)) {
+    for (const BufferNeed& need : buffer_needs(*plan, s.scene, s.fabric, contact_sizes(s.scene, s.fabric))) {
       listed |= 1ull << need.binding;
       EXPECT_GT(need.bytes, 0u) << need.name;
       if (plan->texels >> need.binding & 1) { EXPECT_NE(need.texel, BufferNeed::Texel::none) << need.name; }
@@ -200,7 +225,7 @@ TEST(BufferNeeds, sizes_are_those_of_the_cooked_arrays) {
   const auto plan = make_plan(kAll, false);
   ASSERT_TRUE(plan) << plan.error();
   const auto bytes = [&](gpu::Binding binding) {
-    for (const BufferNeed& need : buffer_needs(*plan, s.scene, s.fabric))
+    for (const BufferNeed& need : buffer_needs(*plan, s.scene, s.fabric, contact_sizes(s.scene, s.fabric)))
       if (need.binding == binding) return need.bytes;
     return std::uint64_t(0);
   };
@@ -212,15 +237,19 @@ TEST(BufferNeeds, sizes_are_those_of_the_cooked_arrays) {
   EXPECT_EQ(bytes(gpu::tethers), 30 * 4 * 8u);
   EXPECT_EQ(bytes(gpu::anchors), 6 * 28u);
   EXPECT_EQ(bytes(gpu::colliders), 3 * sizeof(gpu::Collider));
-  EXPECT_EQ(bytes(gpu::counters), 8u);
+  EXPECT_EQ(bytes(gpu::counters), sizeof(gpu::Counters));
+  EXPECT_EQ(bytes(gpu::triangles), s.fabric.triangles.size() * 16);
+  EXPECT_EQ(bytes(gpu::edges), s.fabric.edges.size() * 8);
+  EXPECT_EQ(bytes(gpu::candidates), contact_sizes(s.scene, s.fabric).capacity * std::uint64_t(16));
 }
 
 TEST(DomainSize, threads_are_counted_by_domain) {
   const Subject s = subject(kAll);
-  EXPECT_EQ(domain_size(Domain::particles, s.fabric), 30u);
-  EXPECT_EQ(domain_size(Domain::anchors, s.fabric), 6u);
-  EXPECT_EQ(domain_size(Domain::bends, s.fabric), s.fabric.bends.size());
-  EXPECT_EQ(domain_size(Domain::vertices, s.fabric), 30u);
+  const ContactSizes sizes = contact_sizes(s.scene, s.fabric);
+  EXPECT_EQ(domain_size(Domain::particles, s.fabric, sizes), 30u);
+  EXPECT_EQ(domain_size(Domain::anchors, s.fabric, sizes), 6u);
+  EXPECT_EQ(domain_size(Domain::bends, s.fabric, sizes), s.fabric.bends.size());
+  EXPECT_EQ(domain_size(Domain::vertices, s.fabric, sizes), 30u);
 }
 
 }  // namespace

@@ -1,0 +1,101 @@
+// Room for contacts: a frame that found more candidates than there is room for is run again with more room.
+//
+// advance() waits for its frame, so it can tell that candidates were lost and take the frame back: what a frame changes and
+// the next one needs is copied at its start, and put back before it is repeated. With the room it lacked it then does exactly what it
+// would have done with that room from the first. Frames of submit() are not waited for and frames of record() are not Weft's to
+// repeat: they hold the particles of a lost candidate still, so that nothing crosses, and are counted; submit() at least makes room
+// for the frames that follow.
+#include <algorithm>
+
+#include "compute/functions.h"
+#include "engine/simulation_state.h"
+
+namespace weft {
+namespace {
+
+// Everything else is made anew from these, or between frames always the same.
+constexpr gpu::Binding kState[] = {gpu::positions, gpu::velocities, gpu::references, gpu::paths, gpu::leashes,
+                                   gpu::detection, gpu::counters,   gpu::candidates};
+
+}  // namespace
+
+Result<void> Simulation::State::create_snapshot() {
+  std::vector<compute::BufferRequest> requests;
+  for (const gpu::Binding binding : kState)
+    requests.push_back({"kept " + solver->buffer(binding).name, solver->buffer(binding).bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT});
+  auto arena = compute::Arena::create(*device, compute::Memory::device, "weft snapshot", requests);
+  if (!arena) return arena.take_error();
+  snapshot = std::move(*arena);
+  return {};
+}
+
+// Between the solver's buffers and the snapshot; barriers are the caller's.
+void Simulation::State::copy_snapshot(VkCommandBuffer commands, bool back) const {
+  for (std::size_t k = 0; k < std::size(kState); ++k) {
+    const compute::Buffer& live = solver->buffer(kState[k]);
+    // Of the candidates only those that there are.
+    const VkDeviceSize bytes = kState[k] == gpu::candidates ? std::max<VkDeviceSize>(1, found_at_start) * sizeof(gpu::uvec4) : snapshot[k].bytes;
+    const VkBufferCopy region{0, 0, std::min({bytes, live.bytes, snapshot[k].bytes})};
+    device->vk().vkCmdCopyBuffer(commands, back ? snapshot[k].handle : live.handle, back ? live.handle : snapshot[k].handle, 1, &region);
+  }
+}
+
+const gpu::Counters& Simulation::State::counters() const { return *reinterpret_cast<const gpu::Counters*>(readback[0].mapped); }
+
+Result<bool> Simulation::State::make_room() {
+  const std::uint64_t room = solver->contact_sizes().capacity;
+  // Half as much again as was found: the frame would have found more if it had not been held up.
+  const std::uint64_t wanted = std::min<std::uint64_t>(std::max<std::uint64_t>(2 * room, counters().contacts_most + counters().contacts_most / 2), kMostCandidates);
+  if (wanted <= room) return false;
+  if (auto grown = solver->grow(static_cast<std::uint32_t>(wanted)); !grown) {
+    fabric.notes.push_back("contacts: no room for " + std::to_string(wanted) + " candidates: " + grown.error());
+    return false;
+  }
+  return true;
+}
+
+Result<void> Simulation::State::detect_anew() {
+  gpu::Detection detection{};
+  const auto bytes = std::as_writable_bytes(std::span(&detection, 1));
+  if (auto done = compute::read_back(*device, solver->buffer(gpu::detection), bytes); !done) return done;
+  detection.due = 1;
+  return compute::upload(*device, solver->buffer(gpu::detection), bytes);
+}
+
+// For frames that follow one whose losses have been read back.
+Result<void> Simulation::State::make_room_later() {
+  if (!solver->has(gpu::candidates) || counters().contacts_lost == lost_seen) return {};
+  if (auto done = wait(); !done) return done;
+  lost_seen = counters().contacts_lost;
+  auto room = make_room();
+  if (!room) return room.take_error();
+  if (!*room) return {};
+  if (auto done = create_snapshot(); !done) return done;
+  return detect_anew();
+}
+
+// Runs what was planned, again with more room while candidates are lost for want of it.
+Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
+  const bool contacts = solver->has(gpu::candidates) && input.substeps > 0;
+  const std::uint32_t lost = counters().contacts_lost, parity = solver->parity();
+  found_at_start = contacts ? std::min(detection().candidates, solver->contact_sizes().capacity) : 0;
+  for (;;) {
+    if (timed_on_cpu()) {
+      if (auto done = run_pass_by_pass(input, contacts); !done) return done;
+      if (auto done = submit_frame({}, {}, false); !done) return done;   // what is left of the frame: the counters
+    } else {
+      if (auto done = submit_frame(input, {}, contacts); !done) return done;
+    }
+    if (auto done = wait(); !done) return done;
+    if (!contacts || counters().contacts_lost == lost) return {};
+    auto room = make_room();
+    if (!room) return room.take_error();
+    if (!*room) return {};   // as far as it goes: safe, and counted
+    solver->set_parity(parity);
+    if (auto done = compute::run_once(*device, "weft restore", [&](VkCommandBuffer commands) { copy_snapshot(commands, true); }); !done) return done;
+    if (auto done = create_snapshot(); !done) return done;
+    ++frames_repeated;
+  }
+}
+
+}  // namespace weft

@@ -1,0 +1,25 @@
+// leash: how far a particle may stray between two detections of contacts (shared.h, Detection; detect_path.comp says why).
+// A detection gives every particle a straight reference path and a leash about it. Needs push.
+
+GATHER(references)
+GATHER(paths)
+READ(uint, leashes)
+
+// Where particle i is expected, so many substeps after the last detection (m).
+vec3 expected_at(uint i, uint substeps) {
+  const float passed = float(min(substeps, WEFT_HORIZON)) * (1.0 / float(WEFT_HORIZON));
+  return FETCH(references, i).xyz + passed * FETCH(paths, i).xyz;
+}
+
+// p, or the nearest place on the leash about `expected`.
+vec3 on_leash(vec3 p, vec3 expected, float leash) {
+  const vec3 d = p - expected;
+  const float squared = dot(d, d);
+  return squared > leash * leash ? expected + (leash / sqrt(squared)) * d : p;
+}
+
+// Whether a prediction leaves the constraints less than half of the leash: time to detect again.
+bool strays(vec3 prediction, vec3 expected, float leash) {
+  const vec3 d = prediction - expected;
+  return !(4 * dot(d, d) <= leash * leash);
+}

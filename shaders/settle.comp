@@ -1,0 +1,68 @@
+// settle: ends the substep of a scene with contacts. A particle goes the fraction of its way that no candidate's plane forbids
+// (contact_limit), and no further than its leash lets it; then velocity, position and prediction as without contacts.
+//
+// Also watches: where a particle is not where its reference path wants it, or is about to stray, the next substep
+// begins with a detection. An anchor that moves is watched by the anchor pass, which alone knows where it goes.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+GATHER_WRITE(predicted)
+READ_WRITE(uvec4, fractions)
+READ_WRITE(uint, contact_counts)
+READ_WRITE(Detection, detection)
+READ_WRITE(Counters, counters)
+
+layout(push_constant, scalar) uniform Constants { Push push; };
+
+#include "finish.glsl"
+#include "leash.glsl"
+
+const uint kWhole = 0x3f800000u;   // 1.0
+
+// Of its way that particle i may go. Its entries are made ready for the next substep.
+float fraction_of(uint i) {
+  const uvec4 rounds = fractions[i];
+  uint least = min(rounds.x, min(rounds.y, rounds.z));
+  if (detection[0].unsafe != 0) least = min(least, rounds.w);
+  if (rounds != uvec4(kWhole)) fractions[i] = uvec4(kWhole);
+  if (contact_counts[i] != 0) contact_counts[i] = 0;
+  return uintBitsToFloat(least);
+}
+
+// Where the substep really takes the particle from x when the constraints took it to p.
+vec3 allowed(uint i, vec3 x, vec3 p, vec3 expected, float leash) {
+  // With candidates at hand contact_apply has put it on its leash, before the planes were asked.
+  const bool contacts = detection[0].touched.x > 0;
+  const float fraction = contacts ? fraction_of(i) : 1;
+  const vec3 end = contacts ? p : on_leash(p, expected, leash);
+  if (fraction < 1 || end != p) atomicAdd(counters[0].truncated, 1);
+  return fraction < 1 ? x + fraction * (end - x) : end;
+}
+
+void watch(vec3 end, vec3 expected, vec3 prediction, vec3 expected_then, float leash) {
+  const vec3 off = end - expected;
+  // Somewhat longer than the leash: on_leash rounds.
+  if (!(dot(off, off) <= 1.001 * leash * leash) || strays(prediction, expected_then, leash)) detection[0].due = 1;
+}
+
+void main() {
+  const uint i = gl_GlobalInvocationID.x;
+  if (i >= push.count) return;
+  vec4 p = FETCH(predicted, i);
+  const uint age = detection[0].age;
+  const vec3 expected = expected_at(i, age + 1), expected_then = expected_at(i, age + 2);
+  const float leash = uintBitsToFloat(leashes[i]);
+  if (p.w == 0) {
+    positions[i].xyz = p.xyz;
+    if ((push.flags & WEFT_ANCHORS_MOVE) == 0) watch(p.xyz, expected, p.xyz, expected_then, leash);
+    return;
+  }
+  const vec3 x = FETCH(positions, i).xyz;
+  const vec4 v = FETCH(velocities, i);
+  p.xyz = allowed(i, x, p.xyz, expected, leash);
+  const vec3 end = p.xyz;
+  p = finish_substep(i, x, p, v.xyz, FETCH(materials, floatBitsToUint(v.w)).x);
+  watch(end, expected, p.xyz, expected_then, leash);
+  predicted[i] = p;
+}
