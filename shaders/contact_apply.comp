@@ -1,0 +1,48 @@
+// contact_apply: takes each particle where its contacts together want it [and out of colliders, built as a variant], then
+// holds it on its leash, on which detection relies (leash.glsl). A leash of no length means that a pair of this particle found no
+// place among the candidates: it stays where the substep began.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+GATHER(positions)
+GATHER_WRITE(predicted)
+READ(Detection, detection)
+READ_WRITE(ivec4, contact_sums)
+READ_WRITE(Counters, counters)
+
+layout(push_constant, scalar) uniform Constants { Push push; };
+
+#ifdef COLLIDERS
+GATHER(velocities)
+GATHER(materials)
+#include "colliders.glsl"
+#endif
+#include "leash.glsl"
+
+vec3 moved_by_contacts(uint i, vec3 p) {
+  const ivec3 sum = contact_sums[i].xyz;
+  if (sum == ivec3(0)) return p;
+  contact_sums[i].xyz = ivec3(0);
+  return p + push.quantum * vec3(sum);
+}
+
+vec3 held(uint i, vec3 p) {
+  const float leash = uintBitsToFloat(leashes[i]);
+  const vec3 end = leash > 0 ? on_leash(p, expected_at(i, detection[0].age + 1), leash) : FETCH(positions, i).xyz;
+  if (end != p) atomicAdd(counters[0].truncated, 1);
+  return end;
+}
+
+void main() {
+  const uint i = gl_GlobalInvocationID.x;
+  if (i >= push.count) return;
+  const vec4 before = FETCH(predicted, i);
+  if (before.w == 0) return;
+  vec3 p = moved_by_contacts(i, before.xyz);
+#ifdef COLLIDERS
+  p = out_of_colliders(FETCH(positions, i).xyz, p, FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)));
+#endif
+  if ((push.flags & WEFT_LAST_ITERATION) != 0) p = held(i, p);
+  if (p != before.xyz) predicted[i].xyz = p;
+}
