@@ -51,7 +51,7 @@ struct Sides {
   bool edges;
   bvec4 fixed_way;   // of particles with inverse mass 0
   vec4 height, way;  // m
-  float margin;      // m, least separation at the end
+  float margin;      // m, to which sides that would cross are parted
   float noise;       // m, what rounding can do to a height
 };
 
@@ -148,7 +148,8 @@ void limit(Candidate pair, vec3 n, uint round) {
   const Sides sides = sides_of(pair, n);
   const vec4 end = sides.height + before * sides.way;
   const vec2 least = least_of_sides(end, sides.edges);
-  const bool crosses = least.x + least.y < sides.margin;
+  // From half the margin on they count as apart: rounding calls for no further round.
+  const bool crosses = least.x + least.y < 0.5 * sides.margin;
   if (round < kLastRound) {
     if (crosses) lower(pair, round, fractions_to(sides, least_heights(sides, end)), before);
     return;
