@@ -58,6 +58,16 @@ class Cook {
     if (cloth.bending && cloth.fabric.bend > 0) add_bends(cloth, mesh);
     if (cloth.tethers) add_tethers(cloth, mesh, *anchors);
     add_surface(mesh);
+    fabric_.cloth_triangles = static_cast<std::uint32_t>(fabric_.triangles.size());
+    return {};
+  }
+
+  // After all cloths.
+  Result<void> add_contacts(std::span<const std::uint32_t> colliders, std::span<const Mesh> meshes) {
+    cooking::add_rest(fabric_);
+    for (std::size_t k = 0; k < colliders.size(); ++k)
+      if (auto added = cooking::add_collider_mesh(scene_, colliders[k], meshes[k], fabric_); !added) return added;
+    cooking::add_edges(fabric_);
     return {};
   }
 
@@ -65,8 +75,6 @@ class Cook {
     lay_out_links();
     if (!fabric_.bends.empty()) lay_out_bends();
     lay_out_tethers();
-    fabric_.cloth_triangles = static_cast<std::uint32_t>(fabric_.triangles.size());
-    if (contacts_on(scene_)) cooking::add_contacts(fabric_);
     for (const gpu::vec4& p : fabric_.positions)
       if (!std::isfinite(p.x + p.y + p.z + p.w)) return fail("a particle's position or inverse mass is not finite: the mesh or its mass is beyond single precision");
     for (const StretchLink& link : fabric_.links)
@@ -291,18 +299,30 @@ Result<std::vector<Mesh>> make_meshes(const Scene& scene) {
     }
     transform_mesh(meshes.back(), cloth.transform);
   }
+  for (const std::uint32_t index : mesh_colliders(scene)) {
+    const Collider& collider = scene.colliders[index];
+    auto mesh = load_mesh(scene.folder / collider.mesh);
+    if (!mesh) return fail("colliders[", index, "].mesh: ", mesh.error());
+    meshes.push_back(std::move(*mesh));
+    transform_mesh(meshes.back(), {.translate = {}, .axis = {0, 1, 0}, .degrees = 0, .scale = collider.scale});
+  }
   return meshes;
 }
 
 Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) {
-  if (meshes.size() != scene.cloths.size()) return fail("the scene has ", scene.cloths.size(), " cloths but ", meshes.size(), " meshes were given");
-  if (meshes.empty()) return fail("the scene has no cloth");
+  const std::vector<std::uint32_t> colliders = mesh_colliders(scene);
+  const std::size_t cloths = scene.cloths.size();
+  if (meshes.size() != cloths + colliders.size())
+    return fail("the scene has ", cloths, " cloths and ", colliders.size(), " mesh colliders but ", meshes.size(), " meshes were given");
+  if (cloths == 0) return fail("the scene has no cloth");
   // A scene that a host made has passed no reader.
   if (!(scene.solver.rate > 0) || !std::isfinite(scene.solver.rate)) return fail("solver.rate: ", scene.solver.rate, " is not above 0 (Hz)");
   if (scene.solver.iterations < 1) return fail("solver.iterations: 0 is less than 1");
   Cook cook(scene);
-  for (std::uint32_t index = 0; index < meshes.size(); ++index)
+  for (std::uint32_t index = 0; index < cloths; ++index)
     if (auto added = cook.add(index, meshes[index]); !added) return added.take_error();
+  if (contacts_on(scene))
+    if (auto added = cook.add_contacts(colliders, meshes.subspan(cloths)); !added) return added.take_error();
   return cook.finish();
 }
 

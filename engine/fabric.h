@@ -33,6 +33,14 @@ struct ClothRange {
   std::uint32_t first_anchor, anchors;
 };
 
+/// A mesh collider's place in the arrays: after all cloths. Its particles have no mass that anything could move and no constraint.
+struct ColliderMesh {
+  std::uint32_t collider;                 // Scene::colliders[collider]
+  std::uint32_t first_particle, particles;
+  std::uint32_t first_vertex, vertices;   // render vertices
+  std::uint32_t first_triangle, triangles;
+};
+
 /// A particle that the scene moves.
 struct AnchorTarget {
   std::uint32_t cloth, entry;   // Scene::cloths[cloth].anchors[entry]
@@ -50,8 +58,9 @@ struct PairRows {
 
 struct CookedFabric {
   std::vector<ClothRange> cloths;
+  std::vector<ColliderMesh> collider_meshes;
   std::vector<gpu::vec4> positions;          // particles: xyz (m), w inverse mass (1/kg), 0 for anchors
-  std::vector<gpu::vec4> velocities;         // particles: xyz (m/s), w the cloth's index as bits
+  std::vector<gpu::vec4> velocities;         // particles: xyz (m/s), w the material's index as bits: the cloth's, or cloths + mesh collider's
   std::vector<float> split_weights;          // particles: n w (mass split) or w (count), see stretch.comp
   std::vector<float> iterate_weights;        // particles: what a particle takes of the sum over its links, see stretch.comp
   std::vector<StretchLink> links;
@@ -63,13 +72,14 @@ struct CookedFabric {
   std::uint32_t tethers_per_particle = 0;
   std::uint64_t tether_count = 0;            // without the unused places
   std::vector<AnchorTarget> anchors;
-  std::vector<gpu::Material> materials;      // per cloth
-  std::vector<gpu::uvec4> surface_rows;      // per render vertex
+  std::vector<gpu::Material> materials;      // per cloth, then per mesh collider
+  std::vector<gpu::uvec4> surface_rows;      // per render vertex: of cloths, then of mesh colliders
   std::vector<gpu::uvec2> corners;
   std::vector<Triangle> triangles;           // over particles: of cloths, then of mesh colliders
   std::uint32_t cloth_triangles = 0;         // how many of them are cloth
   std::vector<gpu::uvec2> edges;             // over particles: of all triangles, each once; lower particle first
-  std::vector<gpu::vec4> rest;               // particles: xyz where they are at rest (m), w thickness (m); only with contacts
+  std::vector<gpu::vec4> rest;               // particles: xyz where they are at rest (m), a mesh collider's in its own axes, w thickness (m);
+                                             // only with contacts
   double mean_edge = 0;                      // m, over the edges of cloth; only with contacts
   double h = 0;                              // s, the substep that coefficients were cooked for
   std::vector<std::string> notes;            // one sentence a kind of thing that was mended, left out or clamped
@@ -78,14 +88,24 @@ struct CookedFabric {
 /// Substeps a frame, with the default filled in.
 std::uint32_t substeps_of(const SolverSettings& solver);
 
-/// Loads or generates every cloth's mesh and puts it where its transform says. Errors name the cloth.
+/// Loads or generates every cloth's mesh and puts it where its transform says; after these, in the order of the scene, the meshes of
+/// its mesh colliders, scaled, in their own axes. Errors name the cloth or the collider.
 Result<std::vector<Mesh>> make_meshes(const Scene& scene);
 
 /// Errors: no particle, more than WEFT_MAX_PARTICLES, an anchor that chooses nothing or a vertex the mesh does not have,
-/// mass or a coefficient that is not finite. `meshes` has one entry a cloth.
+/// mass or a coefficient that is not finite. `meshes` has one entry a cloth and one a mesh collider, as make_meshes gives them.
 Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes);
 
 /// Where every anchor should be at a time, in CookedFabric::anchors' order, by the scene's keys.
 std::vector<Vec3> anchor_targets(const Scene& scene, const CookedFabric& fabric, double time);
+
+/// Where a mesh collider's particles are, in their order, when the collider stands so.
+std::vector<Vec3> collider_points(const CookedFabric& fabric, const ColliderMesh& mesh, Vec3 centre, const Rotation& rotation);
+
+/// Particles that the scene moves: all anchors, then those of mesh colliders.
+std::uint32_t moved_particles(const CookedFabric& fabric);
+
+/// Render vertices of cloth: those of mesh colliders come after them.
+std::uint32_t cloth_vertices(const CookedFabric& fabric);
 
 }  // namespace weft

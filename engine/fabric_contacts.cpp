@@ -26,19 +26,26 @@ std::vector<gpu::uvec2> edges_of(std::span<const Triangle> triangles) {
 
 }  // namespace
 
-void add_contacts(CookedFabric& fabric) {
-  fabric.edges = edges_of(fabric.triangles);
+void add_rest(CookedFabric& fabric) {
   for (std::size_t i = 0; i < fabric.positions.size(); ++i) {
     const gpu::vec4& x = fabric.positions[i];
     const auto cloth = std::bit_cast<std::uint32_t>(fabric.velocities[i].w);
     fabric.rest.push_back({x.x, x.y, x.z, fabric.materials[cloth].thickness});
   }
+}
+
+void add_edges(CookedFabric& fabric) {
+  fabric.edges = edges_of(fabric.triangles);
+  const std::uint32_t cloth_particles = fabric.cloths.back().first_particle + fabric.cloths.back().particles;
   double length = 0;
+  std::size_t count = 0;
   for (const gpu::uvec2 edge : fabric.edges) {
+    if (edge.y >= cloth_particles) break;   // sorted, and colliders come last
     const gpu::vec4 &a = fabric.rest[edge.x], &b = fabric.rest[edge.y];
     length += std::hypot(double(a.x) - b.x, double(a.y) - b.y, double(a.z) - b.z);
+    ++count;
   }
-  fabric.mean_edge = fabric.edges.empty() ? 0 : length / static_cast<double>(fabric.edges.size());
+  fabric.mean_edge = count == 0 ? 0 : length / static_cast<double>(count);
 }
 
 }  // namespace weft::cooking

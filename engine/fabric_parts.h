@@ -53,8 +53,14 @@ struct AnchorChoice {
 };
 Result<std::vector<AnchorChoice>> choose_anchors(const weft::Cloth& cloth, const Mesh& mesh);
 
-/// Fills what only scenes with contacts have: edges, rest and mean_edge. Positions, materials and triangles must be there.
-void add_contacts(CookedFabric& fabric);
+/// The rest poses of the cloth's particles; what add_collider_mesh adds comes after them.
+void add_rest(CookedFabric& fabric);
+
+/// Appends a mesh collider, where the scene's keys have it at time 0. Errors: too many particles.
+Result<void> add_collider_mesh(const Scene& scene, std::uint32_t collider, const Mesh& mesh, CookedFabric& fabric);
+
+/// All edges of all triangles, and how long those of cloth are.
+void add_edges(CookedFabric& fabric);
 
 enum class Padding { owner, repeated };
 

@@ -68,10 +68,10 @@ std::span<const Pass> all_passes() { return kPasses; }
 
 std::uint32_t features_of(const Scene& scene, const CookedFabric& fabric) {
   std::uint32_t features = kPlain;
-  if (!fabric.anchors.empty()) features |= kAnchors;
+  if (moved_particles(fabric) > 0) features |= kAnchors;
   if (!fabric.bends.empty()) features |= kBending;
   if (!fabric.tethers.empty()) features |= kTethers;
-  if (!scene.colliders.empty()) features |= kColliders;
+  if (scene.colliders.size() > fabric.collider_meshes.size()) features |= kColliders;
   if (scene.solver.iterations > 1) features |= kIterated;
   if (!fabric.rest.empty()) features |= kContacts;
   return features;
@@ -130,7 +130,7 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
   const std::uint64_t triangles = fabric.triangles.size(), edges = fabric.edges.size();
   const std::uint64_t counts[] = {particles, particles, particles, particles, particles, stretch_pairs, stretch_pairs, particles,
                                   fabric.bend.pairs.size(), bends, bends, bends, fabric.bend_uses.pairs.size(), fabric.tethers.size() / 2,
-                                  fabric.anchors.size(), scene.colliders.size(), fabric.materials.size(), vertices,
+                                  moved_particles(fabric), scene.colliders.size() - fabric.collider_meshes.size(), fabric.materials.size(), vertices,
                                   fabric.corners.size(), vertices, vertices, 1, particles,
                                   // Contacts: from `triangles` on. A block is at least 8 slots.
                                   triangles, edges, particles, particles, particles, particles, contacts.slots, contacts.slots + 1ull,
@@ -157,7 +157,7 @@ std::uint32_t domain_size(Domain domain, const CookedFabric& fabric, const Conta
     case Domain::detected_particles:
     case Domain::touched_particles:
     case Domain::once: return static_cast<std::uint32_t>(fabric.positions.size());   // a single thread is told how many there are
-    case Domain::anchors: return static_cast<std::uint32_t>(fabric.anchors.size());
+    case Domain::anchors: return moved_particles(fabric);
     case Domain::bends: return static_cast<std::uint32_t>(fabric.bends.size());
     case Domain::vertices: return static_cast<std::uint32_t>(fabric.surface_rows.size());
     case Domain::primitives: return static_cast<std::uint32_t>(fabric.triangles.size() + fabric.edges.size());

@@ -58,7 +58,14 @@ Result<Scene> load_scene(const std::filesystem::path& file, std::span<const Assi
   return scene;
 }
 
-bool contacts_on(const Scene& scene) { return scene.contacts.enabled; }
+bool contacts_on(const Scene& scene) { return scene.contacts.enabled || !mesh_colliders(scene).empty(); }
+
+std::vector<std::uint32_t> mesh_colliders(const Scene& scene) {
+  std::vector<std::uint32_t> meshes;
+  for (std::uint32_t i = 0; i < scene.colliders.size(); ++i)
+    if (scene.colliders[i].shape == ColliderShape::mesh) meshes.push_back(i);
+  return meshes;
+}
 
 std::string scene_text(const Scene& scene) {
   constexpr int kIndent = 2;

@@ -91,17 +91,20 @@ struct Cloth {
   Appearance appearance;
 };
 
-enum class ColliderShape { plane, sphere, capsule, box };
+enum class ColliderShape { plane, sphere, capsule, box, mesh };
 
 struct Collider {
   ColliderShape shape = ColliderShape::plane;
-  Vec3 centre;                  // m; a point of the plane, or the middle of the others
+  std::string mesh;             // meshes only: a glTF/GLB/OBJ file, relative to the scene; its surface is met from both sides
+  double scale = 1;             // meshes only, > 0
+  double thickness = 0.002;     // m, meshes only: it and the fabric's, halved, is the distance kept
+  Vec3 centre;                  // m; a point of the plane, where a mesh's origin lies, or the middle of the others
   Vec3 normal{0, 1, 0};         // unit, planes only
   double radius = 0.5;          // m, spheres and capsules
   double length = 0.5;          // m, capsules only: from the centre of one end's sphere to the other's
   Vec3 size{1, 1, 1};           // m, boxes only: whole sides
-  Vec3 axis{0, 1, 0};           // unit: along which a capsule lies, or about which a box is turned
-  double degrees = 0;           // boxes only: how far
+  Vec3 axis{0, 1, 0};           // unit: along which a capsule lies, or about which a box or a mesh is turned
+  double degrees = 0;           // boxes and meshes only: how far
   double friction = 0.4;        // combined with the fabric's by the geometric mean
   std::vector<Key> keys;
   Vec3 colour{0.5f, 0.5f, 0.5f};
@@ -174,10 +177,13 @@ Scene default_scene(const std::filesystem::path& mesh, Vec3 low, Vec3 high);
 /// Silk, cotton, denim, leather with their figures; nothing for another name. Sources stand beside the table.
 std::optional<Fabric> fabric_preset(std::string_view name);
 
-/// Whether cloth meets cloth.
+/// Whether cloth meets cloth: asked for, or needed by a mesh collider.
 bool contacts_on(const Scene& scene);
 
-/// How a collider stands before its keys turn it: takes +y to a capsule's axis and the world's axes to a box's.
+/// Indices of the colliders that are meshes. They are part of what is simulated; the others are formulas.
+std::vector<std::uint32_t> mesh_colliders(const Scene& scene);
+
+/// How a collider stands before its keys turn it: takes +y to a capsule's axis and the world's axes to a box's or a mesh's.
 Rotation rest_rotation(const Collider& collider);
 
 /// The turn by `degrees` about `axis` (unit).

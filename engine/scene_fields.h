@@ -49,7 +49,7 @@ constexpr std::size_t kMostVertices = 4'000'000;  // as many as a mesh may have
 using Names = std::span<const std::string_view>;
 inline constexpr std::array<std::string_view, 2> kTopologies = {"diagonal", "centre"};
 inline constexpr std::array<std::string_view, 4> kCorners = {"low_low", "high_low", "low_high", "high_high"};
-inline constexpr std::array<std::string_view, 4> kShapes = {"plane", "sphere", "capsule", "box"};
+inline constexpr std::array<std::string_view, 5> kShapes = {"plane", "sphere", "capsule", "box", "mesh"};
 inline constexpr std::array<std::string_view, 2> kAveragings = {"mass_split", "count"};
 inline constexpr std::array<std::string_view, 3> kMeshEndings = {".gltf", ".glb", ".obj"};
 inline constexpr std::array<std::string_view, 3> kPictureEndings = {".png", ".jpg", ".jpeg"};
@@ -149,13 +149,17 @@ struct ShapeKey {
   std::array<bool, kShapes.size()> of;   // which shapes have it
 };
 inline constexpr ShapeKey kShapeKeys[] = {
-    {"normal", {true, false, false, false}},  {"radius", {false, true, true, false}}, {"length", {false, false, true, false}},
-    {"size", {false, false, false, true}},    {"axis", {false, false, true, true}},   {"degrees", {false, false, false, true}},
+    {"normal", {true, false, false, false, false}}, {"radius", {false, true, true, false, false}}, {"length", {false, false, true, false, false}},
+    {"size", {false, false, false, true, false}},   {"axis", {false, false, true, true, true}},    {"degrees", {false, false, false, true, true}},
+    {"mesh", {false, false, false, false, true}},   {"scale", {false, false, false, false, true}}, {"thickness", {false, false, false, false, true}},
 };
 
 template <class V>
 void fields(V& v, Collider& collider) {
   v.choice("shape", collider.shape, kShapes);
+  v.file("mesh", collider.mesh, kMeshEndings);
+  v.number("scale", collider.scale, above(0, 1e6));
+  v.number("thickness", collider.thickness, between(0, 1, "m"));
   v.vector3("centre", collider.centre, kPlace);
   v.unit("normal", collider.normal);
   v.number("radius", collider.radius, above(0, kFarthest, "m"));

@@ -31,7 +31,7 @@ Eigen::Quaterniond widened(const Rotation& r) { return Eigen::Quaterniond(r.w, r
 Rotation rotation_about(Vec3 axis, double degrees) { return narrowed(rotation_of({0, {}, axis, degrees})); }
 
 Rotation rest_rotation(const Collider& collider) {
-  if (collider.shape == ColliderShape::box) return rotation_about(collider.axis, collider.degrees);
+  if (collider.shape == ColliderShape::box || collider.shape == ColliderShape::mesh) return rotation_about(collider.axis, collider.degrees);
   if (collider.shape != ColliderShape::capsule) return {};
   return narrowed(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitY(), Eigen::Vector3d(collider.axis.x, collider.axis.y, collider.axis.z)));
 }

@@ -69,7 +69,13 @@ void check(const Read& read, const Collider& collider) {
   for (const scene_fields::ShapeKey& own : scene_fields::kShapeKeys)
     if (!own.of[shape] && read.json.contains(own.key))
       read.faults.add(join(read.path, ".", own.key), join("a ", scene_fields::kShapes[shape], " has no ", own.key));
+  if (collider.shape == ColliderShape::mesh && !read.json.contains("mesh")) read.faults.add(read.path, "has no \"mesh\": the file that it is made of");
   check_times(read.path + ".keys", collider.keys, read.faults);
+}
+
+void check(const Read& read, const Scene& scene) {
+  if (const auto meshes = mesh_colliders(scene); !meshes.empty() && !scene.contacts.enabled && read.json.contains("contacts"))
+    read.faults.add("contacts", join("are off, and colliders[", meshes.front(), "] is a mesh, which cloth meets through contacts alone"));
 }
 
 void check(const Read& read, const Camera& camera) {

@@ -21,6 +21,7 @@ void check(const Read& read, const Anchor& anchor);
 void check(const Read& read, const Cloth& cloth);
 void check(const Read& read, const Collider& collider);
 void check(const Read& read, const Camera& camera);
+void check(const Read& read, const Scene& scene);
 
 /// Objects without such rules.
 template <class T>

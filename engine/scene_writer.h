@@ -20,6 +20,7 @@ struct SceneWriter {
   template <class T>
   static json written(T value) {
     SceneWriter writer;
+    if constexpr (std::is_same_v<T, Scene>) value.contacts.enabled = contacts_on(value);
     scene_fields::fields(writer, value);
     if constexpr (std::is_same_v<T, Collider>)
       for (const scene_fields::ShapeKey& own : scene_fields::kShapeKeys)

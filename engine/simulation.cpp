@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "engine/simulation_state.h"
 
@@ -84,8 +83,15 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
     state->anchors.push_back({anchor.particle, rest, rest});
     state->anchors_are_keyed |= !scene.cloths[anchor.cloth].anchors[anchor.entry].keys.empty();
   }
-  state->anchor_wishes.resize(state->anchors.size());
-  state->anchor_is_led.resize(state->anchors.size());
+  for (const ColliderMesh& mesh : state->fabric.collider_meshes) {
+    for (std::uint32_t i = mesh.first_particle; i < mesh.first_particle + mesh.particles; ++i) {
+      const gpu::vec4& x = state->fabric.positions[i];
+      state->anchors.push_back({i, {x.x, x.y, x.z}, {x.x, x.y, x.z}});
+    }
+    state->anchors_are_keyed |= !scene.colliders[mesh.collider].keys.empty();
+  }
+  state->anchor_wishes.resize(state->fabric.anchors.size());
+  state->anchor_is_led.resize(state->fabric.anchors.size());
   const std::size_t colliders = scene.colliders.size();
   state->collider_wishes.resize(colliders);
   state->collider_is_led.resize(colliders);
@@ -94,8 +100,8 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
     state->collider_poses.push_back(keyed_pose(collider, key));
     state->collider_keys.push_back(key);
   }
-  state->collider_order.resize(colliders);
-  std::iota(state->collider_order.begin(), state->collider_order.end(), 0u);
+  for (std::uint32_t k = 0; k < colliders; ++k)
+    if (scene.colliders[k].shape != ColliderShape::mesh) state->collider_order.push_back(k);
   std::stable_sort(state->collider_order.begin(), state->collider_order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return scene.colliders[a].shape < scene.colliders[b].shape; });
   std::unique_ptr<Simulation> simulation(new Simulation(std::move(state)));
@@ -122,8 +128,9 @@ bool finite(Vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::is
 }  // namespace
 
 Result<void> Simulation::move_anchors(std::uint32_t first, std::span<const Vec3> targets) {
-  if (first > state_->anchors.size() || targets.size() > state_->anchors.size() - first)
-    return fail("anchors ", first, " to ", first + targets.size(), " (exclusive) are beyond the simulation's ", state_->anchors.size());
+  const std::size_t anchors = state_->anchor_wishes.size();
+  if (first > anchors || targets.size() > anchors - first)
+    return fail("anchors ", first, " to ", first + targets.size(), " (exclusive) are beyond the simulation's ", anchors);
   for (std::size_t k = 0; k < targets.size(); ++k)
     if (!finite(targets[k])) return fail("the target of anchor ", first + k, " is not finite");
   for (std::size_t k = 0; k < targets.size(); ++k) {

@@ -97,7 +97,8 @@ class Simulation {
   /// Loads the scene's meshes, cooks, allocates, compiles. `device` must outlive the simulation.
   static Result<std::unique_ptr<Simulation>> create(const compute::Device& device, const Scene& scene,
                                                     const SimulationOptions& options = {});
-  /// The same with meshes that the caller made: one a cloth, already where the cloth hangs at rest.
+  /// The same with meshes that the caller made: one a cloth, already where the cloth hangs at rest, then one a mesh collider, in the
+  /// collider's own axes.
   static Result<std::unique_ptr<Simulation>> create(const compute::Device& device, const Scene& scene, std::vector<Mesh> meshes,
                                                     const SimulationOptions& options = {});
   ~Simulation();
@@ -117,7 +118,7 @@ class Simulation {
   /// device). Barriers to and from vertex input, host copies and earlier frames are recorded too.
   Result<Advance> record(VkCommandBuffer commands, double seconds);
 
-  /// Of every render vertex, cloth after cloth: RGBA32F, 16 bytes apart. Valid until the simulation is destroyed.
+  /// Of every render vertex, cloth after cloth, then mesh collider after mesh collider: RGBA32F, 16 bytes apart. Valid until the simulation is destroyed.
   FrameView positions() const;
   FrameView normals() const;
 
@@ -149,11 +150,12 @@ class Simulation {
   Counts counts() const;
 
   const Scene& scene() const;
+  /// One a cloth, then one a mesh collider.
   const std::vector<Mesh>& meshes() const;
   const CookedFabric& fabric() const;
   const compute::Device& device() const;
 
-  /// Copies particles back (CookedFabric's order). Waits for the last submitted frame.
+  /// Copies all particles back, cloths' and mesh colliders' (CookedFabric's order). Waits for the last submitted frame.
   Result<std::vector<gpu::vec4>> read_positions() const;
   Result<std::vector<gpu::vec4>> read_velocities() const;
   /// Overwrites the state of all particles (CookedFabric's order; w is ignored): a pose to start from. Waits.

@@ -57,46 +57,68 @@ Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input)
   return advance;
 }
 
+// Where a collider is at the frame's end; what it turns by on its way there (rad) is returned.
+Vec3 Simulation::State::move_collider_on(std::uint32_t collider) {
+  const Collider& described = scene.colliders[collider];
+  ColliderPose& pose = collider_poses[collider];
+  Vec3 spin;
+  if (std::optional<ColliderPose>& wish = collider_wishes[collider]) {
+    spin = spin_between(pose.rotation, wish->rotation);
+    pose = *wish;
+    wish.reset();
+  } else if (!collider_is_led[collider] && !described.keys.empty()) {
+    const Key key = pose_at(described.keys, now());
+    spin = spin_between(collider_keys[collider], key);
+    pose = keyed_pose(described, key);
+    collider_keys[collider] = key;
+  }
+  return spin;
+}
+
+// Their particles are led like anchors, each straight to its next place.
+void Simulation::State::move_collider_meshes() {
+  auto at = anchors.begin() + static_cast<std::ptrdiff_t>(fabric.anchors.size());
+  for (const ColliderMesh& mesh : fabric.collider_meshes) {
+    const ColliderPose from = collider_poses[mesh.collider];
+    move_collider_on(mesh.collider);
+    const ColliderPose& to = collider_poses[mesh.collider];
+    if (!(from.centre == to.centre) || !(from.rotation == to.rotation)) {
+      const std::vector<Vec3> points = collider_points(fabric, mesh, to.centre, to.rotation);
+      for (std::size_t k = 0; k < points.size(); ++k) at[static_cast<std::ptrdiff_t>(k)].to = gpu_vector(points[k]);
+    }
+    at += mesh.particles;
+  }
+}
+
 void Simulation::State::move_scene(FrameInput& input) {
   for (gpu::Anchor& anchor : anchors) anchor.from = anchor.to;
   if (anchors_are_keyed) {
     const std::vector<Vec3> keyed = anchor_targets(scene, fabric, now());
-    for (std::size_t k = 0; k < anchors.size(); ++k)
+    for (std::size_t k = 0; k < keyed.size(); ++k)
       if (!anchor_is_led[k]) anchors[k].to = gpu_vector(keyed[k]);
   }
-  for (std::size_t k = 0; k < anchors.size(); ++k) {
+  for (std::size_t k = 0; k < anchor_wishes.size(); ++k) {
     if (anchor_wishes[k]) anchors[k].to = gpu_vector(*anchor_wishes[k]);
     anchor_wishes[k].reset();
-    input.anchors_move |= !same(anchors[k].from, anchors[k].to);
   }
+  move_collider_meshes();
+  for (const gpu::Anchor& anchor : anchors) input.anchors_move |= !same(anchor.from, anchor.to);
   colliders.clear();
   for (const std::uint32_t k : collider_order) {
     const Collider& described = scene.colliders[k];
     const ColliderPose from = collider_poses[k];
-    ColliderPose to = from;
-    Vec3 spin;
-    if (collider_wishes[k]) {
-      to = *collider_wishes[k];
-      collider_wishes[k].reset();
-      spin = spin_between(from.rotation, to.rotation);
-    } else if (!collider_is_led[k] && !described.keys.empty()) {
-      const Key key = pose_at(described.keys, now());
-      to = keyed_pose(described, key);
-      spin = spin_between(collider_keys[k], key);
-      collider_keys[k] = key;
-    }
+    const Vec3 spin = move_collider_on(k);
+    const ColliderPose& to = collider_poses[k];
     const Vec3 half_size = described.shape == ColliderShape::box ? 0.5f * described.size : Vec3{0, static_cast<float>(0.5 * described.length), 0};
     const Rotation& turn = from.rotation;
     colliders.push_back({static_cast<float>(described.radius), static_cast<float>(described.friction), gpu_vector(from.centre),
                          gpu_vector(to.centre), gpu_vector(from.normal), gpu_vector(to.normal), gpu_vector(spin),
                          {turn.x, turn.y, turn.z, turn.w}, gpu_vector(half_size)});
-    collider_poses[k] = to;
   }
   input.anchors = anchors;
   input.colliders = colliders;
 }
 
-// `keep`: a snapshot first, so that the frame can be run again.
 void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool keep) {
   using compute::Use;
   compute::Recorder recorder(*device, commands, timestamps);

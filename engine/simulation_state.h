@@ -44,12 +44,12 @@ struct Simulation::State {
   std::uint64_t ticks = 0;                     // substeps so far: the clock
   double pending = 0;                          // s, less than a substep
   Vec3 gravity;
-  std::vector<gpu::Anchor> anchors;            // from: where they are; to: where the frame takes them
-  std::vector<std::optional<Vec3>> anchor_wishes;
+  std::vector<gpu::Anchor> anchors;            // from: where they are; to: where the frame takes them; then the mesh colliders' particles
+  std::vector<std::optional<Vec3>> anchor_wishes;   // of the anchors alone
   std::vector<bool> anchor_is_led;             // by the host, instead of by keys
   std::vector<ColliderPose> collider_poses;    // where they are
   std::vector<Key> collider_keys;              // what the keys said last
-  std::vector<std::uint32_t> collider_order;   // by shape, as the GPU wants them
+  std::vector<std::uint32_t> collider_order;   // by shape, as the GPU wants them; no meshes
   std::vector<std::optional<ColliderPose>> collider_wishes;
   std::vector<bool> collider_is_led;
   std::vector<gpu::Collider> colliders;        // of the frame at hand
@@ -62,6 +62,8 @@ struct Simulation::State {
   bool timed_on_cpu() const;
   Result<Advance> plan_frame(double seconds, FrameInput& input);
   void move_scene(FrameInput& input);
+  Vec3 move_collider_on(std::uint32_t collider);
+  void move_collider_meshes();
   void record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool keep);
   Result<void> submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits, bool keep);
   Result<void> run_pass_by_pass(const FrameInput& input, bool keep);

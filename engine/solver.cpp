@@ -44,7 +44,8 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   solver.h_ = fabric.h;
   solver.stretch_stride_ = fabric.stretch.stride;
   solver.tether_pairs_ = fabric.tethers_per_particle / 2;
-  for (const Collider& collider : scene.colliders) ++solver.colliders_[static_cast<std::size_t>(collider.shape)];
+  for (const Collider& collider : scene.colliders)
+    if (collider.shape != ColliderShape::mesh) ++solver.colliders_[static_cast<std::size_t>(collider.shape)];
   // Both are measured choices: the software driver runs a workgroup on one core, GPUs want full warps and waves.
   solver.workgroup_ = options.workgroup != 0 ? options.workgroup : device.is_software() ? 512 : 64;
   if (solver.workgroup_ > device.limits().max_workgroup_invocations)
@@ -101,6 +102,11 @@ Result<void> Solver::create_buffers(const Scene& scene, const CookedFabric& fabr
   for (std::size_t i = 0; i < iterate.size(); ++i) iterate[i].w = fabric.iterate_weights[i];
   std::vector<gpu::Anchor> anchors;
   for (const AnchorTarget& a : fabric.anchors) anchors.push_back({a.particle, {a.rest.x, a.rest.y, a.rest.z}, {a.rest.x, a.rest.y, a.rest.z}});
+  for (const ColliderMesh& mesh : fabric.collider_meshes)
+    for (std::uint32_t i = mesh.first_particle; i < mesh.first_particle + mesh.particles; ++i) {
+      const gpu::vec4& x = fabric.positions[i];
+      anchors.push_back({i, {x.x, x.y, x.z}, {x.x, x.y, x.z}});
+    }
   const std::vector<gpu::Counters> counters(1);
   // What contacts find between detections, substeps and iterations (shared.h).
   std::vector<gpu::Detection> detection(1);

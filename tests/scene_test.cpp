@@ -79,6 +79,10 @@ TEST(Scene, every_key_arrives) {
   EXPECT_EQ(scene.colliders.at(3).shape, ColliderShape::box);
   EXPECT_EQ(scene.colliders.at(3).size, (Vec3{1, 2, 3}));
   EXPECT_EQ(scene.colliders.at(3).degrees, 45);
+  EXPECT_EQ(scene.colliders.at(4).shape, ColliderShape::mesh);
+  EXPECT_EQ(scene.colliders.at(4).mesh, "sheet.glb");
+  EXPECT_EQ(scene.colliders.at(4).scale, 2);
+  EXPECT_EQ(scene.colliders.at(4).thickness, 0.004);
   EXPECT_EQ(scene.camera.eye, (Vec3{0, 1, 5}));
   EXPECT_EQ(scene.camera.fov_degrees, 30);
   EXPECT_EQ(scene.light.direction, (Vec3{0, -2, 0}));
@@ -107,6 +111,18 @@ TEST(Scene, contacts_are_off_until_asked_for_in_any_of_three_ways) {
   EXPECT_EQ(contacts_of("", {{"contacts.reach", "0.01"}}), (Contacts{true, 0.25, 0, 0, 0.01}));
   EXPECT_EQ(contacts_of("false", {{"contacts.reach", "0.01"}}), (Contacts{false, 0.25, 0, 0, 0.01}));
   EXPECT_EQ(contacts_of("true", {{"contacts", "false"}}), Contacts{});
+}
+
+TEST(Scene, a_mesh_collider_brings_contacts_also_when_it_is_written_and_read_again) {
+  Result<Scene> scene = parse(R"({"cloths": [{"grid": {}}], "colliders": [{"shape": "sphere"}, {"shape": "mesh", "mesh": "sheet.glb"}]})");
+  ASSERT_TRUE(scene) << scene.error();
+  EXPECT_TRUE(contacts_on(*scene));
+  EXPECT_EQ(mesh_colliders(*scene), std::vector<std::uint32_t>{1});
+  const Result<Scene> second = parse(scene_text(*scene));
+  ASSERT_TRUE(second) << second.error();
+  EXPECT_TRUE(contacts_on(*second));
+  scene->colliders.pop_back();
+  EXPECT_FALSE(contacts_on(*scene));
 }
 
 TEST(Scene, a_default_fabric_is_cotton) { EXPECT_EQ(Fabric{}, *fabric_preset("cotton")); }

@@ -53,7 +53,8 @@ inline constexpr const char* kFull = R"({
   "colliders": [{"shape": "sphere", "centre": [0, 1, 0], "radius": 0.25, "friction": 0, "colour": [0, 1, 0], "keys": [{"time": 2}]},
                 {"shape": "plane", "centre": [0, -1, 0], "normal": [0, 0, 5]},
                 {"shape": "capsule", "axis": [2, 0, 0], "length": 0.75, "radius": 0.125},
-                {"shape": "box", "size": [1, 2, 3], "axis": [0, 0, 4], "degrees": 45}],
+                {"shape": "box", "size": [1, 2, 3], "axis": [0, 0, 4], "degrees": 45},
+                {"shape": "mesh", "mesh": "sheet.glb", "centre": [0, 2, 0], "axis": [0, 3, 0], "degrees": 30, "scale": 2, "thickness": 0.004}],
   "camera": {"eye": [0, 1, 5], "target": [0, 1, 0], "fov_degrees": 30},
   "light": {"direction": [0, -2, 0], "colour": [1, 1, 1], "sun": 3, "sky": 0.5}
 })";
