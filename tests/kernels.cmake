@@ -1,5 +1,5 @@
 # weft_test_kernel(target name source environment): compiles kernels/<source> for a target environment of glslang, and
-# gives the target a header <name>.h with the words as the array <name>.
+# gives the target a header <name>.h with the words as the array <name>. What it includes follows.
 find_program(GLSLANG glslangValidator REQUIRED)
 
 function(weft_test_kernel target name source environment)
@@ -10,7 +10,7 @@ function(weft_test_kernel target name source environment)
     OUTPUT ${header}
     COMMAND ${GLSLANG} --quiet -V --target-env ${environment} --vn ${name}
             ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/kernels/${source} -o ${header}
-    DEPENDS ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/kernels/${source}
+    DEPENDS ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/kernels/${source} ${ARGN}
     COMMENT "Test kernel ${name}"
     VERBATIM)
   target_sources(${target} PRIVATE ${header})
@@ -27,4 +27,8 @@ endfunction()
 function(weft_recorder_test_kernels target)
   weft_test_kernel(${target} scale scale.comp vulkan1.2)
   weft_test_kernel(${target} arguments arguments.comp vulkan1.2)
+endfunction()
+
+function(weft_proximity_test_kernel target)
+  weft_test_kernel(${target} proximity proximity.comp vulkan1.2 ${PROJECT_SOURCE_DIR}/shaders/proximity.glsl)
 endfunction()

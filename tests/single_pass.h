@@ -139,9 +139,10 @@ inline std::vector<gpu::vec4> leading_to(const std::vector<gpu::vec4>& p, const 
 
 class SinglePass {
  public:
-  SinglePass(const compute::Device& device, const Scene& scene, const CookedFabric& fabric, bool gather_storage = false)
+  SinglePass(const compute::Device& device, const Scene& scene, const CookedFabric& fabric, bool gather_storage = false,
+             std::uint32_t workgroup = 0)
       : device_(device), cache_(must(compute::PipelineCache::create(device))),
-        solver_(must(Solver::create(device, cache_, scene, fabric, {gather_storage, 0}))), fabric_(fabric) {}
+        solver_(must(Solver::create(device, cache_, scene, fabric, {gather_storage, workgroup}))), fabric_(fabric) {}
 
   template <class T>
   void put(gpu::Binding binding, const std::vector<T>& values) {
