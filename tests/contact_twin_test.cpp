@@ -21,7 +21,7 @@ Points along(const Points& x, const Points& p, const std::vector<double>& fracti
   return end;
 }
 
-TEST(ContactTwin, TheDistanceOfAPairChangesAsItsGradientSays) {
+TEST(ContactTwin, the_distance_of_a_pair_changes_as_its_gradient_says) {
   Random random(1);
   const Tufts t = tufts(random, 20, 4, 0);
   for (const Pair& pair : t.pairs) {
@@ -40,7 +40,7 @@ TEST(ContactTwin, TheDistanceOfAPairChangesAsItsGradientSays) {
   }
 }
 
-TEST(ContactTwin, ALoneContactIsMetAtOnce) {
+TEST(ContactTwin, a_lone_contact_is_met_at_once) {
   Random random(2);
   Tufts t = tufts(random, 200, 1, 0.02);
   std::fill(t.inverse_masses.begin(), t.inverse_masses.end(), 10.0);
@@ -56,7 +56,7 @@ TEST(ContactTwin, ALoneContactIsMetAtOnce) {
   EXPECT_GT(pushed, 20);
 }
 
-TEST(ContactTwin, ContactsKeepMomentum) {
+TEST(ContactTwin, contacts_keep_momentum) {
   Random random(3);
   const Tufts t = tufts(random, 30, 12, 0.02, 1000000);
   const Points p = solve_contacts(t.pairs, prepare(t, kRecover), t.x, t.p, t.inverse_masses, std::vector<double>(t.x.size(), 0.5));
@@ -70,7 +70,7 @@ TEST(ContactTwin, ContactsKeepMomentum) {
   EXPECT_LT(sum.norm(), 1e-12 * size);
 }
 
-TEST(ContactTwin, FrictionStaysInItsConeAndStopsAtMost) {
+TEST(ContactTwin, friction_stays_in_its_cone_and_stops_at_most) {
   Random random(4);
   const Tufts t = tufts(random, 200, 1, 0.03);
   const auto contacts = prepare(t, kRecover);
@@ -96,7 +96,7 @@ TEST(ContactTwin, FrictionStaysInItsConeAndStopsAtMost) {
   EXPECT_GT(stuck, 10);
 }
 
-TEST(ContactTwin, NoParticleIsPushedFurtherThanTheSidesLack) {
+TEST(ContactTwin, no_particle_is_pushed_further_than_the_sides_lack) {
   // An edge that is held at one end is pressed upon there: its other end hardly moves the place.
   const Points x{{0, 0, 0.001}, {0, 1, 0.001}, {0.001, -1, 0}, {0.001, 1, 0}};
   Points p = x;
@@ -111,7 +111,7 @@ TEST(ContactTwin, NoParticleIsPushedFurtherThanTheSidesLack) {
   EXPECT_LE((pushed[1] - p[1]).norm(), lack * (1 + 1e-12));
 }
 
-TEST(ContactLimit, NothingCrossesHoweverViolentTheMotion) {
+TEST(ContactLimit, nothing_crosses_however_violent_the_motion) {
   for (const double violence : {0.003, 0.01, 0.1, 1.0}) {
     Random random(5);
     const Tufts t = tufts(random, 60, 12, violence, 1000000);
@@ -121,7 +121,7 @@ TEST(ContactLimit, NothingCrossesHoweverViolentTheMotion) {
   }
 }
 
-TEST(ContactLimit, PairsThatGoAlongAreNotHeldBack) {
+TEST(ContactLimit, pairs_that_go_along_are_not_held_back) {
   Random random(6);
   Tufts t = tufts(random, 60, 12, 1e-5, 1000000);
   for (std::size_t i = 0; i < t.x.size(); ++i) t.p[i] += Vector(3, -5, 4);   // m
@@ -155,7 +155,7 @@ Pile pile(std::size_t layers, double gap, double fall) {
   return pile;
 }
 
-TEST(ContactLimit, LayersThatFallTogetherStopOverOneThatIsStopped) {
+TEST(ContactLimit, layers_that_fall_together_stop_over_one_that_is_stopped) {
   for (const std::size_t layers : {3u, 4u, 10u}) {
     const Pile p = pile(layers, 0.001, 0.05);
     std::vector<Contact> contacts;
@@ -169,7 +169,7 @@ TEST(ContactLimit, LayersThatFallTogetherStopOverOneThatIsStopped) {
   }
 }
 
-TEST(ContactLimit, WhatCannotStopTakesItsRoomFromTheOtherSide) {
+TEST(ContactLimit, what_cannot_stop_takes_its_room_from_the_other_side) {
   const Points x{{0, 0.01, 0}, {-0.1, 0, -0.1}, {0.1, 0, -0.1}, {0, 0, 0.1}};
   const Pair pair{{0, 1, 2, 3}, 0.005, false};
   for (const double rise : {0.002, 0.008}) {
@@ -187,7 +187,7 @@ TEST(ContactLimit, WhatCannotStopTakesItsRoomFromTheOtherSide) {
   }
 }
 
-TEST(ContactLimit, SidesThatMeetStayWhereTheyAre) {
+TEST(ContactLimit, sides_that_meet_stay_where_they_are) {
   const Points x{{0, 0, 0}, {-0.1, 0, -0.1}, {0.1, 0, -0.1}, {0, 0, 0.1}};
   Points p = x;
   for (Vector& place : p) place.y() -= 0.1;
