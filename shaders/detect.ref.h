@@ -1,8 +1,10 @@
 // Twin of the detection (detect_path, pair_faces, pair_edges): which pairs may meet, over all pairs, in double precision and
 // without a grid. Derived for two convex primitives A and B on their ways r_i + s q_i / H, s the substeps since the detection:
-// as mixtures with the same weights at all times, two of their points keep the distance d between A and B at s = 0 but for
-//   | sum a_i q_i - sum b_j q_j | <= max |q_i - q_j|,
-// and each particle may be off its way by the leash R and by one substep's way |q_i| / H (pair.glsl).
+// two of their points, mixtures a and b of the particles, are d apart at s = 0, and s substeps later off that by
+//   s/H (sum a_i q_i - sum b_j q_j)   of length <= max |q_i - q_j|,
+// by as much as particles were stopped on their way in the last substep, t_i of it,
+//   1/H (sum a_i t_i q_i - sum b_j t_j q_j)   of length <= max |t_i q_i - t_j q_j| / H,
+// and by the leash R on either side (pair.glsl).
 #pragma once
 
 #include <algorithm>
@@ -31,17 +33,11 @@ inline Vector path_along(const Vector& step, double cell) {
 
 using Particles = std::array<std::uint32_t, 4>;
 
-inline double step_of(const Tracks& t, std::span<const std::uint32_t> side) {
-  double longest = 0;
-  for (const std::uint32_t i : side) longest = std::max(longest, t.paths[i].norm() / kHorizon);
-  return longest;
-}
-
-/// What the surface of a side cannot leave.
+/// What the surface of a side cannot leave: no particle is further than the leash from some place on its way.
 inline Eigen::AlignedBox3d box_of(const Tracks& t, std::span<const std::uint32_t> side) {
   Eigen::AlignedBox3d box;
   for (const std::uint32_t i : side) box.extend(t.references[i]).extend(t.references[i] + t.paths[i]);
-  const Vector margin = Vector::Constant(t.reach + step_of(t, side) + t.thickness[side[0]] / 2);
+  const Vector margin = Vector::Constant(t.reach + t.thickness[side[0]] / 2);
   return {box.min() - margin, box.max() + margin};
 }
 
@@ -66,12 +62,15 @@ inline double spare_distance(const Tracks& t, const Particles& p, int a) {
   const auto box_a = box_of(t, side_a), box_b = box_of(t, side_b);
   const double apart = std::max((box_b.min() - box_a.max()).maxCoeff(), (box_a.min() - box_b.max()).maxCoeff());
   if (apart > 0) return apart;
-  double relative = 0;
+  double relative = 0, stopped = 0;
   for (const std::uint32_t i : side_a)
-    for (const std::uint32_t j : side_b) relative = std::max(relative, (t.paths[i] - t.paths[j]).norm());
+    for (const std::uint32_t j : side_b) {
+      const double difference = (t.paths[i] - t.paths[j]).norm();
+      relative = std::max(relative, difference);
+      stopped = std::max({stopped, t.paths[i].norm() / kHorizon, t.paths[j].norm() / kHorizon, difference / kHorizon});
+    }
   const double distance = closest({t.references[p[0]], t.references[p[1]], t.references[p[2]], t.references[p[3]]}, a).distance;
-  const double spare = distance - relative - 2 * t.reach - step_of(t, side_a) - step_of(t, side_b);
-  return std::max(apart, spare - keep_of(t, p, a));
+  return std::max(apart, distance - relative - stopped - 2 * t.reach - keep_of(t, p, a));
 }
 
 }  // namespace weft::reference

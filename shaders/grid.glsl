@@ -14,6 +14,8 @@ GATHER(rest)
 // Four units in the last place of the largest coordinate: what adding paths up and comparing places may lose.
 const float rounding = 4.0 / 8388608.0;
 
+const float per_substep = 1.0 / float(WEFT_HORIZON);
+
 const uint of_triangles = 0, of_edges = 1;   // kinds of primitives
 
 // A particle at the last detection, and what it would go in WEFT_HORIZON substeps from there (m).
@@ -25,15 +27,16 @@ Track track_of(uint i) { return Track(FETCH(references, i).xyz, FETCH(paths, i).
 
 struct Sweep {
   vec3 low, high;    // corners of the box that the primitive's surface cannot leave (m)
-  float clearance;   // how far its particles can be from their paths (m)
+  float step;        // what its fastest particle goes in a substep (m)
+  float clearance;   // how far a particle can be from where its path has led so far (m)
 };
 
 Sweep sweep_of(vec3 low, vec3 high, float squared_path, float thickness) {
   const vec3 far = max(abs(low), abs(high));
-  precise const float clearance = detection[0].reach + sqrt(squared_path) * (1.0 / float(WEFT_HORIZON)) + rounding * max(far.x, max(far.y, far.z));
+  precise const float clearance = detection[0].reach + rounding * max(far.x, max(far.y, far.z));
   precise const float margin = clearance + 0.5 * thickness;
   precise const vec3 from = low - margin, to = high + margin;
-  return Sweep(from, to, clearance);
+  return Sweep(from, to, sqrt(squared_path) * per_substep, clearance);
 }
 
 float squared_length(vec3 d) {

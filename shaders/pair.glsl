@@ -1,10 +1,14 @@
 // pair: the search for what a primitive may meet before the next detection, and the candidates that come of it.
 //
-// A and B cannot meet while every particle is within its clearance of its path if, with the distance d between them at the
-// detection and u the largest difference between a path of A and a path of B,
-//     d - u - clearance_A - clearance_B >= keep,
-// because two points of A and B, mixtures of their particles, come closer by no more than such a difference, and by both
-// clearances. Nor can they if their boxes do not overlap. A pair that stays together wherever it goes has u = 0.
+// A substep takes a particle from within its clearance of its path to within that again, or stops it on the straight line
+// between: there it is that close to a place of its path that it passes in this substep, which is t of a step behind. Two points of
+// A and B, mixtures of their particles, differ in where their paths have led them by at most u, the largest difference
+// between a path q_i of A and a path q_j of B, and in how far they were stopped by
+//     |t_i q_i - t_j q_j| / H <= max(|q_i|, |q_j|, |q_i - q_j|) / H    (convex in the t's, so largest where they are 0 or 1).
+// So A and B, d apart at the detection, cannot meet before the next one if
+//     d - u - max(step_A, step_B, u / H) - clearance_A - clearance_B >= keep.
+// Nor can they if their boxes do not overlap: a place that a path passes is in its box. A pair that stays together wherever it
+// goes has u = 0, and only the steps by which one of them may be stopped count.
 
 #include "grid.glsl"
 #include "proximity.glsl"
@@ -60,6 +64,12 @@ void search(Sweep sweep, uint kind, uint from_level) {
 bool overlap(Sweep a, Sweep b) { return all(lessThanEqual(a.low, b.high)) && all(lessThanEqual(b.low, a.high)); }
 
 float inverse_mass(uint i) { return FETCH(positions, i).w; }
+
+// What is left of the distance between two sides at the detection, at worst, before the next one (m).
+float spare_distance(float distance, float squared_relative, Sweep a, Sweep b) {
+  const float relative = sqrt(squared_relative);
+  return distance - relative - max(max(a.step, b.step), relative * per_substep) - a.clearance - b.clearance;
+}
 
 // A cloth at rest must not push itself apart, however thick it is.
 bool same_cloth(uint a, uint b) { return floatBitsToUint(FETCH(velocities, a).w) == floatBitsToUint(FETCH(velocities, b).w); }

@@ -27,7 +27,7 @@ bool moves(uvec2 e) {
   return inverse_mass(ends.x) > 0 || inverse_mass(ends.y) > 0 || inverse_mass(e.x) > 0 || inverse_mass(e.y) > 0;
 }
 
-float squared_gap(Track a, Track b) {
+float squared_difference(Track a, Track b) {
   const vec3 d = a.path - b.path;
   return dot(d, d);
 }
@@ -41,8 +41,8 @@ void meet(uint primitive, uint its_level) {
   const float its_thickness = FETCH(rest, e.x).w;
   const Sweep its_sweep = sweep_of(a, b, its_thickness);
   if (!overlap(sweep, its_sweep)) return;
-  const float relative = sqrt(max(max(squared_gap(tracks[0], a), squared_gap(tracks[0], b)), max(squared_gap(tracks[1], a), squared_gap(tracks[1], b))));
-  const float spare = distance_of(tracks[0].at, tracks[1].at, a.at, b.at) - relative - sweep.clearance - its_sweep.clearance;
+  const float relative = max(max(squared_difference(tracks[0], a), squared_difference(tracks[0], b)), max(squared_difference(tracks[1], a), squared_difference(tracks[1], b)));
+  const float spare = spare_distance(distance_of(tracks[0].at, tracks[1].at, a.at, b.at), relative, sweep, its_sweep);
   float keep = 0.5 * (thickness + its_thickness);
   if (spare >= keep || !moves(e)) return;
   if (same_cloth(ends.x, e.x)) keep = min(keep, share_of_rest * rest_distance(e));

@@ -33,8 +33,8 @@ void meet(uint face, uint its_level) {
   const Sweep its_sweep = sweep_of(a, b, c, its_thickness);
   if (!overlap(sweep, its_sweep)) return;
   const vec3 from_a = track.path - a.path, from_b = track.path - b.path, from_c = track.path - c.path;
-  const float relative = sqrt(max(max(dot(from_a, from_a), dot(from_b, from_b)), dot(from_c, from_c)));
-  const float spare = distance_of(track.at, a.at, b.at, c.at) - relative - sweep.clearance - its_sweep.clearance;
+  const float relative = max(max(dot(from_a, from_a), dot(from_b, from_b)), dot(from_c, from_c));
+  const float spare = spare_distance(distance_of(track.at, a.at, b.at, c.at), relative, sweep, its_sweep);
   float keep = 0.5 * (thickness + its_thickness);
   if (spare >= keep || !moves(t)) return;
   if (same_cloth(vertex, t.x)) keep = min(keep, share_of_rest * rest_distance(t));
