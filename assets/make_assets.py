@@ -3,6 +3,8 @@
 
     curtain.glb      two panels, 2.4 m x 2.0 m, 97 x 73 places, sewn along a UV seam; upright, its hem on y = 0
     tablecloth.glb   one square sheet, 2 m x 2 m, 65 x 65 places, 32-bit indices; flat, on y = 0
+    table.glb        a table, 0.9 m x 0.9 m, 0.72 m high, on y = 0: one closed surface with hard edges
+    table_linen.glb  two panels, 1.5 m x 1.5 m, 61 x 61 places, sewn along a UV seam; flat, on y = 0
     plain_weave_*.png, twill_*.png
                      a woven fabric that tiles: albedo (sRGB), normal (tangent space, green up), roughness, occlusion
     banner.png       a picture, to show that any picture can be put on a cloth
@@ -97,17 +99,25 @@ def sheet_triangles(columns, rows, first, cell):
     return triangles
 
 
-def curtain():
-    """Two panels side by side: the vertices of the seam are there twice, at one place with two texture coordinates."""
-    width, height, columns, rows = 2.4, 2.0, 48, 72
+def sewn_panels(name, width, height, columns, rows, place, normal):
+    """Two panels of `columns` each, side by side: the vertices of the seam are there twice, at one place with two texture coordinates.
+    `place` takes what is right of the middle and above the hem (m) into space."""
     positions, uvs, triangles = [], [], []
     for panel in range(2):
         triangles += sheet_triangles(columns, rows, len(positions), panel * columns)
         for j in range(rows + 1):
             for i in range(columns + 1):
-                positions.append((width * ((panel * columns + i) / (2 * columns) - 0.5), height * j / rows, 0.0))
+                positions.append(place(width * ((panel * columns + i) / (2 * columns) - 0.5), height * j / rows))
                 uvs.append((0.5 * width * i / columns, height * (1 - j / rows)))
-    return glb("curtain", positions, [(0.0, 0.0, 1.0)] * len(positions), uvs, triangles, wide_indices=False)
+    return glb(name, positions, [normal] * len(positions), uvs, triangles, wide_indices=False)
+
+
+def curtain():
+    return sewn_panels("curtain", 2.4, 2.0, 48, 72, lambda x, y: (x, y, 0.0), (0.0, 0.0, 1.0))
+
+
+def table_linen():
+    return sewn_panels("table linen", 1.5, 1.5, 30, 60, lambda x, y: (x, 0.0, 0.75 - y), (0.0, 1.0, 0.0))
 
 
 def tablecloth():
@@ -119,6 +129,53 @@ def tablecloth():
             uvs.append((side * i / cells, side * (1 - j / cells)))
     return glb("tablecloth", positions, [(0.0, 1.0, 0.0)] * len(positions), uvs, sheet_triangles(cells, cells, 0, 0),
                wide_indices=True)
+
+
+def table():
+    """Blocks of a grid, and the faces between a block and nothing: so the surface is closed, whatever the blocks are."""
+    blocks, storeys, side, leg, top = 12, 9, 0.9, 0.68, 0.04
+    heights = [leg * k / storeys for k in range(storeys + 1)] + [leg + top]
+
+    def filled(block):
+        i, j, k = block
+        if not (0 <= i < blocks and 0 <= k < blocks and 0 <= j <= storeys):
+            return False
+        return j == storeys or (i in (1, blocks - 2) and k in (1, blocks - 2))
+
+    def corner(i, j, k):
+        return side * (i / blocks - 0.5), heights[j], side * (k / blocks - 0.5)
+
+    positions, normals, uvs, triangles, vertices = [], [], [], [], {}
+    for j in range(storeys + 1):
+        for k in range(blocks):
+            for i in range(blocks):
+                if not filled((i, j, k)):
+                    continue
+                for axis in range(3):
+                    for end in (0, 1):
+                        beyond = [i, j, k]
+                        beyond[axis] += 2 * end - 1
+                        if filled(beyond):
+                            continue
+                        normal = tuple(float(2 * end - 1) if n == axis else 0.0 for n in range(3))
+                        u, v = (axis + 1) % 3, (axis + 2) % 3     # u, v and the axis are right-handed
+                        face = []
+                        for du, dv in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                            at = [i, j, k]
+                            at[axis] += end
+                            at[u] += du
+                            at[v] += dv
+                            # Each direction has vertices of its own: the edges of the table are hard.
+                            vertex = vertices.setdefault((*at, normal), len(positions))
+                            if vertex == len(positions):
+                                place = corner(*at)
+                                positions.append(place)
+                                normals.append(normal)
+                                uvs.append((place[u], place[v]))
+                            face.append(vertex)
+                        a, b, c, d = face if end else reversed(face)
+                        triangles += [(a, b, c), (a, c, d)] if (i + j + k) % 2 == 0 else [(a, b, d), (b, c, d)]
+    return glb("table", positions, normals, uvs, triangles, wide_indices=False)
 
 
 # ---- Fabric: a height field of yarns, and four maps taken from it
@@ -324,6 +381,8 @@ def main():
         folder.mkdir(parents=True, exist_ok=True)
         save(folder / "curtain.glb", curtain())
         save(folder / "tablecloth.glb", tablecloth())
+        save(folder / "table.glb", table())
+        save(folder / "table_linen.glb", table_linen())
         save(folder / "banner.png", banner())
         for maps in (plain_weave(), twill()):
             for name, content in maps.items():

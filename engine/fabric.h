@@ -105,7 +105,8 @@ std::vector<Vec3> collider_points(const CookedFabric& fabric, const ColliderMesh
 /// Particles that the scene moves: all anchors, then those of mesh colliders.
 std::uint32_t moved_particles(const CookedFabric& fabric);
 
-/// Render vertices of cloth: those of mesh colliders come after them.
+/// Particles and render vertices of cloth: those of mesh colliders come after them.
+std::uint32_t cloth_particles(const CookedFabric& fabric);
 std::uint32_t cloth_vertices(const CookedFabric& fabric);
 
 }  // namespace weft

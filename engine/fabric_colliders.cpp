@@ -81,6 +81,10 @@ std::uint32_t moved_particles(const CookedFabric& fabric) {
   return count;
 }
 
+std::uint32_t cloth_particles(const CookedFabric& fabric) {
+  return fabric.cloths.back().first_particle + fabric.cloths.back().particles;
+}
+
 std::uint32_t cloth_vertices(const CookedFabric& fabric) {
   return fabric.cloths.back().first_vertex + fabric.cloths.back().vertices;
 }

@@ -36,11 +36,11 @@ void add_rest(CookedFabric& fabric) {
 
 void add_edges(CookedFabric& fabric) {
   fabric.edges = edges_of(fabric.triangles);
-  const std::uint32_t cloth_particles = fabric.cloths.back().first_particle + fabric.cloths.back().particles;
+  const std::uint32_t cloth = cloth_particles(fabric);
   double length = 0;
   std::size_t count = 0;
   for (const gpu::uvec2 edge : fabric.edges) {
-    if (edge.y >= cloth_particles) break;   // sorted, and colliders come last
+    if (edge.x >= cloth) break;   // sorted, and colliders come last
     const gpu::vec4 &a = fabric.rest[edge.x], &b = fabric.rest[edge.y];
     length += std::hypot(double(a.x) - b.x, double(a.y) - b.y, double(a.z) - b.z);
     ++count;

@@ -66,10 +66,12 @@ Result<Figures> figures_of(const Simulation& simulation) {
   figures.scene = simulation.scene().name;
   figures.device = simulation.device().name();
   figures.timed_on_cpu = simulation.timed_on_cpu();
-  figures.particles = fabric.positions.size();
+  figures.particles = cloth_particles(fabric);
   figures.edges = fabric.links.size();
   figures.bends = fabric.bends.size();
   figures.tethers = fabric.tether_count;
+  figures.contacts = contacts_on(simulation.scene());
+  figures.mesh_colliders = !fabric.collider_meshes.empty();
   figures.buffers = simulation.buffers();
   figures.strain = measure_strain(fabric, *positions);
   figures.counts = simulation.counts();
@@ -117,6 +119,8 @@ std::string report_json(const Figures& figures, const PassTimes& times) {
   report["non_finite"] = figures.counts.non_finite;
   report["coincident"] = figures.counts.coincident;
   if (figures.intersections) report["intersections"] = {{"max", figures.intersections->max}, {"final", figures.intersections->final}};
+  if (const Counts& counts = figures.counts; figures.contacts)
+    report["contacts"] = {{"max", counts.contacts_most}, {"lost", counts.contacts_lost}, {"truncated", counts.truncated}, {"detections", counts.detections}};
   report["clamped_seconds"] = figures.clamped_seconds;
   report["hash"] = hash;
   constexpr int kIndent = 2;

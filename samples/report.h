@@ -39,7 +39,7 @@ class PassTimes {
   std::vector<std::vector<double>> rows_;
 };
 
-/// Edge-triangle pairs of cloth that cross (engine/reference/intersections.h), at the start and after every frame.
+/// Pairs of edge and triangle, of cloth and cloth or cloth and mesh collider, that cross (engine/reference/intersections.h), at the start and after every frame.
 struct Intersections {
   std::uint64_t max = 0;     // of all of these
   std::uint64_t final = 0;
@@ -51,8 +51,9 @@ struct Figures {
   std::uint32_t frames = 0;      // that were simulated
   bool interrupted = false;
   bool timed_on_cpu = false;     // no timestamps on this device
-  std::size_t particles = 0, edges = 0, bends = 0;
+  std::size_t particles = 0, edges = 0, bends = 0;   // of cloth
   std::uint64_t tethers = 0;
+  bool contacts = false, mesh_colliders = false;   // whether the scene has them
   std::vector<BufferUse> buffers;
   std::optional<Spread> frame;   // ms, whole frames without timestamps; none when no frame was timed
   Strain strain;

@@ -46,6 +46,9 @@ std::vector<std::string> file_faults(const Scene& scene) {
       if (const Result<Image> image = read_image(scene.folder / *name); !image) faults.push_back(path + "appearance." + key + ": " + image.error());
     }
   }
+  for (const std::uint32_t i : mesh_colliders(scene))
+    if (const Result<Mesh> mesh = load_mesh(scene.folder / scene.colliders[i].mesh); !mesh)
+      faults.push_back("colliders[" + std::to_string(i) + "].mesh: " + mesh.error());
   return faults;
 }
 

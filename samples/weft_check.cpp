@@ -25,8 +25,11 @@ Exit check_scene(const std::filesystem::path& file) {
     complain(meshes.error());
     return kBadInput;
   }
+  const std::size_t cloths = scene->cloths.size();
+  const std::vector<std::uint32_t> colliders = mesh_colliders(*scene);
   for (std::size_t i = 0; i < meshes->size(); ++i)
-    for (const std::string& sentence : (*meshes)[i].mended) std::printf("cloths[%zu]: mended: %s\n", i, sentence.c_str());
+    for (const std::string& sentence : (*meshes)[i].mended)
+      std::printf("%s[%zu]: mended: %s\n", i < cloths ? "cloths" : "colliders", i < cloths ? i : colliders[i - cloths], sentence.c_str());
   const Result<CookedFabric> fabric = cook(*scene, *meshes);
   if (!fabric) {
     complain(fabric.error());
@@ -34,7 +37,7 @@ Exit check_scene(const std::filesystem::path& file) {
   }
   for (const std::string& note : fabric->notes) std::printf("note: %s\n", note.c_str());
   std::printf("%s: nothing is wrong: %zu particles, %zu edges, %zu bends, %llu tethers, %zu anchored, %zu colliders\n", file.string().c_str(),
-              fabric->positions.size(), fabric->links.size(), fabric->bends.size(), static_cast<unsigned long long>(fabric->tether_count),
+              std::size_t(cloth_particles(*fabric)), fabric->links.size(), fabric->bends.size(), static_cast<unsigned long long>(fabric->tether_count),
               fabric->anchors.size(), scene->colliders.size());
   return kDone;
 }

@@ -35,6 +35,7 @@ class Painter {
     std::vector<ShadedCloth> cloths;
     for (std::size_t i = 0; i < scene.cloths.size(); ++i)
       cloths.push_back({&simulation.meshes()[i].render, &scene.cloths[i].appearance});
+    for (std::size_t i = scene.cloths.size(); i < simulation.meshes().size(); ++i) cloths.push_back({&simulation.meshes()[i].render, nullptr});
     auto shading = Shading::create(device, scene, cloths, kPictureSize);
     if (shading) {
       shading_ = std::move(*shading);
@@ -86,20 +87,26 @@ Result<Frames> simulate(Simulation& simulation, const std::string& what, F&& eac
   return frames;
 }
 
+// Of the cloths; mesh colliders come after them and are left out.
 Result<void> write_mesh(const Simulation& simulation, const std::filesystem::path& file) {
-  const auto vertices = simulation.read_vertex_positions();
+  const CookedFabric& fabric = simulation.fabric();
+  auto vertices = simulation.read_vertex_positions();
   if (!vertices) return fail(vertices.error());
-  const auto normals = simulation.read_vertex_normals();
+  auto normals = simulation.read_vertex_normals();
   if (!normals) return fail(normals.error());
   const auto particles = simulation.read_positions();
   if (!particles) return fail(particles.error());
   std::vector<Triangle> triangles;
   std::uint32_t first = 0;
-  for (const Mesh& mesh : simulation.meshes()) {
+  for (const Mesh& mesh : std::span(simulation.meshes()).first(fabric.cloths.size())) {
     for (const Triangle& t : mesh.render.triangles) triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
     first += static_cast<std::uint32_t>(mesh.render.positions.size());
   }
-  return write_ply(file, *vertices, *normals, vertex_strain(simulation.fabric(), *particles), triangles);
+  std::vector<float> strain = vertex_strain(fabric, *particles);
+  vertices->resize(first);
+  normals->resize(first);
+  strain.resize(first);
+  return write_ply(file, *vertices, *normals, strain, triangles);
 }
 
 Result<void> count(const Simulation& simulation, Intersections& intersections) {
@@ -108,7 +115,7 @@ Result<void> count(const Simulation& simulation, Intersections& intersections) {
   std::vector<Vec3> positions;
   positions.reserve(particles->size());
   for (const gpu::vec4& particle : *particles) positions.push_back({particle.x, particle.y, particle.z});
-  intersections.final = count_crossings(positions, simulation.fabric().triangles);
+  intersections.final = count_crossings(positions, simulation.fabric().triangles, simulation.fabric().cloth_triangles);
   intersections.max = std::max(intersections.max, intersections.final);
   return {};
 }
@@ -117,10 +124,16 @@ void print(const Figures& figures, double rate) {
   std::printf("%u frames, %.3g s; strain: mean %.3g %%, rms %.3g %%, max %.3g %%\n", figures.frames, figures.frames / rate,
               100 * figures.strain.mean, 100 * figures.strain.rms, 100 * figures.strain.max);
   if (figures.frame) std::printf("A whole frame takes %.3g ms (median), %.3g ms (95 %%)\n", figures.frame->median, figures.frame->p95);
-  if (const auto& found = figures.intersections; found && found->max == 0) std::printf("Cloth crosses cloth in no frame\n");
+  const char* what = figures.mesh_colliders ? "cloth or a mesh" : "cloth";
+  if (const auto& found = figures.intersections; found && found->max == 0) std::printf("Cloth crosses %s in no frame\n", what);
   else if (found)
-    std::printf("Cloth crosses cloth: %llu pairs of edge and triangle in the worst frame, %llu in the last\n",
+    std::printf("Cloth crosses %s: %llu pairs of edge and triangle in the worst frame, %llu in the last\n", what,
                 static_cast<unsigned long long>(found->max), static_cast<unsigned long long>(found->final));
+  if (const Counts& counts = figures.counts; figures.contacts) {
+    std::printf("Contacts: up to %u pairs, searched for %u times; %u times a particle was stopped short\n", counts.contacts_most, counts.detections,
+                counts.truncated);
+    if (counts.contacts_lost > 0) std::printf("%u pairs found no room: their particles were held still instead\n", counts.contacts_lost);
+  }
   if (figures.timed_on_cpu) std::printf("This device has no timestamps: passes were timed on the CPU\n");
   if (figures.clamped_seconds > 0)
     std::printf("%.3g s were not simulated: solver.longest_advance is shorter than a frame\n", figures.clamped_seconds);
@@ -146,7 +159,7 @@ Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& f
     if (const Exit exit = painter.create(**device, simulation); exit != kDone) return exit;
 
   const CookedFabric& fabric = simulation.fabric();
-  std::printf("%s: %zu particles, %zu edges, %zu bends, %llu tethers on %s\n", scene.name.c_str(), fabric.positions.size(), fabric.links.size(),
+  std::printf("%s: %zu particles, %zu edges, %zu bends, %llu tethers on %s\n", scene.name.c_str(), std::size_t(cloth_particles(fabric)), fabric.links.size(),
               fabric.bends.size(), static_cast<unsigned long long>(fabric.tether_count), (*device)->name().c_str());
   for (const std::string& note : fabric.notes) std::printf("note: %s\n", note.c_str());
   std::fflush(stdout);

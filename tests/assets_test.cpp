@@ -64,6 +64,29 @@ TEST(Assets, each_ring_of_the_curtain_holds_one_place_of_its_top_edge) {
   }
 }
 
+TEST(Assets, the_table_is_one_closed_surface_with_hard_edges) {
+  const Result<Mesh> mesh = load_mesh(kAssets / "generated/table.glb");
+  ASSERT_TRUE(mesh) << mesh.error();
+  EXPECT_TRUE(mesh->mended.empty());
+  for (const WingedEdge& edge : mesh->edges) EXPECT_TRUE(edge.triangle[0] != kNone && edge.triangle[1] != kNone);
+  EXPECT_EQ(mesh->points.size() + mesh->triangles.size(), mesh->edges.size() + 2) << "Euler: a sphere, since legs are no handles";
+  double volume = 0;   // above 0: its triangles face outwards
+  for (const auto& [a, b, c] : mesh->triangles) volume += dot(mesh->points[a], cross(mesh->points[b], mesh->points[c])) / 6;
+  EXPECT_NEAR(volume, 0.9 * 0.9 * 0.04 + 4 * 0.075 * 0.075 * 0.68, 1e-6);
+  EXPECT_GT(mesh->render.positions.size(), mesh->points.size());
+}
+
+TEST(Assets, the_table_linen_is_sewn_along_its_seam) {
+  const Result<Mesh> mesh = load_mesh(kAssets / "generated/table_linen.glb");
+  ASSERT_TRUE(mesh) << mesh.error();
+  EXPECT_TRUE(mesh->mended.empty());
+  EXPECT_EQ(mesh->render.positions.size(), 2u * 31 * 61);
+  EXPECT_EQ(mesh->points.size(), 61u * 61);
+  const auto rim = std::count_if(mesh->edges.begin(), mesh->edges.end(), [](const WingedEdge& edge) { return edge.triangle[1] == kNone; });
+  EXPECT_EQ(rim, 4 * 60);
+  for (const Vec3& normal : mesh->render.normals) EXPECT_EQ(normal.y, 1.0f);
+}
+
 TEST(Assets, the_tablecloth_is_whole_and_faces_up) {
   const Result<Mesh> mesh = load_mesh(kAssets / "generated/tablecloth.glb");
   ASSERT_TRUE(mesh) << mesh.error();

@@ -271,3 +271,23 @@ TEST(Intersections, triangles_that_are_not_finite_are_left_out) {
   EXPECT_EQ(count_crossings(soup.positions, soup.triangles), 0u);
   EXPECT_EQ(count_crossings({}, {}), 0u);
 }
+
+TEST(Intersections, passive_triangles_are_crossed_by_cloth_but_not_by_one_another) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const Soup soup = random_soup(seed, 20, 20, 20, 150, 150);
+    const std::size_t first_passive = 60;
+    std::set<std::array<std::uint32_t, 2>> cloth_edges;
+    for (std::size_t t = 0; t < first_passive; ++t)
+      for (int i = 0; i < 3; ++i) {
+        const auto [a, b] = std::minmax(soup.triangles[t][i], soup.triangles[t][(i + 1) % 3]);
+        cloth_edges.insert({a, b});
+      }
+    std::vector<Crossing> expected = brute_force(soup);
+    const std::size_t all = expected.size();
+    std::erase_if(expected, [&](const Crossing& c) { return c.triangle >= first_passive && !cloth_edges.contains(c.edge); });
+    EXPECT_LT(expected.size(), all);
+    EXPECT_EQ(find_crossings(soup.positions, soup.triangles, all, first_passive), expected) << "seed " << seed;
+    EXPECT_EQ(count_crossings(soup.positions, soup.triangles, first_passive), expected.size());
+    EXPECT_EQ(count_crossings(soup.positions, soup.triangles, 0), 0u);
+  }
+}

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <compare>
 #include <limits>
 #include <utility>
 
@@ -234,38 +235,46 @@ class Tree {
   std::vector<Node> nodes_;
 };
 
+struct Edge {
+  std::uint32_t a, b;
+  bool passive;   // no triangle of cloth has it
+  auto operator<=>(const Edge&) const = default;
+};
+
 // Calls `found` with every crossing in order, until it returns false.
 template <class F>
-void visit_crossings(std::span<const Vec3> positions, std::span<const Triangle> triangles, F&& found) {
-  std::vector<std::uint32_t> order;
-  std::vector<std::uint64_t> edges;   // (smaller vertex, greater vertex)
+void visit_crossings(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t first_passive, F&& found) {
+  std::vector<std::uint32_t> cloth, passive;
+  std::vector<Edge> edges;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const Triangle& v = triangles[t];
     assert(v[0] < positions.size() && v[1] < positions.size() && v[2] < positions.size());
     if (!finite(positions[v[0]]) || !finite(positions[v[1]]) || !finite(positions[v[2]])) continue;
-    order.push_back(t);
+    (t < first_passive ? cloth : passive).push_back(t);
     for (int i = 0; i < 3; ++i) {
       const auto [a, b] = std::minmax(v[i], v[(i + 1) % 3]);
-      edges.push_back(std::uint64_t{a} << 32 | b);
+      edges.push_back({a, b, t >= first_passive});
     }
   }
+  // Of an edge that both have, cloth's comes first and stays.
   std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end(), [](const Edge& e, const Edge& f) { return e.a == f.a && e.b == f.b; }), edges.end());
 
-  const Tree tree(positions, triangles, std::move(order));
+  const Tree cloth_tree(positions, triangles, std::move(cloth)), passive_tree(positions, triangles, std::move(passive));
   std::vector<std::uint32_t> crossed;
-  for (const std::uint64_t edge : edges) {
-    const auto a = static_cast<std::uint32_t>(edge >> 32), b = static_cast<std::uint32_t>(edge);
+  for (const auto& [a, b, is_passive] : edges) {
     const Point from = point_of(positions[a]), to = point_of(positions[b]);
     Box box = box_of(positions[a]);
     box.add(box_of(positions[b]));
     crossed.clear();
-    tree.each(box, [&](std::uint32_t t) {
+    const auto visit = [&](std::uint32_t t) {
       const Triangle& v = triangles[t];
       for (const std::uint32_t corner : v)
         if (corner == a || corner == b) return;
       if (meet(from, to, {point_of(positions[v[0]]), point_of(positions[v[1]]), point_of(positions[v[2]])})) crossed.push_back(t);
-    });
+    };
+    cloth_tree.each(box, visit);
+    if (!is_passive) passive_tree.each(box, visit);
     std::sort(crossed.begin(), crossed.end());
     for (const std::uint32_t t : crossed)
       if (!found(Crossing{{a, b}, t})) return;
@@ -274,19 +283,20 @@ void visit_crossings(std::span<const Vec3> positions, std::span<const Triangle> 
 
 }  // namespace
 
-std::vector<Crossing> find_crossings(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t limit) {
+std::vector<Crossing> find_crossings(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t limit,
+                                     std::size_t first_passive) {
   std::vector<Crossing> crossings;
   if (limit == 0) return crossings;
-  visit_crossings(positions, triangles, [&](const Crossing& crossing) {
+  visit_crossings(positions, triangles, first_passive, [&](const Crossing& crossing) {
     crossings.push_back(crossing);
     return crossings.size() < limit;
   });
   return crossings;
 }
 
-std::uint64_t count_crossings(std::span<const Vec3> positions, std::span<const Triangle> triangles) {
+std::uint64_t count_crossings(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t first_passive) {
   std::uint64_t count = 0;
-  visit_crossings(positions, triangles, [&](const Crossing&) {
+  visit_crossings(positions, triangles, first_passive, [&](const Crossing&) {
     ++count;
     return true;
   });

@@ -9,6 +9,9 @@
 //      \ | /                 share counts with both.
 //        a
 //
+// Triangles may be passive: a collider's, which may cross one another as its author likes. What counts is where cloth meets
+// cloth or a passive triangle.
+//
 // A triangle without an area (corners in a line) has no face to be crossed; its edges are tested against all others.
 // Limitations: only the given instant is looked at; cloth that passed through in between is not seen. Edges that share a
 // vertex with the triangle are skipped, so a triangle folded onto its neighbour is not seen. What is counted are pairs,
@@ -36,9 +39,11 @@ struct Crossing {
 /// The first `limit` crossings in the order of edge, then triangle. `triangles` may be those of several cloths; each pair of
 /// vertices is one edge however many triangles have it. Indices must be in range. Triangles with a corner that is not finite
 /// are left out, and so are their edges unless another triangle has them. One core; O(n log n) for cloth that is apart.
-std::vector<Crossing> find_crossings(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t limit);
+/// Triangles from `first_passive` on are passive: their edges, unless another triangle has them, are tested against the others only.
+std::vector<Crossing> find_crossings(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t limit,
+                                     std::size_t first_passive = kNone);
 
 /// How many there are.
-std::uint64_t count_crossings(std::span<const Vec3> positions, std::span<const Triangle> triangles);
+std::uint64_t count_crossings(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t first_passive = kNone);
 
 }  // namespace weft

@@ -38,22 +38,30 @@ vec4 with_zero(Vec3 v) { return {v.x, v.y, v.z, 0}; }
 
 }  // namespace
 
-Extent extent_of(const Scene& scene, std::span<const std::span<const Vec3>> cloths) {
+Extent extent_of(const Scene& scene, std::span<const std::span<const Vec3>> meshes) {
   Box box;
-  for (std::size_t i = 0; i < cloths.size(); ++i) {
+  const std::size_t cloths = scene.cloths.size(), last_collider = cloths + mesh_colliders(scene).size();
+  const auto add = [&](const Box& what) {
+    box.add(what.low);
+    box.add(what.high);
+  };
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    if (i >= cloths && i < last_collider) continue;
     Box cloth;
-    for (Vec3 p : cloths[i]) cloth.add(p);
-    box.add(cloth.low);
-    box.add(cloth.high);
-    if (i < scene.cloths.size())
+    for (Vec3 p : meshes[i]) cloth.add(p);
+    add(cloth);
+    if (i < cloths)
       for (const Anchor& anchor : scene.cloths[i].anchors) add_moved(box, cloth, anchor.keys);
   }
+  std::size_t next_mesh = cloths;
   for (const Collider& collider : scene.colliders) {
     if (collider.shape == ColliderShape::plane) continue;
-    const float r = reach_of(collider);
+    float r = 0;
+    if (collider.shape != ColliderShape::mesh) r = reach_of(collider);
+    else if (next_mesh < meshes.size())
+      for (Vec3 p : meshes[next_mesh++]) r = std::max(r, length(p));
     const Box around{collider.centre - Vec3{r, r, r}, collider.centre + Vec3{r, r, r}};
-    box.add(around.low);
-    box.add(around.high);
+    add(around);
     add_moved(box, around, collider.keys);
   }
   for (const Collider& collider : scene.colliders)

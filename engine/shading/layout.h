@@ -11,7 +11,8 @@
 namespace weft::shading {
 
 /// Around the cloths' rest places and the colliders that have an end, wherever their keys take them, down to a floor below.
-Extent extent_of(const Scene& scene, std::span<const std::span<const Vec3>> cloths);
+/// `meshes` are the places of the cloths' vertices, then of those of mesh colliders in their own axes.
+Extent extent_of(const Scene& scene, std::span<const std::span<const Vec3>> meshes);
 
 /// The size of a floor's tile: a round number of about a quarter of the radius.
 float tile_size(float radius);

@@ -31,6 +31,27 @@ Vec3 floor_colour(const Scene& scene) {
   return {0.3f, 0.3f, 0.3f};
 }
 
+// The i-th of what is drawn: a cloth, or a mesh collider after all cloths. Colliders look as the other shapes do (layout.cpp).
+struct Drawn {
+  std::string name;
+  Appearance look;
+  double transmission = 0;
+};
+
+Result<Drawn> drawn_of(const Scene& scene, std::size_t i, const ShadedCloth& shaded) {
+  if (shaded.appearance != nullptr) {
+    const std::string name = i < scene.cloths.size() ? scene.cloths[i].name : std::to_string(i);
+    return Drawn{"cloth \"" + name + "\"", *shaded.appearance, shaded.transmission};
+  }
+  const std::vector<std::uint32_t> meshes = mesh_colliders(scene);
+  const std::size_t k = i - scene.cloths.size();   // a cloth wraps around and is beyond them
+  if (k >= meshes.size()) return fail("cloth ", i, " has no appearance, and is no mesh collider of the scene");
+  Drawn drawn{"collider " + std::to_string(meshes[k]), {}, 0};
+  drawn.look.base_colour = scene.colliders[meshes[k]].colour;
+  drawn.look.roughness_factor = 0.45;
+  return drawn;
+}
+
 }  // namespace
 
 Shading::State::~State() {
@@ -87,20 +108,21 @@ Result<void> Shading::State::create_cloths(const Scene& scene, std::span<const S
   std::vector<Triangle> triangles;
   for (std::size_t i = 0; i < shaded.size(); ++i) {
     const RenderMesh& mesh = *shaded[i].mesh;
-    const Appearance& look = *shaded[i].appearance;
-    const std::string name = i < scene.cloths.size() ? scene.cloths[i].name : "cloth " + std::to_string(i);
-    if (mesh.triangles.empty()) return fail("cloth \"", name, "\" has no triangle to draw");
+    auto described = drawn_of(scene, i, shaded[i]);
+    if (!described) return described.take_error();
+    const auto& [name, look, transmission] = *described;
+    if (mesh.triangles.empty()) return fail(name, " has no triangle to draw");
     for (const Triangle& triangle : mesh.triangles)
       for (std::uint32_t vertex : triangle)
         if (vertex >= mesh.positions.size())
-          return fail("a triangle of cloth \"", name, "\" refers to vertex ", vertex, ", but there are ", mesh.positions.size());
+          return fail("a triangle of ", name, " refers to vertex ", vertex, ", but there are ", mesh.positions.size());
 
     DrawnCloth drawn;
     drawn.first_vertex = vertices;
     drawn.first_index = static_cast<std::uint32_t>(3 * triangles.size());
     drawn.index_count = static_cast<std::uint32_t>(3 * mesh.triangles.size());
     drawn.push = {look.base_colour, static_cast<float>(look.roughness_factor), look.repeat, static_cast<float>(look.metallic),
-                  static_cast<float>(shaded[i].transmission), WEFT_VIEW_CAMERA};
+                  static_cast<float>(transmission), WEFT_VIEW_CAMERA};
     vertices += static_cast<std::uint32_t>(mesh.positions.size());
     uvs.insert(uvs.end(), mesh.uvs.begin(), mesh.uvs.end());
     uvs.resize(vertices);  // a mesh without texture coordinates has zeros
@@ -119,7 +141,7 @@ Result<void> Shading::State::create_cloths(const Scene& scene, std::span<const S
     std::vector<compute::DrawBinding> bound;
     for (const auto& [file, content, fallback] : maps) {
       auto texture = textures.load(file.empty() ? std::filesystem::path() : scene.folder / file, content, fallback);
-      if (!texture) return fail("cloth \"", name, "\": ", texture.error());
+      if (!texture) return fail(name, ": ", texture.error());
       const VkDescriptorImageInfo image{map_sampler.get(), (*texture)->view(), compute::kSampled.layout};
       bound.push_back({static_cast<std::uint32_t>(bound.size()), {}, image});
     }
@@ -198,8 +220,9 @@ Result<Image> Shading::draw(const Poses& poses) {
   std::memcpy(state.upload[0].mapped, &state.frame, sizeof(state.frame));
   state.solids.clear();
   for (std::size_t i = 0; i < state.colliders.size(); ++i)
-    state.solids.push_back(
-        shading::solid_of(state.colliders[i], poses.colliders[i], state.frame, state.camera.target, state.tile));
+    if (state.colliders[i].shape != ColliderShape::mesh)   // those are among the cloths
+      state.solids.push_back(
+          shading::solid_of(state.colliders[i], poses.colliders[i], state.frame, state.camera.target, state.tile));
   if (auto recorded = state.record(poses); !recorded) return recorded.take_error();
 
   const VkFence fence = state.fence.get();

@@ -24,14 +24,14 @@ namespace compute {
 class Device;
 }
 
-/// What is drawn of a cloth besides its moving vertices. Both are read in create only.
+/// What is drawn of a cloth or a mesh collider besides its moving vertices. Both are read in create only.
 struct ShadedCloth {
   const RenderMesh* mesh = nullptr;
-  const Appearance* appearance = nullptr;
+  const Appearance* appearance = nullptr;   // null for mesh colliders, which have the scene's colour for them
   double transmission = 0.15;  // fraction of light from behind that shines through, 0 ... 1
 };
 
-/// One frame. Views are RGBA32F and hold the vertices of every cloth in create's order. Writes made on the device's queue
+/// One frame. Views are RGBA32F and hold the vertices of every cloth and mesh collider in create's order. Writes made on the device's queue
 /// are waited for; writes from elsewhere through `ready`.
 struct Poses {
   FrameView positions, normals;
@@ -42,6 +42,7 @@ struct Poses {
 
 class Shading {
  public:
+  /// `cloths` are the scene's and, where they are to be seen, its mesh colliders after them: in the order of Simulation::meshes().
   /// Loads textures and allocates and compiles everything. `device` must outlive the result and needs a graphics queue.
   /// Errors: a missing or foreign texture file, a picture size outside 1 ... 8192, a mesh with no triangle, no graphics queue.
   static Result<std::unique_ptr<Shading>> create(compute::Device& device, const Scene& scene, std::span<const ShadedCloth> cloths,
