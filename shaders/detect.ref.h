@@ -1,10 +1,8 @@
 // Twin of the detection (detect_path, pair_faces, pair_edges): which pairs may meet, over all pairs, in double precision and
 // without a grid. Derived for two convex primitives A and B on their ways r_i + s q_i / H, s the substeps since the detection:
-// two of their points, mixtures a and b of the particles, are d apart at s = 0, and s substeps later off that by
-//   s/H (sum a_i q_i - sum b_j q_j)   of length <= max |q_i - q_j|,
-// by as much as particles were stopped on their way in the last substep, t_i of it,
-//   1/H (sum a_i t_i q_i - sum b_j t_j q_j)   of length <= max |t_i q_i - t_j q_j| / H,
-// and by the leash R on either side (pair.glsl).
+// two of their points, mixtures of the particles, are d apart at s = 0. They come closer by the difference of their ways; or by
+// that of H - 1 substeps and a whole step of one side, if the other is stopped at the start of the last; and by the leash R on
+// either side (pair.glsl has the inequalities).
 #pragma once
 
 #include <algorithm>
@@ -62,15 +60,15 @@ inline double spare_distance(const Tracks& t, const Particles& p, int a) {
   const auto box_a = box_of(t, side_a), box_b = box_of(t, side_b);
   const double apart = std::max((box_b.min() - box_a.max()).maxCoeff(), (box_a.min() - box_b.max()).maxCoeff());
   if (apart > 0) return apart;
-  double relative = 0, stopped = 0;
+  double relative = 0, step = 0;
   for (const std::uint32_t i : side_a)
     for (const std::uint32_t j : side_b) {
-      const double difference = (t.paths[i] - t.paths[j]).norm();
-      relative = std::max(relative, difference);
-      stopped = std::max({stopped, t.paths[i].norm() / kHorizon, t.paths[j].norm() / kHorizon, difference / kHorizon});
+      relative = std::max(relative, (t.paths[i] - t.paths[j]).norm());
+      step = std::max({step, t.paths[i].norm() / kHorizon, t.paths[j].norm() / kHorizon});
     }
+  const double closer = std::max(relative, (1 - 1 / kHorizon) * relative + step);
   const double distance = closest({t.references[p[0]], t.references[p[1]], t.references[p[2]], t.references[p[3]]}, a).distance;
-  return std::max(apart, distance - relative - stopped - 2 * t.reach - keep_of(t, p, a));
+  return std::max(apart, distance - closer - 2 * t.reach - keep_of(t, p, a));
 }
 
 }  // namespace weft::reference

@@ -1,14 +1,15 @@
 // pair: the search for what a primitive may meet before the next detection, and the candidates that come of it.
 //
 // A substep takes a particle from within its clearance of its path to within that again, or stops it on the straight line
-// between: there it is that close to a place of its path that it passes in this substep, which is t of a step behind. Two points of
-// A and B, mixtures of their particles, differ in where their paths have led them by at most u, the largest difference
-// between a path q_i of A and a path q_j of B, and in how far they were stopped by
-//     |t_i q_i - t_j q_j| / H <= max(|q_i|, |q_j|, |q_i - q_j|) / H    (convex in the t's, so largest where they are 0 or 1).
-// So A and B, d apart at the detection, cannot meet before the next one if
-//     d - u - max(step_A, step_B, u / H) - clearance_A - clearance_B >= keep.
+// between: there it is that close to a place of its path that it passes in this substep, t of a step behind. Two points of A
+// and B are mixtures of such particles, so in s substeps their paths bring them closer by at most the largest of
+//     |s (q_i - q_j) - (t_i q_i - t_j q_j)| / H    for a path q_i of A and q_j of B, 0 <= t <= 1 and 1 <= s <= H,
+// which is convex in each t. At t_i = t_j = 0 or 1 it is at most u, the largest |q_i - q_j|; at 1 and 0 it is
+//     |(s - 1) (q_i - q_j) - q_j| / H <= (1 - 1/H) u + |q_j| / H,
+// and at 0 and 1 the same with q_i. So A and B, d apart at the detection, cannot meet before the next one if
+//     d - u - max(0, max(step_A, step_B) - u / H) - clearance_A - clearance_B >= keep.
 // Nor can they if their boxes do not overlap: a place that a path passes is in its box. A pair that stays together wherever it
-// goes has u = 0, and only the steps by which one of them may be stopped count.
+// goes has u = 0, and only the step by which one of them may be stopped counts.
 
 #include "grid.glsl"
 #include "proximity.glsl"
@@ -68,7 +69,8 @@ float inverse_mass(uint i) { return FETCH(positions, i).w; }
 // What is left of the distance between two sides at the detection, at worst, before the next one (m).
 float spare_distance(float distance, float squared_relative, Sweep a, Sweep b) {
   const float relative = sqrt(squared_relative);
-  return distance - relative - max(max(a.step, b.step), relative * per_substep) - a.clearance - b.clearance;
+  const float stopped = max(max(a.step, b.step) - relative * per_substep, 0);
+  return distance - relative - stopped - a.clearance - b.clearance;
 }
 
 // A cloth at rest must not push itself apart, however thick it is.
