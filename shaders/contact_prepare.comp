@@ -25,6 +25,8 @@ layout(push_constant, scalar) uniform Constants { Push push; };
 
 // m. Rounding of an offset between features a few centimetres long: what is shorter points nowhere.
 const float kNoDistance = 1e-9;
+// Of a coordinate: less can get lost when places are rounded. Sides closer than that are never passed over.
+const float kFloor = 1.0 / 1048576;   // 2^-20
 // m. Of a mesh that fits into this, no two points are further apart.
 const float kNoMesh = 1e9;
 
@@ -53,8 +55,10 @@ vec3 direction(vec3 d, vec4 weights, mat4x3 x, bool edges) {
   return separation(precisely, x, edges) > separation(n, x, edges) ? precisely : n;
 }
 
+// Only who can give way has a share. A large triangle's corner meets thousands, whose pushes its count would shorten
+// (contact_solve), and settle, which clears counts, has nothing to do for it.
 void count(uint particle, float weight) {
-  if (weight != 0) atomicAdd(contact_counts[particle], 1);
+  if (weight != 0 && FETCH(positions, particle).w != 0) atomicAdd(contact_counts[particle], 1);
 }
 
 void main() {
@@ -75,9 +79,11 @@ void main() {
   }
   const vec3 n = direction(between, weights, x, pair.edges);
   const float keep = min(pair.keep, gap + push.recover);
+  const vec2 least = least_of_sides(signs(pair.edges) * (n * x), pair.edges);
+  const float half_gap = 0.5 * (least.x + least.y), height = half_gap - least.x;
   // Half the distance is room for what the other constraints do to the prediction.
-  const bool touches = dot(n, p * weights) < keep + 0.5 * pair.keep;
-  contact_normals[i] = vec4(n, touches ? keep : -1);
+  const bool touches = dot(n, p * weights) < keep + 0.5 * pair.keep || half_gap < kFloor * length(origin);
+  contact_normals[i] = vec4(n, touches ? keep : -height);
   if (!touches) return;
   contact_weights[i] = weights;
   count(a, weights.x);

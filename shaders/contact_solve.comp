@@ -29,8 +29,8 @@ layout(push_constant, scalar) uniform Constants { Push push; };
 
 // Units that the contacts of one particle may add up to; an int holds twice that.
 const float kMostUnits = 1073741824;   // 2^30
-// A correction is at most a 256th of them, 2^22 units, even where fewer contacts meet.
-const uint kUsualContacts = 256;
+// A correction is at most a 16th of them, 2^26 units, even where fewer contacts meet: a float's rounding of it is a few units.
+const uint kUsualContacts = 16;
 
 float friction_of(uint particle) { return FETCH(materials, floatBitsToUint(FETCH(velocities, particle).w)).y; }
 

@@ -36,6 +36,7 @@ inline CookedFabric fabric_of(const Tufts& t, const SolverSettings& solver) {
 inline Scene scene_of(const Tufts& t) {
   Scene scene = loose_scene(1);
   scene.contacts.enabled = true;
+  scene.contacts.reach = 0.005;   // m
   scene.contacts.capacity = static_cast<std::uint32_t>(t.pairs.size());
   return scene;
 }

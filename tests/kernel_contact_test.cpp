@@ -48,7 +48,8 @@ void compare_prepared(const compute::Device& device, bool gather_storage) {
     EXPECT_NEAR(reference::offset(got[k].weights, places(pair, t.x)).norm(), gap, tolerance);
     for (int j = 0; j < 4; ++j) {
       EXPECT_GE(got[k].weights[j] * (pair.on_a(j) ? 1 : -1), 0);
-      counts[pair.particle[static_cast<std::size_t>(j)]] += got[k].weights[j] != 0;
+      const std::uint32_t i = pair.particle[static_cast<std::size_t>(j)];
+      counts[i] += got[k].weights[j] != 0 && t.inverse_masses[i] > 0;   // only who can give way has a share
     }
   }
   EXPECT_GT(touching, 100);
@@ -60,8 +61,7 @@ TEST_F(ContactKernel, prepares_as_its_twin_through_storage) { compare_prepared(d
 
 void compare_solved(const compute::Device& device, bool gather_storage) {
   Random random(12);
-  // Gently: corrections of more than four reaches, 2 cm, are cut, which the twin does not do.
-  const Tufts t = reference::tufts(random, 40, 12, 0.005);
+  const Tufts t = reference::tufts(random, 40, 12, 0.02);
   const Scene scene = scene_of(t);
   const CookedFabric fabric = fabric_of(t, scene.solver);
   Passes passes(device, scene, fabric, t, gather_storage);
@@ -124,7 +124,7 @@ TEST_F(ContactKernel, many_deep_contacts_of_one_particle_do_not_overflow) {
   const auto sums = passes.get<gpu::ivec4>(gpu::contact_sums, 4);
   EXPECT_GT(sums[0].y, 1 << 29);
   EXPECT_LT(sums[1].y + sums[2].y + sums[3].y, -(1 << 29));
-  EXPECT_LE(std::abs(std::int64_t(sums[0].y) + sums[1].y + sums[2].y + sums[3].y), 2000);   // half a unit each
+  EXPECT_LE(std::abs(std::int64_t(sums[0].y) + sums[1].y + sums[2].y + sums[3].y), 2000);   // half a unit a particle and contact
 }
 
 template <class T>
