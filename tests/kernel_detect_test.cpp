@@ -319,7 +319,7 @@ TEST_F(Detect, detect_arm_detects_when_due_and_adapts_the_reach_to_how_often_tha
   Soup soup = random_soup(random, 20);
   Detected detected(device(), soup, {}, "detect_arm");
   SinglePass& passes = detected.passes;
-  const auto low = static_cast<float>(kReach), high = 8 * low;
+  const auto low = static_cast<float>(kReach), high = contact_sizes(Detected::scene({}), soup.fabric).reach_high;
   gpu::Detection d = detected.detection();
   EXPECT_EQ(d.reach, low);
   EXPECT_EQ(d.due, 0u);
@@ -356,7 +356,7 @@ TEST_F(Detect, detect_arm_detects_when_due_and_adapts_the_reach_to_how_often_tha
   EXPECT_FLOAT_EQ(due_at_age(2 * low, 2), 2 * low);
   EXPECT_FLOAT_EQ(due_at_age(2 * low, 8), 2 * low);
   EXPECT_FLOAT_EQ(due_at_age(2 * low, 9), 1.8f * low) << "its paths held to the end";
-  EXPECT_FLOAT_EQ(due_at_age(7 * low, 0), high);
+  EXPECT_FLOAT_EQ(due_at_age(0.9f * high, 0), high);
   EXPECT_FLOAT_EQ(due_at_age(1.05f * low, 10), low);
   EXPECT_EQ(passes.counters().detections, 8u);
 }
