@@ -34,9 +34,9 @@ constexpr Pass kPasses[] = {
     {"bend",           "bend",             Stage::iteration,     Domain::particles,           kBending,              kIterated,              true,   true},
     {"bend_lambda",    "bend_lambda",      Stage::iteration,     Domain::bends,               kBending | kIterated,  kPlain,                 false,  false},
     {"bend_gather",    "bend_gather",      Stage::iteration,     Domain::particles,           kBending | kIterated,  kPlain,                 true,   true},
-    {"contact_solve",  "contact_solve",    Stage::iteration,     Domain::candidates,          kContacts,             kPlain,                 false,  false},
-    {"contact_apply",  "contact_apply",    Stage::iteration,     Domain::touched_particles,   kContacts,             kColliders,             false,  false},
-    {"contact_apply",  "contact_apply",    Stage::iteration,     Domain::touched_particles,   kContacts | kColliders, kPlain,                false,  false, "+collide"},
+    {"contact_solve",  "contact_solve",    Stage::contact,       Domain::candidates,          kContacts,             kPlain,                 false,  false},
+    {"contact_apply",  "contact_apply",    Stage::contact,       Domain::touched_particles,   kContacts,             kColliders,             false,  false},
+    {"contact_apply",  "contact_apply",    Stage::contact,       Domain::touched_particles,   kContacts | kColliders, kPlain,                false,  false, "+collide"},
     {"contact_limit",  "contact_limit",    Stage::substep_end,   Domain::candidates,          kContacts,             kPlain,                 false,  false, "", 4},
     {"settle",         "settle",           Stage::substep_end,   Domain::particles,           kContacts,             kPlain,                 false,  false},
     {"surface",        "surface",          Stage::frame_end,     Domain::vertices,            kPlain,                kPlain,                 false,  false},
@@ -109,9 +109,10 @@ ContactSizes contact_sizes(const Scene& scene, const CookedFabric& fabric) {
   float thickness = 0;
   for (const gpu::vec4& rest : fabric.rest) thickness = std::max(thickness, rest.w);
   const double edge = fabric.mean_edge > 0 ? fabric.mean_edge : 1e-3;
-  const double reach = wanted.reach > 0 ? wanted.reach : 0.1 * edge;
+  // Short against the edges, so that a flat sheet has no candidates, and against the distance of layers that lie on each other.
+  const double reach = wanted.reach > 0 ? wanted.reach : std::min(0.1 * edge, thickness > 0 ? 0.25 * thickness : edge);
   sizes.reach_low = static_cast<float>(reach);
-  sizes.reach_high = static_cast<float>(8 * reach);
+  sizes.reach_high = static_cast<float>(4 * reach);
   // A box is an edge long and as much thicker as detection has to look around it.
   sizes.cell = static_cast<float>(wanted.cell > 0 ? wanted.cell : 1.5 * edge + 2 * reach + thickness);
   // A millionth of what a particle may stray; 2^22 of them are the largest single correction (contact_solve.comp).

@@ -28,7 +28,7 @@ inline constexpr std::uint32_t kIterated = 16;   // more than one iteration a su
 inline constexpr std::uint32_t kContacts = 32;   // cloth against cloth and mesh colliders
 }  // namespace feature
 
-enum class Stage { frame_begin, substep_begin, detect, iteration, substep_end, frame_end };
+enum class Stage { frame_begin, substep_begin, detect, iteration, contact, substep_end, frame_end };   // contact: several times an iteration
 
 /// One thread per. The later ones are dispatched with group counts that the GPU itself writes into gpu::Detection, none where
 /// there is nothing to do.

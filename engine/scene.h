@@ -128,6 +128,7 @@ struct Contacts {
   std::uint32_t capacity = 0;   // pairs there is room for at the start; 0: chosen. advance() enlarges it and repeats the frame
   double cell = 0;              // m, cell of the spatial hash; 0: chosen
   double reach = 0;             // m, how far a particle may stray from its path before pairs are searched again; 0: chosen
+  std::uint32_t iterations = 4; // 1 ... 100: of contacts, in each of the solver's iterations
   bool operator==(const Contacts&) const = default;
 };
 

@@ -186,6 +186,7 @@ void fields(V& v, SolverSettings& solver) {
 template <class V>
 void fields(V& v, Contacts& contacts) {
   v.flag("enabled", contacts.enabled);
+  v.whole("iterations", contacts.iterations, between(1, 100));
   v.number("recover", contacts.recover, between(0, 100, "m/s"));
   v.whole("capacity", contacts.capacity, between(0, kMostCandidates));
   v.number("cell", contacts.cell, between(0, 1e3, "m"));

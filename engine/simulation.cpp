@@ -57,7 +57,11 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
   // One advance records all of its dispatches at once.
   const double most_substeps = std::max(scene.solver.longest_advance, 1 / scene.solver.rate) / state->fabric.h + 1;
   double iterated = 0, once = 0;   // dispatches an iteration and a substep
-  for (const PlannedPass& planned : state->solver->plan().passes) (planned.pass->stage == Stage::iteration ? iterated : once) += planned.pass->rounds;
+  for (const PlannedPass& planned : state->solver->plan().passes) {
+    const Stage stage = planned.pass->stage;
+    const bool repeated = stage == Stage::iteration || stage == Stage::contact;
+    (repeated ? iterated : once) += planned.pass->rounds * (stage == Stage::contact ? scene.contacts.iterations : 1);
+  }
   const double dispatches = 2 + most_substeps * (once + scene.solver.iterations * iterated);
   if (dispatches > kMostDispatches)
     return fail("solver: the longest advance of ", scene.solver.longest_advance, " s takes about ", dispatches, " dispatches, more than ", kMostDispatches,
@@ -183,6 +187,7 @@ std::vector<PassUse> Simulation::passes() const {
       case Stage::detect:
       case Stage::substep_end: dispatches *= substeps; break;
       case Stage::iteration: dispatches *= substeps * iterations; break;
+      case Stage::contact: dispatches *= substeps * iterations * state_->scene.contacts.iterations; break;
       case Stage::frame_begin:
       case Stage::frame_end: break;
     }

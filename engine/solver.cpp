@@ -41,6 +41,7 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   Solver solver;
   solver.device_ = &device;
   solver.settings_ = scene.solver;
+  solver.contact_iterations_ = scene.contacts.iterations;
   solver.h_ = fabric.h;
   solver.stretch_stride_ = fabric.stretch.stride;
   solver.tether_pairs_ = fabric.tethers_per_particle / 2;
@@ -236,6 +237,7 @@ std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
     for (std::uint32_t k = 0; k < settings_.iterations; ++k) {
       push.flags = flags | (k == 0 ? WEFT_FIRST_ITERATION : 0) | (k + 1 == settings_.iterations ? WEFT_LAST_ITERATION : 0);
       list_stage(Stage::iteration, input, push);
+      for (std::uint32_t c = 0; c < contact_iterations_; ++c) list_stage(Stage::contact, input, push);
     }
     push.flags = flags;
     list_stage(Stage::substep_end, input, push);

@@ -24,6 +24,6 @@ void main() {
   const vec3 target = arrived ? anchor.to : anchor.from + push.fraction_to * (anchor.to - anchor.from);
   predicted[anchor.particle].xyz = target;
 #ifdef WATCH
-  if (strays(target, expected_at(anchor.particle, detection[0].age + 2), uintBitsToFloat(leashes[anchor.particle]))) detection[0].due = 1;
+  if (strays(target, expected_at(anchor.particle, detection[0].age + 2), detection[0].reach)) detection[0].due = 1;
 #endif
 }

@@ -29,7 +29,8 @@ vec3 moved_by_contacts(uint i, vec3 p) {
 
 vec3 held(uint i, vec3 p) {
   const float leash = uintBitsToFloat(leashes[i]);
-  const vec3 end = leash > 0 ? on_leash(p, expected_at(i, detection[0].age + 1), leash) : FETCH(positions, i).xyz;
+  const uint age = detection[0].age;
+  const vec3 end = leash > 0 ? on_leash(p, expected_at(i, age), expected_at(i, age + 1), leash) : FETCH(positions, i).xyz;
   if (end != p) atomicAdd(counters[0].truncated, 1);
   return end;
 }

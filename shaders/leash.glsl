@@ -11,15 +11,18 @@ vec3 expected_at(uint i, uint substeps) {
   return FETCH(references, i).xyz + passed * FETCH(paths, i).xyz;
 }
 
-// p, or the nearest place on the leash about `expected`.
-vec3 on_leash(vec3 p, vec3 expected, float leash) {
-  const vec3 d = p - expected;
+// p, or the nearest place on the leash about the part of the path that a substep passes: whoever was on his leash at its start,
+// at `from`, may always stop there.
+vec3 on_leash(vec3 p, vec3 from, vec3 to, float leash) {
+  const vec3 way = to - from;
+  const vec3 passed = from + clamp(dot(p - from, way) / max(dot(way, way), 1e-30), 0, 1) * way;
+  const vec3 d = p - passed;
   const float squared = dot(d, d);
-  return squared > leash * leash ? expected + (leash / sqrt(squared)) * d : p;
+  return squared > leash * leash ? passed + (leash / sqrt(squared)) * d : p;
 }
 
-// Whether a prediction leaves the constraints less than half of the leash: time to detect again.
-bool strays(vec3 prediction, vec3 expected, float leash) {
+// Whether a prediction leaves the constraints less than half of the reach: time to detect again.
+bool strays(vec3 prediction, vec3 expected, float reach) {
   const vec3 d = prediction - expected;
-  return !(4 * dot(d, d) <= leash * leash);
+  return !(4 * dot(d, d) <= reach * reach);
 }

@@ -37,6 +37,6 @@ void main() {
   }
 #ifdef WATCH
   const bool follows = x.w == 0 && (push.flags & WEFT_ANCHORS_MOVE) != 0;
-  if (!follows && strays(p, expected_at(i, detection[0].age + 2), uintBitsToFloat(leashes[i]))) detection[0].due = 1;
+  if (!follows && strays(p, expected_at(i, detection[0].age + 2), detection[0].reach)) detection[0].due = 1;
 #endif
 }

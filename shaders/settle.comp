@@ -31,19 +31,21 @@ float fraction_of(uint i) {
 }
 
 // Where the substep really takes the particle from x when the constraints took it to p.
-vec3 allowed(uint i, vec3 x, vec3 p, vec3 expected, float leash) {
+vec3 allowed(uint i, vec3 x, vec3 p, float leash) {
   // With candidates at hand contact_apply has put it on its leash, before the planes were asked.
   const bool contacts = detection[0].touched.x > 0;
   const float fraction = contacts ? fraction_of(i) : 1;
-  const vec3 end = contacts ? p : on_leash(p, expected, leash);
+  const uint age = detection[0].age;
+  const vec3 end = contacts ? p : on_leash(p, expected_at(i, age), expected_at(i, age + 1), leash);
   if (fraction < 1 || end != p) atomicAdd(counters[0].truncated, 1);
   return fraction < 1 ? x + fraction * (end - x) : end;
 }
 
+// A particle that is held, its leash 0, waits for the next detection.
 void watch(vec3 end, vec3 expected, vec3 prediction, vec3 expected_then, float leash) {
+  const float reach = detection[0].reach;
   const vec3 off = end - expected;
-  // Somewhat longer than the leash: on_leash rounds.
-  if (!(dot(off, off) <= 1.001 * leash * leash) || strays(prediction, expected_then, leash)) detection[0].due = 1;
+  if (leash == 0 || !(dot(off, off) <= reach * reach) || strays(prediction, expected_then, reach)) detection[0].due = 1;
 }
 
 void main() {
@@ -60,7 +62,7 @@ void main() {
   }
   const vec3 x = FETCH(positions, i).xyz;
   const vec4 v = FETCH(velocities, i);
-  p.xyz = allowed(i, x, p.xyz, expected, leash);
+  p.xyz = allowed(i, x, p.xyz, leash);
   const vec3 end = p.xyz;
   p = finish_substep(i, x, p, v.xyz, FETCH(materials, floatBitsToUint(v.w)).x);
   watch(end, expected, p.xyz, expected_then, leash);
