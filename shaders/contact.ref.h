@@ -47,7 +47,7 @@ inline Contact prepare_contact(const Pair& pair, const Points& x, const Points& 
   const Proximity near = closest(places(pair, x), pair.edges ? 2 : 1);
   if (near.distance < kNoDistance) return {};
   Contact contact{true, false, offset(near.weights, places(pair, x)) / near.distance, near.weights, std::min(pair.keep, near.distance + recover)};
-  contact.touches = contact.normal.dot(offset(near.weights, places(pair, p))) < contact.keep + pair.keep / 2;
+  contact.touches = contact.normal.dot(offset(near.weights, places(pair, p))) < contact.keep + 0.1 * pair.keep;
   return contact;
 }
 
