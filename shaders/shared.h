@@ -44,7 +44,7 @@
   X(32, grid_entries,   vec4)     /* primitives     xyz middle of its box (m), w bits: level << 28, and triangle or triangles + edge */ \
   X(33, detection,      Detection) /* 1             what detection and contacts tell each other */                       \
   X(34, candidates,     uvec4)    /* capacity       pairs that may meet before the next detection (pack_candidate) */    \
-  X(35, contact_normals, vec4)    /* capacity       xyz from side B to side A, w distance to keep (m); w < 0: no contact */ \
+  X(35, contact_normals, vec4)    /* capacity       xyz from side B to side A, w distance to keep (m); w < 0: none (contact_prepare) */ \
   X(36, contact_weights, vec4)    /* capacity       barycentric, side A's above 0 and side B's below */                  \
   X(37, contact_counts, uint)     /* particles      contacts of this substep; 0 between substeps */                      \
   X(38, contact_sums,   ivec4)    /* particles      xyz sum of corrections in units of `quantum`, w unused; 0 between iterations */ \
