@@ -89,7 +89,10 @@ struct Detected {
 
   static Scene scene(const Setting& setting) {
     Scene scene = loose_scene(1);
-    scene.contacts = {true, 0.25, setting.capacity, setting.cell, setting.reach};
+    scene.contacts.enabled = true;
+    scene.contacts.capacity = setting.capacity;
+    scene.contacts.cell = setting.cell;
+    scene.contacts.reach = setting.reach;
     return scene;
   }
   Detected(const compute::Device& device, const Soup& of, const Setting& setting, std::string_view last = "pair_edges")
