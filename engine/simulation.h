@@ -17,8 +17,9 @@
 //
 // Threads: a Simulation may be used from any thread, by one at a time. Several may share a device.
 //
-// Limitations: no self-collision, no wind yet; a bend's rest state is flat; anchors are chosen at create and can be moved,
-// not added; hosts that record must record frames in the order they submit them.
+// Limitations: no wind yet; a bend's rest state is flat; a mesh collider that turns takes its vertices straight to where they
+// are at the frame's end; anchors are chosen at create and can be moved, not added; hosts that record must record frames in
+// the order they submit them.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -158,7 +159,7 @@ class Simulation {
   /// Copies all particles back, cloths' and mesh colliders' (CookedFabric's order). Waits for the last submitted frame.
   Result<std::vector<gpu::vec4>> read_positions() const;
   Result<std::vector<gpu::vec4>> read_velocities() const;
-  /// Overwrites the state of all particles (CookedFabric's order; w is ignored): a pose to start from. Waits.
+  /// Overwrites the state of all particles, mesh colliders' too (CookedFabric's order; w is ignored): a pose to start from. Waits.
   Result<void> write_positions(std::span<const gpu::vec4> positions);
   Result<void> write_velocities(std::span<const gpu::vec4> velocities);
   /// What the renderer sees, copied back: positions and normals of all render vertices. Waits.

@@ -190,6 +190,7 @@ TEST_F(CommandLine, check_counts_crossings_at_every_frame) {
   const std::string hung = WEFT_SOURCE_DIR "/assets/scenes/hung.json", tablecloth = WEFT_SOURCE_DIR "/assets/scenes/tablecloth.json";
   const json unchecked = report_of({"run", hung, "--frames", "1", "--no-picture", "--out", out()});
   EXPECT_FALSE(unchecked.contains("intersections")) << "nobody asked";
+  EXPECT_FALSE(unchecked.contains("contacts"));
 
   const json apart = report_of({"run", hung, "--frames", "10", "--check", "--no-picture", "--out", out()});
   EXPECT_EQ(apart["intersections"]["max"], 0);
@@ -200,6 +201,21 @@ TEST_F(CommandLine, check_counts_crossings_at_every_frame) {
   EXPECT_GT(crossed["intersections"]["max"], 0) << "nothing keeps its folds apart";
   EXPECT_GE(crossed["intersections"]["max"], crossed["intersections"]["final"]);
   EXPECT_NE(read(folder / "stdout").find("in the worst frame"), std::string::npos);
+}
+
+TEST_F(CommandLine, a_run_over_a_mesh_reports_its_contacts_and_exports_cloth_alone) {
+  const std::string table = WEFT_SOURCE_DIR "/assets/scenes/table.json";
+  const Outcome outcome = weft({"run", table, "--frames", "2", "--check", "--out", out()});
+  EXPECT_EQ(outcome.exit, 0) << outcome.error;
+  const json report = json::parse(read(folder / "out/report.json"), nullptr, false);
+  EXPECT_EQ(report["particles"], 61 * 61) << "of cloth";
+  EXPECT_EQ(report["intersections"]["max"], 0);
+  EXPECT_EQ(report["contacts"]["lost"], 0);
+  EXPECT_GT(report["contacts"]["detections"], 0);
+  for (const char* key : {"max", "truncated"}) EXPECT_TRUE(report["contacts"][key].is_number_unsigned()) << key;
+  EXPECT_NE(read(folder / "stdout").find("Cloth crosses cloth or a mesh in no frame"), std::string::npos);
+  EXPECT_NE(read(folder / "stdout").find("Contacts: up to "), std::string::npos);
+  EXPECT_NE(read(folder / "out/final.ply").find("element vertex " + std::to_string(2 * 31 * 61) + "\n"), std::string::npos);
 }
 
 TEST_F(CommandLine, two_processes_end_in_the_same_bits) {
