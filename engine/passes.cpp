@@ -135,7 +135,7 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
                                   fabric.corners.size(), vertices, vertices, 1, particles,
                                   // Contacts: from `triangles` on. A block is at least 8 slots.
                                   triangles, edges, particles, particles, particles, particles, contacts.slots, contacts.slots + 1ull,
-                                  contacts.slots / 8 + 1ull, triangles + edges, 1, contacts.capacity, contacts.capacity, contacts.capacity,
+                                  contacts.slots / 8 + 1ull, 2 * (triangles + edges), 1, contacts.capacity, contacts.capacity, contacts.capacity,
                                   particles, particles, particles};
   constexpr auto grows = [](gpu::Binding binding) {
     return binding == gpu::candidates || binding == gpu::contact_normals || binding == gpu::contact_weights;

@@ -2,7 +2,10 @@
 // One thread; the group counts that it leaves behind dispatch the passes of the detection, or nothing.
 //
 // A long leash finds more pairs, a short one asks for detections more often. The leash grows while detections follow each
-// other closely and shrinks slowly while the paths hold to their end.
+// other closely and shrinks while the paths hold to their end.
+//
+// Particles that moved had long paths, which let many pairs meet. When nobody has left his path by its end, and the pairs are
+// many, one more search with paths as short as the particles now move leaves only those that matter.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -25,9 +28,10 @@ float reach_after(float reach, uint old) {
   return reach;
 }
 
-void begin_detection() {
+void begin_detection(bool calm) {
   detection[0].reach = reach_after(detection[0].reach, detection[0].age + 1);
   detection[0].due = 0;
+  detection[0].calm = uint(calm);
   detection[0].age = 0;
   detection[0].candidates = 0;
   for (uint k = 0; k < 2 * WEFT_LEVELS; ++k) detection[0].extents[k] = 0;
@@ -50,6 +54,8 @@ void skip_detection() {
 // push.count: particles.
 void main() {
   if (gl_GlobalInvocationID.x != 0) return;
-  if (detection[0].due != 0) begin_detection();
+  const bool due = detection[0].due != 0;
+  const bool calm = !due && detection[0].age >= WEFT_HORIZON && detection[0].calm == 0 && detection[0].candidates > push.count;
+  if (due || calm) begin_detection(calm);
   else skip_detection();
 }

@@ -19,5 +19,7 @@ void main() {
   if (i >= push.count) return;
   const Place place = place_of(i);
   const uint left = atomicAdd(grid_counts[place.slot], 0xffffffffu);
-  grid_entries[FETCH_UINT(grid_starts, place.slot) + left - 1] = vec4(place.middle, uintBitsToFloat(i | place.level << level_shift));
+  const uint entry = 2 * (FETCH_UINT(grid_starts, place.slot) + left - 1);
+  grid_entries[entry] = vec4(place.middle, uintBitsToFloat(i | place.level << level_shift));
+  grid_entries[entry + 1] = vec4(place.half_sides, 0);
 }

@@ -21,26 +21,34 @@ GATHER(grid_entries)
 WRITE(uvec4, candidates)
 READ_WRITE(uint, leashes)
 
-// What the pass does with a primitive, of this level, whose box may overlap.
-void meet(uint primitive, uint its_level);
+// Whether the pass wants to meet a primitive of its kind on this level, and what it does then.
+bool wants(uint primitive, uint its_level);
+void meet(uint primitive);
 
-void visit(vec4 entry, vec3 middle, vec3 near, uint level, uint kind) {
+struct Search {
+  vec3 middle, half_sides;   // m
+  uint kind, level;
+};
+
+void visit(Search search, vec4 entry, uint k) {
   const uint bits = floatBitsToUint(entry.w);
   const uint primitive = bits & primitive_mask;
   const uint its_kind = primitive >= push.triangles ? of_edges : of_triangles;
-  if (bits >> level_shift == level && its_kind == kind && all(lessThanEqual(abs(entry.xyz - middle), near))) meet(primitive, level);
+  const vec3 near = search.half_sides + FETCH(grid_entries, 2 * k + 1).xyz;
+  if (bits >> level_shift != search.level || its_kind != search.kind || !all(lessThanEqual(abs(entry.xyz - search.middle), near))) return;
+  if (wants(primitive, search.level)) meet(primitive);
 }
 
-void search_cells(ivec3 first, ivec3 last, vec3 middle, vec3 near, uint level, uint kind) {
+void search_cells(Search search, ivec3 first, ivec3 last) {
   for (int z = first.z; z <= last.z; ++z)
     for (int y = first.y; y <= last.y; ++y)
       for (int x = first.x; x <= last.x; ++x) {
         const ivec3 cell = ivec3(x, y, z);
-        const uint slot = slot_of(cell, level, kind);
+        const uint slot = slot_of(cell, search.level, search.kind);
         const uint end = FETCH_UINT(grid_starts, slot + 1);
         for (uint k = FETCH_UINT(grid_starts, slot); k < end; ++k) {
-          const vec4 entry = FETCH(grid_entries, k);
-          if (cell_at(entry.xyz, level) == cell) visit(entry, middle, near, level, kind);
+          const vec4 entry = FETCH(grid_entries, 2 * k);
+          if (cell_at(entry.xyz, search.level) == cell) visit(search, entry, k);
         }
       }
 }
@@ -49,16 +57,16 @@ void search_cells(ivec3 first, ivec3 last, vec3 middle, vec3 near, uint level, u
 // than there are primitives (a fast vertex among small triangles, a triangle too large for the last level), the primitives
 // are gone through instead.
 void search(Sweep sweep, uint kind, uint from_level) {
-  const vec3 middle = middle_of(sweep), half_size = half_sides(sweep);
   const uint primitives = push.triangles + push.edges;
-  for (uint level = from_level; level < WEFT_LEVELS; ++level) {
-    const float extent = uintBitsToFloat(detection[0].extents[kind * WEFT_LEVELS + level]);
+  Search search = Search(middle_of(sweep), (1 + rounding) * half_sides(sweep), kind, from_level);
+  for (; search.level < WEFT_LEVELS; ++search.level) {
+    const float extent = uintBitsToFloat(detection[0].extents[kind * WEFT_LEVELS + search.level]);
     if (extent <= 0) continue;
-    const vec3 near = half_size + extent;
-    const ivec3 first = cell_at(middle - near, level), last = cell_at(middle + near, level);
+    const vec3 near = search.half_sides + extent;
+    const ivec3 first = cell_at(search.middle - near, search.level), last = cell_at(search.middle + near, search.level);
     const vec3 cells = vec3(last) - vec3(first) + 1;
-    if (cells.x * cells.y * cells.z <= float(primitives)) search_cells(first, last, middle, near, level, kind);
-    else for (uint k = 0; k < primitives; ++k) visit(FETCH(grid_entries, k), middle, near, level, kind);
+    if (cells.x * cells.y * cells.z <= float(primitives)) search_cells(search, first, last);
+    else for (uint k = 0; k < primitives; ++k) visit(search, FETCH(grid_entries, 2 * k), k);
   }
 }
 

@@ -32,9 +32,10 @@ float squared_difference(Track a, Track b) {
   return dot(d, d);
 }
 
-void meet(uint primitive, uint its_level) {
+bool wants(uint primitive, uint its_level) { return its_level > level || primitive - push.triangles > edge; }
+
+void meet(uint primitive) {
   const uint other = primitive - push.triangles;
-  if (its_level == level && other <= edge) return;
   const uvec2 e = FETCH_UINT2(edges, other);
   if (ends.x == e.x || ends.x == e.y || ends.y == e.x || ends.y == e.y) return;
   const Track a = track_of(e.x), b = track_of(e.y);

@@ -25,7 +25,9 @@ bool moves(uvec4 t) {
   return inverse_mass(vertex) > 0 || inverse_mass(t.x) > 0 || inverse_mass(t.y) > 0 || inverse_mass(t.z) > 0;
 }
 
-void meet(uint face, uint its_level) {
+bool wants(uint face, uint its_level) { return true; }
+
+void meet(uint face) {
   const uvec4 t = FETCH(triangles, face);
   if (any(equal(t.xyz, uvec3(vertex)))) return;
   const Track a = track_of(t.x), b = track_of(t.y), c = track_of(t.z);

@@ -6,8 +6,8 @@ GATHER_UINT4(triangles)
 GATHER_UINT2(edges)
 
 struct Place {
-  vec3 middle;
-  float half_side;   // m, its longest
+  vec3 middle, half_sides;
+  float half_side;   // m, the longest
   uint kind, level, slot;
 };
 
@@ -22,10 +22,10 @@ Sweep sweep_of_primitive(uint primitive) {
 
 Place place_of(uint primitive) {
   const Sweep sweep = sweep_of_primitive(primitive);
-  const vec3 sides = half_sides(sweep);
   Place place;
   place.middle = middle_of(sweep);
-  place.half_side = max(sides.x, max(sides.y, sides.z));
+  place.half_sides = half_sides(sweep);
+  place.half_side = max(place.half_sides.x, max(place.half_sides.y, place.half_sides.z));
   place.kind = primitive >= push.triangles ? of_edges : of_triangles;
   place.level = level_of(place.half_side);
   place.slot = slot_of(cell_at(place.middle, place.level), place.level, place.kind);

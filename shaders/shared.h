@@ -41,7 +41,8 @@
   X(29, grid_counts,    uint)     /* slots          entries; all zero between detections */                              \
   X(30, grid_starts,    uint)     /* slots + 1      first entry */                                                       \
   X(31, grid_totals,    uint)     /* blocks         entries of a workgroup's slots */                                    \
-  X(32, grid_entries,   vec4)     /* primitives     xyz middle of its box (m), w bits: level << 28, and triangle or triangles + edge */ \
+  X(32, grid_entries,   vec4)     /* 2 x primitives xyz middle of its box (m), w bits: level << 28, and triangle or triangles + edge; \
+                                                    then xyz half its sides (m), w unused */                             \
   X(33, detection,      Detection) /* 1             what detection and contacts tell each other */                       \
   X(34, candidates,     uvec4)    /* capacity       pairs that may meet before the next detection (pack_candidate) */    \
   X(35, contact_normals, vec4)    /* capacity       xyz from side B to side A, w distance to keep (m); w < 0: none (contact_prepare) */ \
@@ -196,6 +197,7 @@ struct Detection {
   float reach;        // m, the leashes' length
   uint lowered[3];    // some particle's fraction was lowered in this round (contact_limit.comp)
   uint unsafe;        // ... and the last round still found a pair to cross: the static planes hold
+  uint calm;          // the last detection found the particles at the end of paths that nobody had left
   uint extents[2 * WEFT_LEVELS];   // bits of the longest half side of a box (m) at each level, of triangles, then of edges
 };
 #define WEFT_HORIZON 10u
@@ -295,7 +297,7 @@ inline uvec2 pack_link(const Link& link) {
 }
 
 static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 24 && sizeof(Push) == 84 && sizeof(Detection) == 232);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 24 && sizeof(Push) == 84 && sizeof(Detection) == 236);
 static_assert(std::is_trivially_copyable_v<Push>);
 
 enum Binding : uint {

@@ -1,0 +1,247 @@
+// The promise that cloth never crosses cloth, in the hard cases that proofs.md lists: at every frame an independent checker
+// (engine/reference/intersections.h), which shares nothing with the passes, must find nothing, and no contact may be lost.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "engine/reference/intersections.h"
+#include "tests/sheets.h"
+
+namespace weft {
+namespace {
+
+using ContactCase = GpuTest;
+
+constexpr double kFrame = 1.0 / 60;
+
+std::uint64_t crossings_of(const Simulation& simulation) {
+  std::vector<Vec3> places;
+  for (const gpu::vec4& p : must(simulation.read_positions())) places.push_back({p.x, p.y, p.z});
+  return count_crossings(places, std::span(simulation.fabric().triangles).first(simulation.fabric().cloth_triangles));
+}
+
+// Runs a scene and looks at every frame.
+void run_without_crossing(Simulation& simulation, int frames) {
+  for (int frame = 0; frame < frames; ++frame) {
+    must(simulation.advance(kFrame));
+    ASSERT_EQ(crossings_of(simulation), 0u) << "after frame " << frame;
+  }
+  EXPECT_EQ(simulation.counts().contacts_lost, 0u);
+  EXPECT_EQ(simulation.counts().non_finite, 0u);
+}
+
+// What scenes with contacts begin with: a sheet of `size` metres, `cells` a side, with its middle at `centre`.
+Cloth cloth_of(Vec2 size, std::uint32_t cells, Vec3 centre, Topology topology = Topology::diagonal) {
+  Cloth cloth;
+  cloth.grid = Grid{size, cells, cells, topology, false};
+  cloth.transform.translate = centre;
+  cloth.fabric.thickness = 0.002;
+  return cloth;
+}
+
+Scene scene_of(std::vector<Cloth> cloths) {
+  Scene scene;
+  scene.contacts.enabled = true;
+  scene.cloths = std::move(cloths);
+  return scene;
+}
+
+// Two opposite edges of half a metre turn against each other, two full turns each, and come together as the cloth shortens.
+Scene twist(std::uint32_t vertices, Topology topology, double seconds) {
+  Cloth cloth = cloth_of({1, 0.5f}, vertices - 1, {0, 0, 0}, topology);
+  cloth.fabric.thickness = 0.001;
+  cloth.tethers = false;
+  for (const float side : {-1.0f, 1.0f}) {
+    Anchor anchor;
+    anchor.box = Anchor::Box{{0.5f * side - 1e-3f, -1, -1}, {0.5f * side + 1e-3f, 1, 1}};
+    Key start, end;
+    start.axis = end.axis = {1, 0, 0};
+    end.time = seconds;
+    end.degrees = 720 * side;
+    end.translate = {-0.24f * side, 0, 0};
+    anchor.keys = {start, end};
+    cloth.anchors.push_back(anchor);
+  }
+  return scene_of({cloth});
+}
+
+class Twist : public GpuTest, public testing::WithParamInterface<std::pair<std::uint32_t, Topology>> {};
+
+TEST_P(Twist, four_full_turns_never_cross) {
+  const auto [vertices, topology] = GetParam();
+  constexpr double kSeconds = 3;
+  const auto simulation = must(Simulation::create(device(), twist(vertices, topology, kSeconds)));
+  run_without_crossing(*simulation, static_cast<int>(60 * kSeconds) + 15);
+  EXPECT_GT(simulation->counts().contacts_most, 1000u) << "the scene wound up nothing";
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, Twist,
+                         testing::Values(std::pair(64u, Topology::diagonal), std::pair(64u, Topology::centre), std::pair(128u, Topology::diagonal),
+                                         std::pair(128u, Topology::centre)),
+                         [](const auto& info) {
+                           return std::to_string(info.param.first) + (info.param.second == Topology::diagonal ? "_diagonal" : "_centre");
+                         });
+
+// Every sheet is turned a little against the one below, so that no two of them lie vertex on vertex.
+TEST_F(ContactCase, ten_sheets_dropped_on_each_other_stay_apart_in_order_and_come_to_rest) {
+  std::vector<Cloth> cloths;
+  for (int k = 0; k < 10; ++k) {
+    Cloth cloth = cloth_of({0.4f, 0.4f}, 20, {0, 0.02f + 0.02f * static_cast<float>(k), 0});
+    cloth.transform.degrees = 7 * k;
+    cloth.fabric.damping = 1;
+    cloths.push_back(cloth);
+  }
+  Scene scene = scene_of(cloths);
+  scene.colliders.push_back(plane(0, 0.6));
+  const auto simulation = must(Simulation::create(device(), scene));
+  run_without_crossing(*simulation, 150);
+  const auto positions = must(simulation->read_positions());
+  double below = 0;
+  for (const ClothRange& range : simulation->fabric().cloths) {
+    const std::vector<gpu::vec4> own(positions.begin() + range.first_particle, positions.begin() + range.first_particle + range.particles);
+    const double height = centre_of_mass(own).y;
+    EXPECT_GT(height, below + 0.0005);
+    below = height;
+  }
+  EXPECT_LT(below, 0.04);   // ten times 2 mm and a fold or two
+  EXPECT_LT(top_speed(*simulation), 0.2);
+}
+
+TEST_F(ContactCase, a_sheet_folded_over_a_sphere_onto_the_floor_never_crosses) {
+  Scene scene = scene_of({cloth_of({1, 1}, 48, {0.1f, 0.75f, 0})});
+  scene.colliders.push_back(plane(0));
+  scene.colliders.push_back(sphere({0, 0.25f, 0}, 0.15));
+  const auto simulation = must(Simulation::create(device(), scene));
+  run_without_crossing(*simulation, 120);
+  EXPECT_GT(simulation->counts().contacts_most, 1000u);
+}
+
+TEST_F(ContactCase, a_gltf_mesh_collapses_onto_the_floor_without_crossing_itself) {
+  const std::filesystem::path file = std::filesystem::path(WEFT_SOURCE_DIR) / "../shared/data/flamenco_cloth/CustomCloth.gltf";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not there";
+  Scene scene = default_scene(file, {-1, -1, -1}, {1, 1, 1});
+  scene.contacts.enabled = true;
+  scene.cloths[0].anchors.clear();
+  const auto simulation = must(Simulation::create(device(), scene));
+  run_without_crossing(*simulation, 150);
+  EXPECT_GT(simulation->counts().contacts_most, 100u);
+}
+
+// F4: contact reactions that are not barycentric do not conserve momentum. A strip is bent into a U and its arms are thrown at
+// each other, one faster than the other.
+TEST_F(ContactCase, a_free_folded_sheet_keeps_its_momentum) {
+  Scene scene = scene_of({cloth_of({0.6f, 0.3f}, 30, {0, 0, 0})});
+  scene.gravity = {0, 0, 0};
+  scene.cloths[0].fabric.damping = 0;
+  const auto simulation = must(Simulation::create(device(), scene));
+  auto pose = must(simulation->read_positions());
+  auto speed = pose;
+  const double radius = 0.02;
+  double momentum_sum = 0;
+  for (std::size_t i = 0; i < pose.size(); ++i) {
+    const gpu::vec4 rest = pose[i];
+    const double s = rest.x, half = radius * std::numbers::pi / 2;   // along the strip: an arc of half a turn in the middle
+    const double angle = std::clamp(s / half, -1.0, 1.0) * std::numbers::pi / 2;
+    const double arm = std::max(0.0, std::abs(s) - half);
+    pose[i] = {static_cast<float>(radius * std::cos(angle) - arm), static_cast<float>(radius * std::sin(angle)), rest.z, rest.w};
+    const double y = s > half ? -1.5 : s < -half ? 0.5 : 0;
+    speed[i] = {0, static_cast<float>(y * std::min(1.0, arm / 0.1)), 0, 0};
+    momentum_sum += std::abs(speed[i].y) / rest.w;
+  }
+  must(simulation->write_positions(pose));
+  must(simulation->write_velocities(speed));
+  const auto momentum = [&] {
+    const auto v = must(simulation->read_velocities());
+    Point sum;
+    for (std::size_t i = 0; i < v.size(); ++i) sum = {sum.x + v[i].x / pose[i].w, sum.y + v[i].y / pose[i].w, sum.z + v[i].z / pose[i].w};
+    return sum;
+  };
+  const Point before = momentum();
+  run_without_crossing(*simulation, 60);
+  EXPECT_LT(distance(before, momentum()), 1e-5 * momentum_sum);
+  EXPECT_GT(simulation->counts().contacts_most, 100u) << "the arms did not meet";
+}
+
+// Nothing is within reach of anything on a flat sheet, so contacts have nothing to change.
+class Hanging : public GpuTest, public testing::WithParamInterface<std::uint32_t> {};
+
+TEST_P(Hanging, a_flat_sheet_stretches_as_it_does_without_contacts) {
+  Strain strain[2];
+  for (const bool contacts : {false, true}) {
+    Scene scene;
+    Cloth& cloth = scene.cloths.emplace_back();
+    cloth.grid = Grid{{10, 10}, GetParam(), GetParam(), Topology::diagonal, true};
+    cloth.anchors.push_back(held_at({Corner::low_high, Corner::high_high}));
+    scene.contacts.enabled = contacts;
+    const auto simulation = must(Simulation::create(device(), scene));
+    run(*simulation, 1);
+    strain[contacts] = strain_of(*simulation);
+    EXPECT_EQ(simulation->counts().contacts_lost, 0u);
+  }
+  EXPECT_NEAR(strain[1].mean / strain[0].mean, 1, 0.01);
+  EXPECT_NEAR(strain[1].rms / strain[0].rms, 1, 0.01);
+  EXPECT_NEAR(strain[1].max / strain[0].max, 1, 0.01);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, Hanging, testing::Values(30u, 100u, 200u, 300u), testing::PrintToStringParamName());
+
+// The sphere goes through, or drags along what it can; the cloth may be torn about but not through itself.
+TEST_F(ContactCase, a_collider_through_cloth_at_five_metres_a_frame_makes_it_cross_nowhere) {
+  Scene scene = scene_of({cloth_of({1, 1}, 40, {0, 0, 0})});
+  scene.cloths[0].anchors.push_back(held_at({Corner::low_low, Corner::high_low}));
+  scene.colliders.push_back(sphere({0, 2.5f, 0}, 0.2));
+  const auto simulation = must(Simulation::create(device(), scene));
+  run_without_crossing(*simulation, 5);
+  for (int pass = 0; pass < 4; ++pass) {
+    ColliderPose pose;
+    pose.centre = {0.1f * static_cast<float>(pass), pass % 2 == 0 ? -2.5f : 2.5f, 0};
+    must(simulation->move_collider(0, pose));
+    run_without_crossing(*simulation, 1);
+  }
+  run_without_crossing(*simulation, 60);
+  EXPECT_LT(top_speed(*simulation), 100);
+}
+
+// F3: bins and lists that overflow without a word.
+TEST_F(ContactCase, a_frame_that_found_no_room_is_repeated_with_more_and_ends_the_same) {
+  std::uint64_t hashes[2];
+  for (const std::uint32_t capacity : {16u, 1u << 20}) {
+    Scene scene = twist(24, Topology::diagonal, 1);
+    scene.contacts.capacity = capacity;
+    const auto simulation = must(Simulation::create(device(), scene));
+    run_without_crossing(*simulation, 70);
+    EXPECT_GT(simulation->counts().contacts_most, 100u);
+    hashes[capacity > 16] = hash_of(*simulation);
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST_F(ContactCase, submitted_frames_that_found_no_room_are_safe_and_say_so) {
+  Scene scene = twist(24, Topology::diagonal, 1);
+  scene.contacts.capacity = 16;
+  const auto simulation = must(Simulation::create(device(), scene));
+  for (int frame = 0; frame < 70; ++frame) {
+    must(simulation->submit(kFrame));
+    ASSERT_EQ(crossings_of(*simulation), 0u) << "after frame " << frame;
+  }
+  EXPECT_GT(simulation->counts().contacts_lost, 0u);
+  EXPECT_EQ(simulation->counts().non_finite, 0u);
+}
+
+TEST_F(ContactCase, the_same_scene_twice_is_the_same_to_the_bit) {
+  std::uint64_t hashes[3];
+  for (int run = 0; run < 3; ++run) {
+    SimulationOptions options;
+    options.gather_storage = run == 1;
+    options.workgroup = run == 2 ? 64 : 0;
+    const auto simulation = must(Simulation::create(device(), twist(32, Topology::centre, 1), options));
+    run_without_crossing(*simulation, 60);
+    hashes[run] = hash_of(*simulation);
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+  EXPECT_EQ(hashes[0], hashes[2]);
+}
+
+}  // namespace
+}  // namespace weft
