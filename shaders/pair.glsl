@@ -21,52 +21,70 @@ GATHER(grid_entries)
 WRITE(uvec4, candidates)
 READ_WRITE(uint, leashes)
 
-// Whether the pass wants to meet a primitive of its kind on this level, and what it does then.
-bool wants(uint primitive, uint its_level);
+// What the pass does with a primitive whose box overlaps.
 void meet(uint primitive);
 
 struct Search {
   vec3 middle, half_sides;   // m
   uint kind, level;
+  // Among primitives of one kind and level each pair would be found from both: the one whose cell comes first, or in one cell
+  // the one with the lower number, finds it.
+  bool among_equals;
+  ivec3 own_cell;
+  uint own_number;
 };
+
+uint number_of(vec4 entry) { return floatBitsToUint(entry.w) & primitive_mask; }
+
+bool comes_before(ivec3 a, ivec3 b) { return a.z != b.z ? a.z < b.z : a.y != b.y ? a.y < b.y : a.x < b.x; }
 
 void visit(Search search, vec4 entry, uint k) {
   const uint bits = floatBitsToUint(entry.w);
-  const uint primitive = bits & primitive_mask;
+  const uint primitive = number_of(entry);
   const uint its_kind = primitive >= push.triangles ? of_edges : of_triangles;
   const vec3 near = search.half_sides + FETCH(grid_entries, 2 * k + 1).xyz;
   if (bits >> level_shift != search.level || its_kind != search.kind || !all(lessThanEqual(abs(entry.xyz - search.middle), near))) return;
-  if (wants(primitive, search.level)) meet(primitive);
+  meet(primitive);
+}
+
+void go_through(Search search, uint k) {
+  const vec4 entry = FETCH(grid_entries, 2 * k);
+  if (!search.among_equals || number_of(entry) > search.own_number) visit(search, entry, k);
 }
 
 void search_cells(Search search, ivec3 first, ivec3 last) {
-  for (int z = first.z; z <= last.z; ++z)
+  for (int z = search.among_equals ? search.own_cell.z : first.z; z <= last.z; ++z)
     for (int y = first.y; y <= last.y; ++y)
       for (int x = first.x; x <= last.x; ++x) {
         const ivec3 cell = ivec3(x, y, z);
+        if (search.among_equals && comes_before(cell, search.own_cell)) continue;
         const uint slot = slot_of(cell, search.level, search.kind);
         const uint end = FETCH_UINT(grid_starts, slot + 1);
         for (uint k = FETCH_UINT(grid_starts, slot); k < end; ++k) {
           const vec4 entry = FETCH(grid_entries, 2 * k);
-          if (cell_at(entry.xyz, search.level) == cell) visit(search, entry, k);
+          if (cell_at(entry.xyz, search.level) == cell && !(search.among_equals && cell == search.own_cell && number_of(entry) <= search.own_number))
+            visit(search, entry, k);
         }
       }
 }
 
-// Meets all primitives of a kind, from a level upwards, whose boxes may overlap. Where a level has more cells in question
-// than there are primitives (a fast vertex among small triangles, a triangle too large for the last level), the primitives
-// are gone through instead.
-void search(Sweep sweep, uint kind, uint from_level) {
+// Meets all primitives of a kind whose boxes may overlap. `own_number`: of a primitive of that kind itself, which leaves those on
+// lower levels to find it; WEFT_NONE for a vertex. Where a level has more cells in question than there are primitives (a fast
+// vertex among small triangles, a triangle too large for the last level), the primitives are gone through instead.
+void search(Sweep sweep, uint kind, uint own_number) {
   const uint primitives = push.triangles + push.edges;
-  Search search = Search(middle_of(sweep), (1 + rounding) * half_sides(sweep), kind, from_level);
-  for (; search.level < WEFT_LEVELS; ++search.level) {
+  const vec3 half_size = half_sides(sweep);
+  const uint own_level = own_number == WEFT_NONE ? 0 : level_of(max(half_size.x, max(half_size.y, half_size.z)));
+  Search search = Search(middle_of(sweep), (1 + rounding) * half_size, kind, own_level, own_number != WEFT_NONE, ivec3(0), own_number);
+  search.own_cell = cell_at(search.middle, own_level);
+  for (; search.level < WEFT_LEVELS; ++search.level, search.among_equals = false) {
     const float extent = uintBitsToFloat(detection[0].extents[kind * WEFT_LEVELS + search.level]);
     if (extent <= 0) continue;
     const vec3 near = search.half_sides + extent;
     const ivec3 first = cell_at(search.middle - near, search.level), last = cell_at(search.middle + near, search.level);
     const vec3 cells = vec3(last) - vec3(first) + 1;
     if (cells.x * cells.y * cells.z <= float(primitives)) search_cells(search, first, last);
-    else for (uint k = 0; k < primitives; ++k) visit(search, FETCH(grid_entries, 2 * k), k);
+    else for (uint k = 0; k < primitives; ++k) go_through(search, k);
   }
 }
 

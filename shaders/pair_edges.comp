@@ -1,5 +1,5 @@
 // pair_edges: every edge looks for the edges that it may meet before the next detection (pair.glsl). Of a pair the edge on the
-// lower level finds the other, and of two on one level that with the lower index.
+// lower level finds the other; for two on one level see Search.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -11,7 +11,7 @@ layout(push_constant, scalar) uniform Constants { Push push; };
 
 #include "pair.glsl"
 
-uint edge, level;
+uint edge;
 uvec2 ends;
 Track tracks[2];
 Sweep sweep;
@@ -31,8 +31,6 @@ float squared_difference(Track a, Track b) {
   const vec3 d = a.path - b.path;
   return dot(d, d);
 }
-
-bool wants(uint primitive, uint its_level) { return its_level > level || primitive - push.triangles > edge; }
 
 void meet(uint primitive) {
   const uint other = primitive - push.triangles;
@@ -58,7 +56,5 @@ void main() {
   tracks = Track[2](track_of(ends.x), track_of(ends.y));
   thickness = FETCH(rest, ends.x).w;
   sweep = sweep_of(tracks[0], tracks[1], thickness);
-  const vec3 sides = half_sides(sweep);
-  level = level_of(max(sides.x, max(sides.y, sides.z)));
-  search(sweep, of_edges, level);
+  search(sweep, of_edges, push.triangles + edge);
 }

@@ -25,8 +25,6 @@ bool moves(uvec4 t) {
   return inverse_mass(vertex) > 0 || inverse_mass(t.x) > 0 || inverse_mass(t.y) > 0 || inverse_mass(t.z) > 0;
 }
 
-bool wants(uint face, uint its_level) { return true; }
-
 void meet(uint face) {
   const uvec4 t = FETCH(triangles, face);
   if (any(equal(t.xyz, uvec3(vertex)))) return;
@@ -50,5 +48,5 @@ void main() {
   track = track_of(vertex);
   thickness = FETCH(rest, vertex).w;
   sweep = sweep_of(track, thickness);
-  search(sweep, of_triangles, 0);
+  search(sweep, of_triangles, WEFT_NONE);
 }
