@@ -24,7 +24,7 @@ constexpr Pass kPasses[] = {
     {"grid_scan",      "grid_scan",        Stage::detect,        Domain::slots,               kContacts,             kPlain,                 false,  false},
     {"grid_fill",      "grid_fill",        Stage::detect,        Domain::primitives,          kContacts,             kPlain,                 false,  false},
     {"pair_faces",     "pair_faces",       Stage::detect,        Domain::detected_particles,  kContacts,             kPlain,                 false,  false},
-    {"pair_edges",     "pair_edges",       Stage::detect,        Domain::edges,               kContacts,             kPlain,                 false,  false},
+    {"pair_edges",     "pair_edges",       Stage::detect,        Domain::primitives,          kContacts,             kPlain,                 false,  false},
     {"contact_arm",    "contact_arm",      Stage::detect,        Domain::once,                kContacts,             kPlain,                 false,  false},
     {"contact_prepare","contact_prepare",  Stage::detect,        Domain::candidates,          kContacts,             kPlain,                 false,  false},
     {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kBending,              kIterated,              true,   false},
@@ -135,7 +135,7 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
                                   fabric.corners.size(), vertices, vertices, 1, particles,
                                   // Contacts: from `triangles` on. A block is at least 8 slots.
                                   triangles, edges, particles, particles, particles, particles, contacts.slots, contacts.slots + 1ull,
-                                  contacts.slots / 8 + 1ull, 2 * (triangles + edges), 1, contacts.capacity, contacts.capacity, contacts.capacity,
+                                  contacts.slots / 8 + 1ull, 3 * (triangles + edges), 1, contacts.capacity, contacts.capacity, contacts.capacity,
                                   particles, particles, particles};
   constexpr auto grows = [](gpu::Binding binding) {
     return binding == gpu::candidates || binding == gpu::contact_normals || binding == gpu::contact_weights;
@@ -163,7 +163,6 @@ std::uint32_t domain_size(Domain domain, const CookedFabric& fabric, const Conta
     case Domain::vertices: return static_cast<std::uint32_t>(fabric.surface_rows.size());
     case Domain::primitives: return static_cast<std::uint32_t>(fabric.triangles.size() + fabric.edges.size());
     case Domain::slots: return contacts.slots;
-    case Domain::edges: return static_cast<std::uint32_t>(fabric.edges.size());
     case Domain::candidates: return contacts.capacity;
   }
   return 0;
@@ -174,7 +173,6 @@ std::optional<std::uint32_t> indirect_offset(Domain domain) {
     case Domain::detected_particles: return offsetof(gpu::Detection, particles);
     case Domain::primitives: return offsetof(gpu::Detection, primitives);
     case Domain::slots: return offsetof(gpu::Detection, blocks);
-    case Domain::edges: return offsetof(gpu::Detection, edges);
     case Domain::candidates: return offsetof(gpu::Detection, contacts);
     case Domain::touched_particles: return offsetof(gpu::Detection, touched);
     default: return std::nullopt;

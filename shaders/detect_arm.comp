@@ -2,7 +2,7 @@
 // One thread; the group counts that it leaves behind dispatch the passes of the detection, or nothing.
 //
 // A long leash finds more pairs, a short one asks for detections more often. The leash grows while detections follow each
-// other closely and shrinks while the paths hold to their end.
+// other closely, or while there are so few pairs that they cost next to nothing, and shrinks while the paths hold to their end.
 //
 // Particles that moved had long paths, which let many pairs meet. When nobody has left his path by its end, and the pairs are
 // many, one more search with paths as short as the particles now move leaves only those that matter.
@@ -23,7 +23,8 @@ Groups groups_of(uint threads) { return Groups((threads + gl_WorkGroupSize.x - 1
 // `old`: substeps since the last detection.
 float reach_after(float reach, uint old) {
   if (reach <= 0) return push.reach_low;
-  if (old < too_soon) return min(grow * reach, push.reach_high);
+  const bool cheap = detection[0].candidates < push.count / 4;
+  if (old < too_soon || cheap) return min(grow * reach, push.reach_high);
   if (old >= WEFT_HORIZON) return max(shrink * reach, push.reach_low);
   return reach;
 }
@@ -38,7 +39,6 @@ void begin_detection(bool calm) {
   detection[0].particles = groups_of(push.count);
   detection[0].primitives = groups_of(push.triangles + push.edges);
   detection[0].blocks = groups_of((push.slots + 7) / 8);   // eight slots a thread
-  detection[0].edges = groups_of(push.edges);
   ++counters[0].detections;
 }
 
@@ -48,7 +48,6 @@ void skip_detection() {
   detection[0].particles = none;
   detection[0].primitives = none;
   detection[0].blocks = none;
-  detection[0].edges = none;
 }
 
 // push.count: particles.

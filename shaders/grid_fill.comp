@@ -19,7 +19,8 @@ void main() {
   if (i >= push.count) return;
   const Place place = place_of(i);
   const uint left = atomicAdd(grid_counts[place.slot], 0xffffffffu);
-  const uint entry = 2 * (FETCH_UINT(grid_starts, place.slot) + left - 1);
+  const uint entry = 3 * (FETCH_UINT(grid_starts, place.slot) + left - 1);
   grid_entries[entry] = vec4(place.middle, uintBitsToFloat(i | place.level << level_shift));
   grid_entries[entry + 1] = vec4(place.half_sides, 0);
+  if (i >= push.triangles) grid_entries[entry + 2] = rod_of(i - push.triangles, place.middle);
 }

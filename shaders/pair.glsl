@@ -21,8 +21,10 @@ GATHER(grid_entries)
 WRITE(uvec4, candidates)
 READ_WRITE(uint, leashes)
 
-// What the pass does with a primitive whose box overlaps.
+// What the pass does with a primitive whose box overlaps, and what it asks before: whether one whose middle is at m from its own
+// may come near enough, by the entry's third part. Neighbouring threads run in step, so that one that meets keeps all of them waiting.
 void meet(uint primitive);
+bool may_reach(vec3 m, uint third);
 
 struct Search {
   vec3 middle, half_sides;   // m
@@ -42,13 +44,13 @@ void visit(Search search, vec4 entry, uint k) {
   const uint bits = floatBitsToUint(entry.w);
   const uint primitive = number_of(entry);
   const uint its_kind = primitive >= push.triangles ? of_edges : of_triangles;
-  const vec3 near = search.half_sides + FETCH(grid_entries, 2 * k + 1).xyz;
+  const vec3 near = search.half_sides + FETCH(grid_entries, 3 * k + 1).xyz;
   if (bits >> level_shift != search.level || its_kind != search.kind || !all(lessThanEqual(abs(entry.xyz - search.middle), near))) return;
-  meet(primitive);
+  if (may_reach(entry.xyz - search.middle, 3 * k + 2)) meet(primitive);
 }
 
 void go_through(Search search, uint k) {
-  const vec4 entry = FETCH(grid_entries, 2 * k);
+  const vec4 entry = FETCH(grid_entries, 3 * k);
   if (!search.among_equals || number_of(entry) > search.own_number) visit(search, entry, k);
 }
 
@@ -61,7 +63,7 @@ void search_cells(Search search, ivec3 first, ivec3 last) {
         const uint slot = slot_of(cell, search.level, search.kind);
         const uint end = FETCH_UINT(grid_starts, slot + 1);
         for (uint k = FETCH_UINT(grid_starts, slot); k < end; ++k) {
-          const vec4 entry = FETCH(grid_entries, 2 * k);
+          const vec4 entry = FETCH(grid_entries, 3 * k);
           if (cell_at(entry.xyz, search.level) == cell && !(search.among_equals && cell == search.own_cell && number_of(entry) <= search.own_number))
             visit(search, entry, k);
         }

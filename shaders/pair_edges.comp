@@ -15,6 +15,7 @@ uint edge;
 uvec2 ends;
 Track tracks[2];
 Sweep sweep;
+vec4 rod;
 float thickness;
 
 float distance_of(vec3 a, vec3 b, vec3 c, vec3 d) { return length(offset(closest_of_edges(a, b, c, d), a, b, c, d)); }
@@ -30,6 +31,14 @@ bool moves(uvec2 e) {
 float squared_difference(Track a, Track b) {
   const vec3 d = a.path - b.path;
   return dot(d, d);
+}
+
+// Between planes across m there is at least |m| less what both edges extend along it. In a flat sheet that tells all but
+// the nearest apart, which boxes do not.
+bool may_reach(vec3 m, uint third) {
+  const vec4 other = FETCH(grid_entries, third);
+  const float squared = dot(m, m);
+  return squared <= abs(dot(m, rod.xyz)) + abs(dot(m, other.xyz)) + (1 + rounding) * sqrt(squared) * (rod.w + other.w);
 }
 
 void meet(uint primitive) {
@@ -48,10 +57,14 @@ void meet(uint primitive) {
   if (spare < keep) add_candidate(uvec4(ends, e), keep, true);
 }
 
-// push.count: edges.
+// push.count: triangles and edges, in the order in which the grid has them: neighbouring threads then look into the same cells.
 void main() {
-  edge = gl_GlobalInvocationID.x;
-  if (edge >= push.count) return;
+  const uint i = gl_GlobalInvocationID.x;
+  if (i >= push.count) return;
+  const uint primitive = number_of(FETCH(grid_entries, 3 * i));
+  if (primitive < push.triangles) return;
+  edge = primitive - push.triangles;
+  rod = FETCH(grid_entries, 3 * i + 2);
   ends = FETCH_UINT2(edges, edge);
   tracks = Track[2](track_of(ends.x), track_of(ends.y));
   thickness = FETCH(rest, ends.x).w;

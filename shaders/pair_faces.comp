@@ -25,6 +25,8 @@ bool moves(uvec4 t) {
   return inverse_mass(vertex) > 0 || inverse_mass(t.x) > 0 || inverse_mass(t.y) > 0 || inverse_mass(t.z) > 0;
 }
 
+bool may_reach(vec3 m, uint third) { return true; }
+
 void meet(uint face) {
   const uvec4 t = FETCH(triangles, face);
   if (any(equal(t.xyz, uvec3(vertex)))) return;

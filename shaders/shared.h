@@ -41,8 +41,8 @@
   X(29, grid_counts,    uint)     /* slots          entries; all zero between detections */                              \
   X(30, grid_starts,    uint)     /* slots + 1      first entry */                                                       \
   X(31, grid_totals,    uint)     /* blocks         entries of a workgroup's slots */                                    \
-  X(32, grid_entries,   vec4)     /* 2 x primitives xyz middle of its box (m), w bits: level << 28, and triangle or triangles + edge; \
-                                                    then xyz half its sides (m), w unused */                             \
+  X(32, grid_entries,   vec4)     /* 3 x primitives xyz middle of its box (m), w bits: level << 28, and triangle or triangles + edge; \
+                                                    xyz half its sides (m); of an edge, xyz half of it, w how far it leaves that (m) */ \
   X(33, detection,      Detection) /* 1             what detection and contacts tell each other */                       \
   X(34, candidates,     uvec4)    /* capacity       pairs that may meet before the next detection (pack_candidate) */    \
   X(35, contact_normals, vec4)    /* capacity       xyz from side B to side A, w distance to keep (m); w < 0: none (contact_prepare) */ \
@@ -188,7 +188,7 @@ struct Groups {
 // that it was on when they were detected (detect_path.comp says why that loses nothing). The group counts let the GPU itself
 // decide whether there is anything to do.
 struct Detection {
-  Groups particles, primitives, blocks, edges;   // of the detection's passes; no groups where none is due
+  Groups particles, primitives, blocks;   // of the detection's passes; no groups where none is due
   Groups contacts;    // a thread a candidate
   Groups touched;     // a thread a particle, where there are candidates
   uint due;           // the next substep begins with a detection
@@ -297,7 +297,7 @@ inline uvec2 pack_link(const Link& link) {
 }
 
 static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 24 && sizeof(Push) == 84 && sizeof(Detection) == 236);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 24 && sizeof(Push) == 84 && sizeof(Detection) == 224);
 static_assert(std::is_trivially_copyable_v<Push>);
 
 enum Binding : uint {

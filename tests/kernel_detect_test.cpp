@@ -280,8 +280,8 @@ TEST_F(Detect, grid_lists_every_primitive_in_its_slot_and_leaves_the_counts_at_z
   const Detected filled(device(), soup, {}, "grid_fill");
   EXPECT_EQ(filled.passes.get<std::uint32_t>(gpu::grid_counts, slots), std::vector<std::uint32_t>(slots, 0));
   std::set<std::uint32_t> listed;
-  const auto entries = filled.passes.get<gpu::vec4>(gpu::grid_entries, 2 * primitives);   // a second place holds the box's sides
-  for (std::size_t k = 0; k < entries.size(); k += 2) listed.insert(std::bit_cast<std::uint32_t>(entries[k].w) & 0x0fffffffu);
+  const auto entries = filled.passes.get<gpu::vec4>(gpu::grid_entries, 3 * primitives);   // the other places hold the box's sides and the edge
+  for (std::size_t k = 0; k < entries.size(); k += 3) listed.insert(std::bit_cast<std::uint32_t>(entries[k].w) & 0x0fffffffu);
   EXPECT_EQ(listed.size(), primitives);
   EXPECT_EQ(*listed.rbegin(), primitives - 1);
 }
@@ -331,16 +331,15 @@ TEST_F(Detect, detect_arm_detects_when_due_and_adapts_the_reach_to_how_often_tha
   EXPECT_EQ(d.particles.x, 1u);
   const auto primitives = static_cast<std::uint32_t>(soup.fabric.triangles.size() + soup.fabric.edges.size());
   EXPECT_EQ(d.primitives.x, (primitives + 63) / 64);
-  EXPECT_EQ(d.edges.x, (soup.fabric.edges.size() + 63) / 64);
   EXPECT_EQ(d.blocks.x, 1u);
-  for (const gpu::Groups& groups : {d.particles, d.primitives, d.blocks, d.edges}) EXPECT_EQ(std::pair(groups.y, groups.z), std::pair(1u, 1u));
+  for (const gpu::Groups& groups : {d.particles, d.primitives, d.blocks}) EXPECT_EQ(std::pair(groups.y, groups.z), std::pair(1u, 1u));
   EXPECT_EQ(passes.counters().detections, 1u);
   // Not due: nothing to dispatch, and the detection grows old.
   for (std::uint32_t age = 1; age < WEFT_HORIZON + 3; ++age) {
     passes.run("detect_arm");
     d = detected.detection();
     EXPECT_EQ(d.age, std::min(age, WEFT_HORIZON));
-    for (const gpu::Groups& groups : {d.particles, d.primitives, d.blocks, d.edges}) EXPECT_EQ(groups.x, 0u);
+    for (const gpu::Groups& groups : {d.particles, d.primitives, d.blocks}) EXPECT_EQ(groups.x, 0u);
   }
   const auto due_at_age = [&](float reach, std::uint32_t age) {
     gpu::Detection state = detected.detection();
