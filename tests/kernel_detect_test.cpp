@@ -341,12 +341,12 @@ TEST_F(Detect, detect_arm_detects_when_due_and_adapts_the_reach_to_how_often_tha
     EXPECT_EQ(d.age, std::min(age, WEFT_HORIZON));
     for (const gpu::Groups& groups : {d.particles, d.primitives, d.blocks}) EXPECT_EQ(groups.x, 0u);
   }
-  const auto due_at_age = [&](float reach, std::uint32_t age) {
+  const auto due_at_age = [&](float reach, std::uint32_t age, std::uint32_t candidates = 100'000) {
     gpu::Detection state = detected.detection();
     state.reach = reach;
     state.age = age;
     state.due = 1;
-    state.candidates = 7;
+    state.candidates = candidates;
     state.extents[5] = 9;
     passes.put(gpu::detection, std::vector{state});
     passes.run("detect_arm");
@@ -361,7 +361,21 @@ TEST_F(Detect, detect_arm_detects_when_due_and_adapts_the_reach_to_how_often_tha
   EXPECT_FLOAT_EQ(due_at_age(2 * low, 9), 1.8f * low) << "its paths held to the end";
   EXPECT_FLOAT_EQ(due_at_age(0.9f * high, 0), high);
   EXPECT_FLOAT_EQ(due_at_age(1.05f * low, 10), low);
-  EXPECT_EQ(passes.counters().detections, 8u);
+  EXPECT_FLOAT_EQ(due_at_age(2 * low, 8, 1), 3 * low) << "so few pairs cost nothing";
+  EXPECT_EQ(passes.counters().detections, 9u);
+  // Once at the end of paths that nobody left, if there are many pairs; and then not again.
+  gpu::Detection state = detected.detection();
+  state.age = WEFT_HORIZON;
+  state.candidates = 100'000;
+  passes.put(gpu::detection, std::vector{state});
+  passes.run("detect_arm");
+  EXPECT_EQ(detected.detection().age, 0u);
+  EXPECT_EQ(detected.detection().calm, 1u);
+  state.calm = 1;
+  passes.put(gpu::detection, std::vector{state});
+  passes.run("detect_arm");
+  EXPECT_EQ(detected.detection().age, WEFT_HORIZON);
+  EXPECT_EQ(passes.counters().detections, 10u);
 }
 
 TEST_F(Detect, contact_arm_dispatches_what_there_is_room_for_and_counts_the_rest) {

@@ -59,9 +59,9 @@ TEST(Plan, contacts_end_their_substeps_in_a_pass_of_their_own) {
 }
 
 TEST(Plan, stages_come_in_their_order) {
-  for_every_plan([](const Plan& plan, std::uint32_t, bool) {
+  for_every_plan([](const Plan& plan, std::uint32_t features, bool) {
     EXPECT_TRUE(std::is_sorted(plan.passes.begin(), plan.passes.end(), [](const PlannedPass& a, const PlannedPass& b) { return a.pass->stage < b.pass->stage; }));
-    EXPECT_EQ(plan.passes.front().label, "predict");
+    EXPECT_EQ(plan.passes.front().label, features & feature::kContacts ? "predict+watch" : "predict");
     EXPECT_EQ(plan.passes.back().label, "surface");
   });
 }
