@@ -98,7 +98,7 @@ inline Points solve_contacts(std::span<const Pair> pairs, std::span<const Contac
   return copies.meet(p, 1);
 }
 
-/// Of the gap, or of the distance to keep if that is less: what the limit leaves of it.
+/// Of the distance to keep: what the limit leaves of the gap, or all of it if it is less.
 constexpr double kLimitMargin = 0.1;
 /// Of the largest coordinate: what it leaves at least, because positions are rounded.
 constexpr double kLimitFloor = 0x1p-20;
@@ -118,13 +118,15 @@ class Layers {
     const double low = lowest_of_a(start_), high = highest_of_b(start_);
     for (double& s : start_) s -= (low + high) / 2;
     half_gap_ = (low - high) / 2;
-    margin_ = std::max(kLimitMargin * std::min(low - high, pair.keep), kLimitFloor * size);
+    margin_ = std::clamp(low - high, 0.0, std::max(kLimitMargin * pair.keep, kLimitFloor * size));
     slip_ = kLimitFloor * size / 4;
+    // Parted to the margin they count as apart, whatever rounding does; a gap that is all that there is may not shrink.
+    least_gap_ = margin_ - (low - high > margin_ + slip_ ? slip_ : 1e-4 * margin_);
   }
 
   bool crosses(const std::array<double, 4>& fractions) const {
     const auto end = ends(fractions);
-    return lowest_of_a(end) - highest_of_b(end) < margin_ / 2;   // parted to the margin, they count as apart whatever rounding does
+    return lowest_of_a(end) - highest_of_b(end) < least_gap_;
   }
 
   /// The fractions to which a round lowers them: only those of a side that comes nearer.
@@ -178,7 +180,7 @@ class Layers {
   const Pair& pair_;
   Four start_{}, way_{};   // m
   std::array<bool, 4> fixed_{};
-  double half_gap_ = 0, margin_ = 0, slip_ = 0;   // m
+  double half_gap_ = 0, margin_ = 0, slip_ = 0, least_gap_ = 0;   // m
 };
 
 struct Limit {

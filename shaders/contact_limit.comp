@@ -37,8 +37,11 @@ const float kSafe = 1e30;
 
 // Of the largest coordinate: what the heights of two particles lose at most when settle rounds their places, four times over.
 const float kFloor = 1.0 / 1048576;   // 2^-20
-// Of the distance to keep, or of the gap if that is less: so much remains.
+// Of the distance to keep. That much remains, or all that there is if it is less: a part of the gap would shrink from substep to
+// substep, until rounding has the rest.
 const float kMargin = 0.1;
+// Of a gap that may not shrink: so little is no motion.
+const float kNothing = 1e-4;
 
 float largest(vec3 v) { return max(abs(v.x), max(abs(v.y), abs(v.z))); }
 
@@ -55,6 +58,7 @@ struct Sides {
   vec4 height, way;  // m
   float margin;      // m, to which sides that would cross are parted
   float noise;       // m, what rounding can do to a height
+  float least_gap;   // m, below which they count as crossing
 };
 
 // Where settle would find a prediction not finite, it lets the particle stay.
@@ -76,8 +80,10 @@ Sides sides_of(Candidate pair, vec3 n) {
   sides.height = height + towards * (0.5 * (least.y - least.x));   // of both sides the least is now half the gap
   float size = 0;
   for (int j = 0; j < 4; ++j) size = max(size, max(largest(x[j].xyz), largest(x[j].xyz + ways[j])));
-  sides.margin = max(kMargin * min(gap, pair.keep), kFloor * size);
+  sides.margin = clamp(gap, 0, max(kMargin * pair.keep, kFloor * size));
   sides.noise = 0.25 * kFloor * size;
+  // Parted to the margin, they are apart whatever rounding does to it: that calls for no further round.
+  sides.least_gap = sides.margin - (gap > sides.margin + sides.noise ? sides.noise : kNothing * sides.margin);
   return sides;
 }
 
@@ -162,8 +168,7 @@ void limit(Candidate pair, vec3 n, uint round) {
   const Sides sides = sides_of(pair, n);
   const vec4 end = sides.height + before * sides.way;
   const vec2 least = least_of_sides(end, sides.edges);
-  // From half the margin on they count as apart: rounding calls for no further round.
-  const bool crosses = least.x + least.y < 0.5 * sides.margin;
+  const bool crosses = least.x + least.y < sides.least_gap;
   if (round < kLastRound) {
     if (crosses) lower(pair, round, fractions_to(sides, least_heights(sides, end)), before);
     return;
