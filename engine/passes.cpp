@@ -115,7 +115,7 @@ ContactSizes contact_sizes(const Scene& scene, const CookedFabric& fabric) {
   sizes.reach_high = static_cast<float>(std::max(4 * reach, 0.1 * edge));
   // A box is an edge long and as much thicker as detection has to look around it.
   sizes.cell = static_cast<float>(wanted.cell > 0 ? wanted.cell : 1.5 * edge + 2 * reach + thickness);
-  // A millionth of what a particle may stray; 2^22 of them are the largest single correction (contact_solve.comp).
+  // A millionth of what a particle may stray at first; contact_solve.comp says how many of them a correction can be.
   sizes.quantum = static_cast<float>(std::ldexp(reach, -20));
   sizes.recover = static_cast<float>(wanted.recover * fabric.h);
   const std::size_t primitives = fabric.triangles.size() + fabric.edges.size();

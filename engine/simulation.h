@@ -17,6 +17,9 @@
 //
 // Threads: a Simulation may be used from any thread, by one at a time. Several may share a device.
 //
+// Contacts (Scene::contacts): no vertex, edge or triangle of cloth crosses another. The promise ends where anchors or mesh colliders
+// are driven through cloth that cannot go away, or through each other, and where cloth crosses itself from the start.
+//
 // Limitations: no wind yet; a bend's rest state is flat; a mesh collider that turns takes its vertices straight to where they
 // are at the frame's end; anchors are chosen at create and can be moved, not added; hosts that record must record frames in
 // the order they submit them.
