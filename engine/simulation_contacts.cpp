@@ -46,8 +46,9 @@ Result<bool> Simulation::State::make_room() {
   const std::uint64_t room = solver->contact_sizes().capacity;
   // Half as much again as was found: the frame would have found more if it had not been held up.
   const std::uint64_t wanted = std::min<std::uint64_t>(std::max<std::uint64_t>(2 * room, counters().contacts_most + counters().contacts_most / 2), kMostCandidates);
-  if (wanted <= room) return false;
+  if (wanted <= room || room_ends) return false;
   if (auto grown = solver->grow(static_cast<std::uint32_t>(wanted)); !grown) {
+    room_ends = true;
     fabric.notes.push_back("contacts: no room for " + std::to_string(wanted) + " candidates: " + grown.error());
     return false;
   }
@@ -94,7 +95,6 @@ Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
     solver->set_parity(parity);
     if (auto done = compute::run_once(*device, "weft restore", [&](VkCommandBuffer commands) { copy_snapshot(commands, true); }); !done) return done;
     if (auto done = create_snapshot(); !done) return done;
-    ++frames_repeated;
   }
 }
 

@@ -35,7 +35,7 @@ struct Simulation::State {
   compute::Arena snapshot;                     // with contacts: what advance needs to run its frame again
   std::uint32_t found_at_start = 0;            // candidates in the snapshot
   std::uint32_t lost_seen = 0;                 // candidates lost by frames that submit has made room after
-  std::uint64_t frames_repeated = 0;
+  bool room_ends = false;                      // more was asked for and not to be had: not asked for again
   compute::CommandPool pool;
   std::array<FrameSlot, 2> slots;
   compute::OwnedSemaphore ready;

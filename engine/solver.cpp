@@ -194,13 +194,20 @@ Result<void> Solver::write_sets() {
 Result<void> Solver::grow(std::uint32_t candidates) {
   if ((candidates + workgroup_ - 1) / workgroup_ > device_->limits().max_workgroups_x)
     return fail(candidates, " contact candidates need more workgroups than the device's ", device_->limits().max_workgroups_x);
-  for (BufferNeed& need : needs_)
-    if (need.grows) need.bytes = need.bytes / contacts_.capacity * candidates;
-  contacts_.capacity = candidates;
-  for (std::size_t k = 0; k < counts_.size(); ++k)
-    if (plan_.passes[k].pass->domain == Domain::candidates) counts_[k] = candidates;
+  const auto set_room = [&](std::uint32_t capacity) {
+    for (BufferNeed& need : needs_)
+      if (need.grows) need.bytes = need.bytes / contacts_.capacity * capacity;
+    for (std::size_t k = 0; k < counts_.size(); ++k)
+      if (plan_.passes[k].pass->domain == Domain::candidates) counts_[k] = capacity;
+    contacts_.capacity = capacity;
+  };
+  const std::uint32_t before = contacts_.capacity;
+  set_room(candidates);
   auto arena = create_arena(true);
-  if (!arena) return arena.take_error();
+  if (!arena) {
+    set_room(before);   // shaders go by it: it must never be more than the buffers have
+    return arena.take_error();
+  }
   growing_arena_ = std::move(*arena);
   return write_sets();
 }
