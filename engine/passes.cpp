@@ -23,8 +23,11 @@ constexpr Pass kPasses[] = {
     {"grid_total",     "grid_total",       Stage::detect,        Domain::slots,               kContacts,             kPlain,                 false,  false},
     {"grid_scan",      "grid_scan",        Stage::detect,        Domain::slots,               kContacts,             kPlain,                 false,  false},
     {"grid_fill",      "grid_fill",        Stage::detect,        Domain::primitives,          kContacts,             kPlain,                 false,  false},
-    {"pair_faces",     "pair_faces",       Stage::detect,        Domain::detected_particles,  kContacts,             kPlain,                 false,  false},
-    {"pair_edges",     "pair_edges",       Stage::detect,        Domain::primitives,          kContacts,             kPlain,                 false,  false},
+    {"search_faces",   "search_faces",     Stage::detect,        Domain::detected_particles,  kContacts,             kPlain,                 false,  false},
+    {"search_edges",   "search_edges",     Stage::detect,        Domain::primitives,          kContacts,             kPlain,                 false,  false},
+    {"search_arm",     "search_arm",       Stage::detect,        Domain::once,                kContacts,             kPlain,                 false,  false},
+    {"pair_faces",     "pair_faces",       Stage::detect,        Domain::near_faces,          kContacts,             kPlain,                 false,  false},
+    {"pair_edges",     "pair_edges",       Stage::detect,        Domain::near_edges,          kContacts,             kPlain,                 false,  false},
     {"contact_arm",    "contact_arm",      Stage::detect,        Domain::once,                kContacts,             kPlain,                 false,  false},
     {"contact_prepare","contact_prepare",  Stage::detect,        Domain::candidates,          kContacts,             kPlain,                 false,  false},
     {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kBending,              kIterated,              true,   false},
@@ -163,6 +166,8 @@ std::uint32_t domain_size(Domain domain, const CookedFabric& fabric, const Conta
     case Domain::vertices: return static_cast<std::uint32_t>(fabric.surface_rows.size());
     case Domain::primitives: return static_cast<std::uint32_t>(fabric.triangles.size() + fabric.edges.size());
     case Domain::slots: return contacts.slots;
+    case Domain::near_faces:
+    case Domain::near_edges: return WEFT_NEAR * contacts.capacity;
     case Domain::candidates: return contacts.capacity;
   }
   return 0;
@@ -173,6 +178,8 @@ std::optional<std::uint32_t> indirect_offset(Domain domain) {
     case Domain::detected_particles: return offsetof(gpu::Detection, particles);
     case Domain::primitives: return offsetof(gpu::Detection, primitives);
     case Domain::slots: return offsetof(gpu::Detection, blocks);
+    case Domain::near_faces: return offsetof(gpu::Detection, near_faces);
+    case Domain::near_edges: return offsetof(gpu::Detection, near_edges);
     case Domain::candidates: return offsetof(gpu::Detection, contacts);
     case Domain::touched_particles: return offsetof(gpu::Detection, touched);
     default: return std::nullopt;

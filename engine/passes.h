@@ -34,7 +34,8 @@ enum class Stage { frame_begin, substep_begin, detect, iteration, contact, subst
 /// there is nothing to do.
 enum class Domain {
   particles, anchors, bends, vertices, once,
-  detected_particles, primitives, slots,   // where a detection is due
+  detected_particles, primitives, slots,          // where a detection is due
+  near_faces, near_edges,                         // where it found pairs that are near each other
   candidates, touched_particles                   // where the last detection found something
 };
 

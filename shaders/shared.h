@@ -42,11 +42,13 @@
   X(30, grid_starts,    uint)     /* slots + 1      first entry */                                                       \
   X(31, grid_totals,    uint)     /* blocks         entries of a workgroup's slots */                                    \
   X(32, grid_entries,   vec4)     /* 3 x primitives xyz middle of its box (m), w bits: level << 28, and triangle or triangles + edge; \
-                                                    xyz half its sides (m); of an edge, xyz half of it, w how far it leaves that (m) */ \
+                                                    xyz half sides, w away; xyz path, w step: its Outline (primitive.glsl) */ \
   X(33, detection,      Detection) /* 1             what detection and contacts tell each other */                       \
   X(34, candidates,     uvec4)    /* capacity       pairs that may meet before the next detection (pack_candidate) */    \
-  X(35, contact_normals, vec4)    /* capacity       xyz from side B to side A, w distance to keep (m); w < 0: none (contact_prepare) */ \
-  X(36, contact_weights, vec4)    /* capacity       barycentric, side A's above 0 and side B's below */                  \
+  X(35, contact_normals, vec4)    /* capacity       xyz from side B to side A, w distance to keep (m); w < 0: none (contact_prepare). \
+                                                    During a detection near_edges: uvec2, two edges near each other */   \
+  X(36, contact_weights, vec4)    /* capacity       barycentric, side A's above 0 and side B's below. \
+                                                    During a detection near_faces: uvec2, particle and triangle */       \
   X(37, contact_counts, uint)     /* particles      contacts of this substep; 0 between substeps */                      \
   X(38, contact_sums,   ivec4)    /* particles      xyz sum of corrections in units of `quantum`, w unused; 0 between iterations */ \
   X(39, fractions,      uvec4)    /* particles      bits of the fraction of its way it may go, lowered round by round; 1.0 between substeps */
@@ -85,6 +87,8 @@ WEFT_BUFFERS(WEFT_BINDING)
 
 #define WEFT_BUFFER(access, element, name) \
   layout(set = WEFT_STORAGE_SET, binding = name##_binding, scalar) restrict access buffer name##_block { element name[]; };
+// Pairs that a search found near each other lie where the contacts will (two in a place, of each kind) until those are prepared.
+const uint near_edges_binding = contact_normals_binding, near_faces_binding = contact_weights_binding;
 #define READ(element, name) WEFT_BUFFER(readonly, element, name)
 #define WRITE(element, name) WEFT_BUFFER(writeonly, element, name)
 #define READ_WRITE(element, name) WEFT_BUFFER(, element, name)
@@ -189,6 +193,7 @@ struct Groups {
 // decide whether there is anything to do.
 struct Detection {
   Groups particles, primitives, blocks;   // of the detection's passes; no groups where none is due
+  Groups near_faces, near_edges;          // a thread a pair that a search found near
   Groups contacts;    // a thread a candidate
   Groups touched;     // a thread a particle, where there are candidates
   uint due;           // the next substep begins with a detection
@@ -198,9 +203,12 @@ struct Detection {
   uint lowered[3];    // some particle's fraction was lowered in this round (contact_limit.comp)
   uint unsafe;        // ... and the last round still found a pair to cross: the static planes hold
   uint calm;          // the last detection found the particles at the end of paths that nobody had left
+  uint near[2];       // pairs that the search found: of particles and triangles, then of edges
+  uint levels[2];     // a bit for each level that has boxes, of triangles, then of edges
   uint extents[2 * WEFT_LEVELS];   // bits of the longest half side of a box (m) at each level, of triangles, then of edges
 };
 #define WEFT_HORIZON 10u
+#define WEFT_NEAR 2u   // pairs of each kind that may be near each other, for each candidate that there is room for
 
 /// What every pass is told. 84 of the 128 bytes that every device has.
 struct Push {
@@ -297,7 +305,7 @@ inline uvec2 pack_link(const Link& link) {
 }
 
 static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 24 && sizeof(Push) == 84 && sizeof(Detection) == 224);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 24 && sizeof(Push) == 84 && sizeof(Detection) == 264);
 static_assert(std::is_trivially_copyable_v<Push>);
 
 enum Binding : uint {
