@@ -40,7 +40,7 @@ constexpr Pass kPasses[] = {
     {"contact_solve",  "contact_solve",    Stage::contact,       Domain::candidates,          kContacts,             kPlain,                 false,  false},
     {"contact_apply",  "contact_apply",    Stage::contact,       Domain::touched_particles,   kContacts,             kColliders,             false,  false},
     {"contact_apply",  "contact_apply",    Stage::contact,       Domain::touched_particles,   kContacts | kColliders, kPlain,                false,  false, "+collide"},
-    {"contact_limit",  "contact_limit",    Stage::substep_end,   Domain::candidates,          kContacts,             kPlain,                 false,  false, "", 4},
+    {"contact_limit",  "contact_limit",    Stage::substep_end,   Domain::candidates,          kContacts,             kPlain,                 false,  false, "", WEFT_ROUNDS},
     {"settle",         "settle",           Stage::substep_end,   Domain::particles,           kContacts,             kPlain,                 false,  false},
     {"surface",        "surface",          Stage::frame_end,     Domain::vertices,            kPlain,                kPlain,                 false,  false},
 };
@@ -139,7 +139,7 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
                                   // Contacts: from `triangles` on. A block is at least 8 slots.
                                   triangles, edges, particles, particles, particles, particles, contacts.slots, contacts.slots + 1ull,
                                   contacts.slots / 8 + 1ull, 3 * (triangles + edges), 1, contacts.capacity, contacts.capacity, contacts.capacity,
-                                  particles, particles, particles};
+                                  particles, particles, 2 * particles};
   constexpr auto grows = [](gpu::Binding binding) {
     return binding == gpu::candidates || binding == gpu::contact_normals || binding == gpu::contact_weights;
   };

@@ -51,7 +51,7 @@
                                                     During a detection near_faces: uvec2, particle and triangle */       \
   X(37, contact_counts, uint)     /* particles      contacts of this substep; 0 between substeps */                      \
   X(38, contact_sums,   ivec4)    /* particles      xyz sum of corrections in units of `quantum`, w unused; 0 between iterations */ \
-  X(39, fractions,      uvec4)    /* particles      bits of the fraction of its way it may go, lowered round by round; 1.0 between substeps */
+  X(39, fractions,      uvec4)    /* 2 x particles  bits of the fraction of its way it may go, a round each; 1.0 between substeps */
 
 // Texel views (GATHER) live in a second descriptor set under the same numbers.
 #define WEFT_STORAGE_SET 0
@@ -188,6 +188,9 @@ struct Groups {
 // A box goes to the level of the grid whose cells are at least as long as it: cell * 2^level.
 #define WEFT_LEVELS 16
 
+#define WEFT_HORIZON 10u   // substeps
+#define WEFT_ROUNDS 8u     // of contact_limit, two times four fractions a particle
+
 // Detection looks for pairs that can come within their distance while every particle stays on a leash about the straight path
 // that it was on when they were detected (detect_path.comp says why that loses nothing). The group counts let the GPU itself
 // decide whether there is anything to do.
@@ -200,14 +203,13 @@ struct Detection {
   uint age;           // substeps since the last one, at most WEFT_HORIZON
   uint candidates;    // that it found; more than push.capacity: the rest were lost
   float reach;        // m, the leashes' length
-  uint lowered[3];    // some particle's fraction was lowered in this round (contact_limit.comp)
+  uint lowered[WEFT_ROUNDS - 1];   // some particle's fraction was lowered in this round (contact_limit.comp)
   uint unsafe;        // ... and the last round still found a pair to cross: the static planes hold
   uint calm;          // the last detection found the particles at the end of paths that nobody had left
   uint near[2];       // pairs that the search found: of particles and triangles, then of edges
   uint levels[2];     // a bit for each level that has boxes, of triangles, then of edges
   uint extents[2 * WEFT_LEVELS];   // bits of the longest half side of a box (m) at each level, of triangles, then of edges
 };
-#define WEFT_HORIZON 10u
 #define WEFT_NEAR 2u   // pairs of each kind that may be near each other, for each candidate that there is room for
 
 /// What every pass is told. 84 of the 128 bytes that every device has.
@@ -234,7 +236,7 @@ struct Push {
 #define WEFT_LAST_ITERATION 1u  // of the substep: velocities follow
 #define WEFT_LAST_SUBSTEP 2u    // of the frame: no further prediction
 #define WEFT_FIRST_ITERATION 4u // of the substep: multipliers start at zero
-#define WEFT_ROUND_SHIFT 8u      // bits 8 and 9: which round of a pass that runs in several
+#define WEFT_ROUND_SHIFT 8u      // bits 8 to 10: which round of a pass that runs in several
 #define WEFT_ANCHORS_MOVE 8u    // in this frame: each anchor's next place is known to the anchor pass alone
 
 #define WEFT_NONE 0xffffffffu
@@ -305,7 +307,7 @@ inline uvec2 pack_link(const Link& link) {
 }
 
 static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 24 && sizeof(Push) == 84 && sizeof(Detection) == 264);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 24 && sizeof(Push) == 84 && sizeof(Detection) == 280);
 static_assert(std::is_trivially_copyable_v<Push>);
 
 enum Binding : uint {

@@ -154,11 +154,13 @@ TEST_F(DetectArm, contact_arm_dispatches_what_there_is_room_for_and_counts_the_r
     gpu::Detection state = detected.detection();
     state.candidates = candidates;
     state.age = age;
-    state.lowered[0] = state.lowered[1] = state.lowered[2] = state.unsafe = 1;
+    for (std::uint32_t& lowered : state.lowered) lowered = 1;
+    state.unsafe = 1;
     detected.passes.put(gpu::detection, std::vector{state});
     detected.passes.run("contact_arm");
     state = detected.detection();
-    EXPECT_EQ(state.lowered[0] + state.lowered[1] + state.lowered[2] + state.unsafe, 0u);
+    for (const std::uint32_t lowered : state.lowered) EXPECT_EQ(lowered, 0u);
+    EXPECT_EQ(state.unsafe, 0u);
     return std::pair(state.contacts.x, state.touched.x);
   };
   using Groups = std::pair<std::uint32_t, std::uint32_t>;
