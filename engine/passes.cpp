@@ -115,7 +115,7 @@ ContactSizes contact_sizes(const Scene& scene, const CookedFabric& fabric) {
   // At first short against the edges, so that a flat sheet has no candidates, and against the distance of layers that lie on each other.
   const double reach = wanted.reach > 0 ? wanted.reach : std::min(0.1 * edge, thickness > 0 ? 0.25 * thickness : edge);
   sizes.reach_low = static_cast<float>(reach);
-  sizes.reach_high = static_cast<float>(std::max(4 * reach, 0.2 * edge));
+  sizes.reach_high = static_cast<float>(std::max(4 * reach, 0.1 * edge));
   // A box is an edge long and as much thicker as detection has to look around it.
   sizes.cell = static_cast<float>(wanted.cell > 0 ? wanted.cell : 1.5 * edge + 2 * reach + thickness);
   // A millionth of what a particle may stray at first; contact_solve.comp says how many of them a correction can be.
