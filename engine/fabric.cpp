@@ -318,6 +318,7 @@ Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) {
   // A scene that a host made has passed no reader.
   if (!(scene.solver.rate > 0) || !std::isfinite(scene.solver.rate)) return fail("solver.rate: ", scene.solver.rate, " is not above 0 (Hz)");
   if (scene.solver.iterations < 1) return fail("solver.iterations: 0 is less than 1");
+  if (const std::string fault = method_fault(scene); !fault.empty()) return fail("solver.method: ", fault);
   Cook cook(scene);
   for (std::uint32_t index = 0; index < cloths; ++index)
     if (auto added = cook.add(index, meshes[index]); !added) return added.take_error();

@@ -110,12 +110,16 @@ struct Collider {
   Vec3 colour{0.5f, 0.5f, 0.5f};
 };
 
+/// How a substep is solved; the README's section on solvers tells them apart.
+enum class Method { jacobi, gauss_seidel, chebyshev, mass_spring, verlet, implicit };
+
 enum class Averaging { mass_split, count };  // momentum-conserving (Tonge 2012); Flamenco's, for comparison
 
 struct SolverSettings {
   double rate = 60;             // Hz: frames a second; a substep lasts 1 / (rate substeps)
   std::uint32_t substeps = 0;   // 0: the default that the README gives its reasons for
   std::uint32_t iterations = 1; // 1 ... 1000
+  Method method = Method::jacobi;
   Averaging averaging = Averaging::mass_split;
   double relaxation = 1.25;     // 0 < omega < 4/3 (stable for one iteration a substep)
   double longest_advance = 0.1; // s: a longer advance() is clamped to this, and the surplus reported
@@ -180,6 +184,9 @@ std::optional<Fabric> fabric_preset(std::string_view name);
 
 /// Whether cloth meets cloth: asked for, or needed by a mesh collider.
 bool contacts_on(const Scene& scene);
+
+/// Why the scene's method cannot solve it, as what follows "solver.method: "; empty if it can.
+std::string method_fault(const Scene& scene);
 
 /// Indices of the colliders that are meshes. They are part of what is simulated; the others are formulas.
 std::vector<std::uint32_t> mesh_colliders(const Scene& scene);

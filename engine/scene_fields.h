@@ -50,6 +50,7 @@ using Names = std::span<const std::string_view>;
 inline constexpr std::array<std::string_view, 2> kTopologies = {"diagonal", "centre"};
 inline constexpr std::array<std::string_view, 4> kCorners = {"low_low", "high_low", "low_high", "high_high"};
 inline constexpr std::array<std::string_view, 5> kShapes = {"plane", "sphere", "capsule", "box", "mesh"};
+inline constexpr std::array<std::string_view, 6> kMethods = {"jacobi", "gauss_seidel", "chebyshev", "mass_spring", "verlet", "implicit"};
 inline constexpr std::array<std::string_view, 2> kAveragings = {"mass_split", "count"};
 inline constexpr std::array<std::string_view, 3> kMeshEndings = {".gltf", ".glb", ".obj"};
 inline constexpr std::array<std::string_view, 3> kPictureEndings = {".png", ".jpg", ".jpeg"};
@@ -177,6 +178,7 @@ void fields(V& v, SolverSettings& solver) {
   v.number("rate", solver.rate, above(0, 1e4, "Hz"));
   v.whole("substeps", solver.substeps, between(0, 1000));
   v.whole("iterations", solver.iterations, between(1, 1000));
+  v.choice("method", solver.method, kMethods);
   v.choice("averaging", solver.averaging, kAveragings);
   v.number("relaxation", solver.relaxation, inside(0, 4.0 / 3));
   v.number("longest_advance", solver.longest_advance, above(0, 10, "s"));

@@ -62,6 +62,8 @@ TEST(BrokenScene, wrong_keys_types_and_figures_are_told_with_path_value_and_limi
       Broken{R"({"solver": {"iterations": 1001}})", "solver.iterations: 1001 is more than 1000"},
       Broken{R"({"solver": {"relaxation": 1.5}})", "solver.relaxation: 1.5 is not below 1.333333333"},
       Broken{R"({"solver": {"averaging": "mass_spilt"}})", "(did you mean \"mass_split\"?)"},
+      Broken{R"({"solver": {"method": "jakobi"}})", "(did you mean \"jacobi\"?)"},
+      Broken{R"({"solver": {"method": "implicit"}})", "solver.method: \"implicit\" is not there yet"},
       Broken{R"({"solver": {"longest_advance": 0}})", "solver.longest_advance: 0 is not above 0 (s)"}, Broken{R"({"solver": []})", "solver: a list of 0, not an object"},
       Broken{R"({"camera": {"eye": [1, 1, 1], "target": [1, 1, 1]}})", "camera.target: is where the eye is"},
       Broken{R"({"camera": {"fov_degrees": 180}})", "camera.fov_degrees: 180 is more than 170 (degrees)"},
