@@ -25,6 +25,23 @@ struct StretchLink {
   float gain = 0;    // kg: 1 / (W_a + W_b + compliance / h^2) as the GPU has it, with one iteration a substep; 0 if neither end gives way
 };
 
+/// A spring of the method implicit, once a pair: a link with its stiffness, a spring of Cloth::springs, or, linear with rest 0 and of
+/// either sign, an entry of the bending matrix.
+struct ParticleSpring {
+  std::uint32_t a, b;
+  float rest;        // m
+  float stiffness;   // N/m
+  float damping;     // N s/m
+  bool only_pulls;
+};
+
+/// The springs as the GPU reads them: a particle's other ends, four a fetch, and beside each its figures (shared.h, `springs`).
+struct SpringRows {
+  std::vector<gpu::uvec2> rows;     // per particle: first four, number of fours
+  std::vector<gpu::uvec4> ends;     // a place that is left over holds the particle itself
+  std::vector<gpu::vec4> springs;   // four for each of `ends`
+};
+
 /// A cloth's place in the arrays.
 struct ClothRange {
   std::string name;
@@ -68,6 +85,8 @@ struct CookedFabric {
   std::vector<gpu::Bend> bends;
   PairRows bend;                             // entries: (particle, coefficient bits); one iteration a substep only
   PairRows bend_uses;                        // entries: (bend, K w bits); several iterations only
+  std::vector<ParticleSpring> springs;       // method implicit only
+  SpringRows spring_rows;
   std::vector<gpu::Tether> tethers;          // particles x tethers_per_particle, an even number
   std::uint32_t tethers_per_particle = 0;
   std::uint64_t tether_count = 0;            // without the unused places

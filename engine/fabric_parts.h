@@ -22,6 +22,7 @@ struct Spring {
   double rest;             // m
   double compliance;       // m/N
   bool only_pulls;
+  enum class Kind { edge, diagonal, far } kind = Kind::edge;   // diagonal: either one of a quad
 };
 
 struct Stiffness {
@@ -35,6 +36,21 @@ std::vector<Spring> springs(const Mesh& mesh, const Stiffness& stiffness);
 /// Links that only pull between points `steps` edges apart on a straight line of edges: see fabric_far.cpp. Up to half of the
 /// stiffness of those edges (the first of `near`, in the mesh's order) moves over to them; `is_diagonal` edges make no line.
 void add_far_links(const Mesh& mesh, const std::vector<bool>& is_diagonal, std::uint32_t steps, std::vector<Spring>& near);
+
+/// A spring of Cloth::springs, which pushes and pulls.
+struct NeighbourSpring {
+  std::uint32_t a, b;      // points
+  double rest;             // m
+  Springs::Kind kind;
+};
+
+/// Between all points that are one or two links of the mesh apart: see fabric_springs.cpp.
+std::vector<NeighbourSpring> neighbour_springs(const Mesh& mesh, const weft::Springs& springs);
+
+/// The bending matrix of stencils over particles, as linear springs.
+void add_bending_springs(std::span<const gpu::Bend> bends, std::vector<ParticleSpring>& springs);
+
+SpringRows spring_rows(std::span<const ParticleSpring> springs, std::size_t particles);
 
 /// Bending stencils over points; split_weight is left at 0. `clamped` counts slivers whose cotangents were limited.
 std::vector<gpu::Bend> bend_stencils(const Mesh& mesh, double rigidity, std::uint32_t& clamped);

@@ -77,6 +77,17 @@ struct Appearance {
   Vec2 repeat{1, 1};                                  // how often the textures repeat over the mesh's UVs
 };
 
+/// Springs between neighbours on the mesh, each at rest as long as they are apart there.
+struct Springs {
+  struct Kind {
+    double stiffness = 0;       // N/m; 0: none of this kind
+    double damping = 0;         // N s/m, along the spring
+  };
+  Kind structural;              // edges of the mesh that are no diagonals of quads
+  Kind shear;                   // both diagonals of quads
+  Kind bend;                    // two of these on: with them a particle inside a grid has 24 neighbours, 5 x 5
+};
+
 struct Cloth {
   std::string name = "cloth";
   std::optional<Grid> grid;     // either a grid ...
@@ -87,6 +98,7 @@ struct Cloth {
   bool tethers = true;          // takes effect when there are anchors
   std::uint32_t tethers_per_vertex = 4;   // 1 ... 8
   double tether_slack = 0;      // fraction of the geodesic distance, 0 ... 1
+  std::optional<Springs> springs;   // method implicit only, in place of the fabric's links and bends
   std::vector<Anchor> anchors;
   Appearance appearance;
 };
@@ -113,6 +125,9 @@ struct Collider {
 /// How a substep is solved; the README's section on solvers tells them apart.
 enum class Method { jacobi, gauss_seidel, chebyshev, mass_spring, verlet, implicit };
 
+/// How the method implicit solves its equations: conjugate gradients, or damped block Jacobi, both preconditioned by 3x3 blocks.
+enum class Linear { cg, jacobi };
+
 enum class Averaging { mass_split, count };  // momentum-conserving (Tonge 2012); Flamenco's, for comparison
 
 struct SolverSettings {
@@ -120,6 +135,7 @@ struct SolverSettings {
   std::uint32_t substeps = 0;   // 0: the default that the README gives its reasons for
   std::uint32_t iterations = 1; // 1 ... 1000
   Method method = Method::jacobi;
+  Linear linear = Linear::cg;   // method implicit only
   Averaging averaging = Averaging::mass_split;
   double relaxation = 1.25;     // 0 < omega < 4/3 (stable for one iteration a substep)
   double longest_advance = 0.1; // s: a longer advance() is clamped to this, and the surplus reported

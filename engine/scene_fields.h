@@ -51,6 +51,7 @@ inline constexpr std::array<std::string_view, 2> kTopologies = {"diagonal", "cen
 inline constexpr std::array<std::string_view, 4> kCorners = {"low_low", "high_low", "low_high", "high_high"};
 inline constexpr std::array<std::string_view, 5> kShapes = {"plane", "sphere", "capsule", "box", "mesh"};
 inline constexpr std::array<std::string_view, 6> kMethods = {"jacobi", "gauss_seidel", "chebyshev", "mass_spring", "verlet", "implicit"};
+inline constexpr std::array<std::string_view, 2> kLinears = {"cg", "jacobi"};
 inline constexpr std::array<std::string_view, 2> kAveragings = {"mass_split", "count"};
 inline constexpr std::array<std::string_view, 3> kMeshEndings = {".gltf", ".glb", ".obj"};
 inline constexpr std::array<std::string_view, 3> kPictureEndings = {".png", ".jpg", ".jpeg"};
@@ -132,6 +133,19 @@ void fields(V& v, Appearance& appearance) {
 }
 
 template <class V>
+void fields(V& v, Springs::Kind& kind) {
+  v.number("stiffness", kind.stiffness, between(0, 1e9, "N/m"));
+  v.number("damping", kind.damping, between(0, 1e6, "N s/m"));
+}
+
+template <class V>
+void fields(V& v, Springs& springs) {
+  v.object("structural", springs.structural);
+  v.object("shear", springs.shear);
+  v.object("bend", springs.bend);
+}
+
+template <class V>
 void fields(V& v, Cloth& cloth) {
   v.text("name", cloth.name);
   v.optional_object("grid", cloth.grid);
@@ -140,6 +154,7 @@ void fields(V& v, Cloth& cloth) {
   v.fabric("fabric", cloth.fabric);
   v.flag("bending", cloth.bending);
   v.tethers("tethers", cloth);
+  v.optional_object("springs", cloth.springs);
   v.list("anchors", cloth.anchors, 0, kMostAnchors);
   v.object("appearance", cloth.appearance);
 }
@@ -179,6 +194,7 @@ void fields(V& v, SolverSettings& solver) {
   v.whole("substeps", solver.substeps, between(0, 1000));
   v.whole("iterations", solver.iterations, between(1, 1000));
   v.choice("method", solver.method, kMethods);
+  v.choice("linear", solver.linear, kLinears);
   v.choice("averaging", solver.averaging, kAveragings);
   v.number("relaxation", solver.relaxation, inside(0, 4.0 / 3));
   v.number("longest_advance", solver.longest_advance, above(0, 10, "s"));
