@@ -81,7 +81,7 @@ class Cook {
     lay_out_links();
     if (!fabric_.bends.empty()) lay_out_bends();
     lay_out_tethers();
-    if (!fabric_.springs.empty()) fabric_.spring_rows = cooking::spring_rows(fabric_.springs, fabric_.positions.size());
+    if (scene_.solver.method == Method::implicit) lay_out_springs();
     for (const gpu::vec4& p : fabric_.positions)
       if (!std::isfinite(p.x + p.y + p.z + p.w)) return fail("a particle's position or inverse mass is not finite: the mesh or its mass is beyond single precision");
     for (const StretchLink& link : fabric_.links)
@@ -252,6 +252,11 @@ class Cook {
       }
     }
     return rows;
+  }
+
+  void lay_out_springs() {
+    fabric_.spring_rows = cooking::spring_rows(fabric_.springs, fabric_.positions.size());
+    fabric_.jacobi_weight = cooking::jacobi_weight(fabric_.springs);
   }
 
   void lay_out_tethers() {

@@ -87,6 +87,7 @@ struct CookedFabric {
   PairRows bend_uses;                        // entries: (bend, K w bits); several iterations only
   std::vector<ParticleSpring> springs;       // method implicit only
   SpringRows spring_rows;
+  double jacobi_weight = 0;                  // of the damped Jacobi that solves for them: engine/reference/implicit.h
   std::vector<gpu::Tether> tethers;          // particles x tethers_per_particle, an even number
   std::uint32_t tethers_per_particle = 0;
   std::uint64_t tether_count = 0;            // without the unused places

@@ -52,6 +52,9 @@ void add_bending_springs(std::span<const gpu::Bend> bends, std::vector<ParticleS
 
 SpringRows spring_rows(std::span<const ParticleSpring> springs, std::size_t particles);
 
+/// Which Jacobi converges with, whatever the pose.
+double jacobi_weight(std::span<const ParticleSpring> springs);
+
 /// Bending stencils over points; split_weight is left at 0. `clamped` counts slivers whose cotangents were limited.
 std::vector<gpu::Bend> bend_stencils(const Mesh& mesh, double rigidity, std::uint32_t& clamped);
 

@@ -57,6 +57,12 @@ void add_bending_springs(std::span<const gpu::Bend> bends, std::vector<ParticleS
     if (std::abs(entry) > 1e-9 * largest) springs.push_back({pair.first, pair.second, 0, static_cast<float>(-entry), 0, false});
 }
 
+// engine/reference/implicit.h says why: 4/3 over the bound on the eigenvalues, 4 with stencils of four particles, else 2.
+double jacobi_weight(std::span<const ParticleSpring> springs) {
+  const bool stencils = std::any_of(springs.begin(), springs.end(), [](const ParticleSpring& s) { return s.rest == 0; });
+  return stencils ? 1.0 / 3 : 2.0 / 3;
+}
+
 SpringRows spring_rows(std::span<const ParticleSpring> springs, std::size_t particles) {
   std::vector<std::vector<std::pair<std::uint32_t, gpu::vec4>>> lists(particles);
   for (const ParticleSpring& spring : springs) {

@@ -27,13 +27,19 @@ constexpr Pass kPasses[] = {
     {"pair_edges",     "pair_edges",       Stage::detect,        Domain::primitives,          kContacts,             kPlain,                 false,  false},
     {"contact_arm",    "contact_arm",      Stage::detect,        Domain::once,                kContacts,             kPlain,                 false,  false},
     {"contact_prepare","contact_prepare",  Stage::detect,        Domain::candidates,          kContacts,             kPlain,                 false,  false},
-    {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kBending,              kIterated,              true,   false},
-    {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kPlain,                kBending | kIterated,   true,   true},
-    {"stretch",        "stretch_iterated", Stage::iteration,     Domain::particles,           kBending | kIterated,  kPlain,                 true,   false},
-    {"stretch",        "stretch_iterated", Stage::iteration,     Domain::particles,           kIterated,             kBending,               true,   true},
-    {"bend",           "bend",             Stage::iteration,     Domain::particles,           kBending,              kIterated,              true,   true},
-    {"bend_lambda",    "bend_lambda",      Stage::iteration,     Domain::bends,               kBending | kIterated,  kPlain,                 false,  false},
-    {"bend_gather",    "bend_gather",      Stage::iteration,     Domain::particles,           kBending | kIterated,  kPlain,                 true,   true},
+    {"implicit_assemble","implicit_assemble",Stage::assemble,    Domain::particles,           kImplicit,             kPlain,                 false,  false},
+    {"implicit_multiply","implicit_multiply",Stage::linear,      Domain::particles,           kImplicit,             kRelaxed,               false,  false},
+    {"implicit_advance","implicit_advance",Stage::linear,        Domain::particles,           kImplicit,             kRelaxed,               false,  false},
+    {"implicit_relax", "implicit_relax",   Stage::linear,        Domain::particles,           kImplicit | kRelaxed,  kPlain,                 false,  false},
+    {"implicit_drift", "implicit_drift",   Stage::iteration,     Domain::cloths,              kImplicit,             kPlain,                 false,  false},
+    {"implicit_step",  "implicit_step",    Stage::iteration,     Domain::particles,           kImplicit,             kPlain,                 true,   true},
+    {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kBending,              kIterated | kImplicit,  true,   false},
+    {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kPlain,                kBending | kIterated | kImplicit, true, true},
+    {"stretch",        "stretch_iterated", Stage::iteration,     Domain::particles,           kBending | kIterated,  kImplicit,              true,   false},
+    {"stretch",        "stretch_iterated", Stage::iteration,     Domain::particles,           kIterated,             kBending | kImplicit,   true,   true},
+    {"bend",           "bend",             Stage::iteration,     Domain::particles,           kBending,              kIterated | kImplicit,  true,   true},
+    {"bend_lambda",    "bend_lambda",      Stage::iteration,     Domain::bends,               kBending | kIterated,  kImplicit,              false,  false},
+    {"bend_gather",    "bend_gather",      Stage::iteration,     Domain::particles,           kBending | kIterated,  kImplicit,              true,   true},
     {"contact_solve",  "contact_solve",    Stage::contact,       Domain::candidates,          kContacts,             kPlain,                 false,  false},
     {"contact_apply",  "contact_apply",    Stage::contact,       Domain::touched_particles,   kContacts,             kColliders,             false,  false},
     {"contact_apply",  "contact_apply",    Stage::contact,       Domain::touched_particles,   kContacts | kColliders, kPlain,                false,  false, "+collide"},
@@ -69,10 +75,12 @@ std::span<const Pass> all_passes() { return kPasses; }
 std::uint32_t features_of(const Scene& scene, const CookedFabric& fabric) {
   std::uint32_t features = kPlain;
   if (moved_particles(fabric) > 0) features |= kAnchors;
-  if (!fabric.bends.empty()) features |= kBending;
+  const bool implicit = scene.solver.method == Method::implicit;
+  if (implicit) features |= kImplicit | (scene.solver.linear == Linear::jacobi ? kRelaxed : kPlain);
+  if (!fabric.bends.empty() && !implicit) features |= kBending;
   if (!fabric.tethers.empty()) features |= kTethers;
   if (scene.colliders.size() > fabric.collider_meshes.size()) features |= kColliders;
-  if (scene.solver.iterations > 1) features |= kIterated;
+  if (scene.solver.iterations > 1 && !implicit) features |= kIterated;
   if (!fabric.rest.empty()) features |= kContacts;
   return features;
 }
@@ -129,6 +137,8 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
   const std::uint64_t particles = fabric.positions.size(), vertices = fabric.surface_rows.size();
   const std::uint64_t stretch_pairs = fabric.stretch.pairs.size(), bends = fabric.bends.size();
   const std::uint64_t triangles = fabric.triangles.size(), edges = fabric.edges.size();
+  const std::uint64_t fours = fabric.spring_rows.ends.size();
+  const bool relaxed = scene.solver.linear == Linear::jacobi;
   const std::uint64_t counts[] = {particles, particles, particles, particles, particles, stretch_pairs, stretch_pairs, particles,
                                   fabric.bend.pairs.size(), bends, bends, bends, fabric.bend_uses.pairs.size(), fabric.tethers.size() / 2,
                                   moved_particles(fabric), scene.colliders.size() - fabric.collider_meshes.size(), fabric.materials.size(), vertices,
@@ -136,7 +146,10 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
                                   // Contacts: from `triangles` on. A block is at least 8 slots.
                                   triangles, edges, particles, particles, particles, particles, contacts.slots, contacts.slots + 1ull,
                                   contacts.slots / 8 + 1ull, 3 * (triangles + edges), 1, contacts.capacity, contacts.capacity, contacts.capacity,
-                                  particles, particles, particles};
+                                  particles, particles, particles,
+                                  // Springs, and the system of the method implicit.
+                                  particles, fours, 4 * fours, 4 * fours, 2 * particles, (relaxed ? 3 : 1) * particles, (relaxed ? 1 : 5) * particles,
+                                  2 * particles, 2, fabric.materials.size()};
   constexpr auto grows = [](gpu::Binding binding) {
     return binding == gpu::candidates || binding == gpu::contact_normals || binding == gpu::contact_weights;
   };
@@ -157,7 +170,8 @@ std::uint32_t domain_size(Domain domain, const CookedFabric& fabric, const Conta
     case Domain::particles:
     case Domain::detected_particles:
     case Domain::touched_particles:
-    case Domain::once: return static_cast<std::uint32_t>(fabric.positions.size());   // a single thread is told how many there are
+    case Domain::cloths:
+    case Domain::once: return static_cast<std::uint32_t>(fabric.positions.size());   // a single thread, or one group a cloth, is told how many there are
     case Domain::anchors: return moved_particles(fabric);
     case Domain::bends: return static_cast<std::uint32_t>(fabric.bends.size());
     case Domain::vertices: return static_cast<std::uint32_t>(fabric.surface_rows.size());

@@ -26,14 +26,18 @@ inline constexpr std::uint32_t kTethers = 4;
 inline constexpr std::uint32_t kColliders = 8;
 inline constexpr std::uint32_t kIterated = 16;   // more than one iteration a substep: multipliers are kept
 inline constexpr std::uint32_t kContacts = 32;   // cloth against cloth and mesh colliders
+inline constexpr std::uint32_t kImplicit = 64;   // springs by implicit Euler instead of links and bends
+inline constexpr std::uint32_t kRelaxed = 128;   // ... solved by Jacobi instead of conjugate gradients
 }  // namespace feature
 
-enum class Stage { frame_begin, substep_begin, detect, iteration, contact, substep_end, frame_end };   // contact: several times an iteration
+// assemble and linear: of an implicit substep, which has one iteration with many of `linear` before it; contact: several times an iteration
+enum class Stage { frame_begin, substep_begin, detect, assemble, linear, iteration, contact, substep_end, frame_end };
 
 /// One thread per. The later ones are dispatched with group counts that the GPU itself writes into gpu::Detection, none where
 /// there is nothing to do.
 enum class Domain {
   particles, anchors, bends, vertices, once,
+  cloths,                                         // a workgroup, not a thread, per
   detected_particles, primitives, slots,   // where a detection is due
   candidates, touched_particles                   // where the last detection found something
 };

@@ -49,7 +49,17 @@
   X(36, contact_weights, vec4)    /* capacity       barycentric, side A's above 0 and side B's below */                  \
   X(37, contact_counts, uint)     /* particles      contacts of this substep; 0 between substeps */                      \
   X(38, contact_sums,   ivec4)    /* particles      xyz sum of corrections in units of `quantum`, w unused; 0 between iterations */ \
-  X(39, fractions,      uvec4)    /* particles      bits of the fraction of its way it may go, lowered round by round; 1.0 between substeps */
+  X(39, fractions,      uvec4)    /* particles      bits of the fraction of its way it may go, lowered round by round; 1.0 between substeps */ \
+  X(40, spring_rows,    uvec2)    /* particles      first four of springs, number of fours */                            \
+  X(41, spring_ends,    uvec4)    /* fours          other particles of four springs; its own number where there is none */ \
+  X(42, springs,        vec4)     /* 4 x fours      rest length (m), stiffness (N/m), damping (N s/m), 1 if it only pulls */ \
+  X(43, spring_blocks,  vec4)     /* 4 x fours      a spring's 3x3 block in this substep: xyz u, w a of u u^T + a I (kg) */ \
+  X(44, inverses,       vec4)     /* 2 x particles  inverse Cholesky factor of the diagonal block: xx yy zz, mass (kg; 0: held); yx zx zy, unused */ \
+  X(45, exchanged,      vec4)     /* particles x 1 or 3  what particles tell each other in a solve: preconditioned residuals, or Jacobi's last iterates (m/s) */ \
+  X(46, krylov,         vec4)     /* particles x 5 or 1  residual (kg m/s); of conjugate gradients also change (m/s), product, search direction, its image */ \
+  X(47, partial_sums,   vec4)     /* 2 x particles  sums of workgroups (implicit.glsl) */                                \
+  X(48, linear,         Linear)   /* 2              where the solve is: written and read by turns */                     \
+  X(49, free_cloths,    FreeCloth) /* cloths        whose momentum a solve must not change */
 
 // Texel views (GATHER) live in a second descriptor set under the same numbers.
 #define WEFT_STORAGE_SET 0
@@ -150,6 +160,11 @@ struct Anchor {
 // Pairs of links in every row of stretch_links; 0 where stretch_rows has to tell.
 #define WEFT_STRIDE_CONSTANT 5
 
+// How the equations of an implicit substep are solved.
+#define WEFT_LINEAR_CONSTANT 6
+#define WEFT_LINEAR_CG 0u
+#define WEFT_LINEAR_JACOBI 1u
+
 struct Collider {
   float radius;       // m, spheres and capsules
   float friction;     // Coulomb
@@ -174,6 +189,29 @@ struct Counters {
   uint contacts_lost; // candidates that found no place, all detections together
   uint truncated;     // times that a particle was stopped short: by a plane, its leash or a lost candidate
   uint detections;
+  uint unconverged;   // implicit solves that left more than WEFT_CONVERGED of the residual
+  uint stopped;       // implicit solves that broke off with the best there was
+  float residual;     // the last implicit solve's, over that of the free flight
+};
+
+// A solve counts as converged when no more than this is left of its residual, in the norm r . D^-1 r.
+#define WEFT_CONVERGED 0.01
+
+/// A cloth, and the velocity that a solve gave to its centre of mass though no spring could.
+struct FreeCloth {
+  uint first, particles;   // no particles where something holds it
+  vec3 drift;              // m/s
+};
+
+/// Where the solve of an implicit substep is (implicit.glsl).
+struct Linear {
+  float first;        // r . D^-1 r of the free flight
+  float squared;      // ... before the last iteration
+  float gamma;        // r . z of the last iteration
+  float step;         // how far it went along its direction
+  float next;         // how much of the direction goes over into the next one; Jacobi: what its iterate is to be multiplied by
+  uint iterate;       // Jacobi: which of the three is the best so far
+  uint done;          // 1: nothing more to gain, 2: broken off
 };
 
 /// Arguments of an indirect dispatch.
@@ -202,7 +240,7 @@ struct Detection {
 };
 #define WEFT_HORIZON 10u
 
-/// What every pass is told. 84 of the 128 bytes that every device has.
+/// What every pass is told. 88 of the 128 bytes that every device has.
 struct Push {
   uint count;         // threads with work
   uint tether_pairs;  // per particle
@@ -221,6 +259,8 @@ struct Push {
   float quantum;      // m, unit of contact_sums
   float recover;      // m: what a substep makes good of a distance that is too small
   float reach_low, reach_high;   // m, limits of Detection::reach
+  // The method implicit only.
+  uint iteration;     // of the solve; after it, how many there were
 };
 
 #define WEFT_LAST_ITERATION 1u  // of the substep: velocities follow
@@ -297,7 +337,7 @@ inline uvec2 pack_link(const Link& link) {
 }
 
 static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 24 && sizeof(Push) == 84 && sizeof(Detection) == 224);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 36 && sizeof(Push) == 88 && sizeof(Linear) == 28 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 224);
 static_assert(std::is_trivially_copyable_v<Push>);
 
 enum Binding : uint {

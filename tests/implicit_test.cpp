@@ -53,6 +53,7 @@ ImplicitSystem system_of(const Scene& scene, const CookedFabric& fabric) {
 CookedFabric chain(std::uint32_t particles, double mass, double rest, double stiffness, double damping, double h) {
   CookedFabric fabric;
   fabric.h = h;
+  fabric.jacobi_weight = 2.0 / 3;
   fabric.materials.push_back({1, 0, 0, 0});
   for (std::uint32_t i = 0; i < particles; ++i) {
     fabric.positions.push_back({0, static_cast<float>(-rest * i), 0, i == 0 ? 0 : static_cast<float>(1 / mass)});
@@ -282,24 +283,26 @@ TEST(ImplicitSystem, a_hanging_chain_is_as_long_as_statics_says_with_both_solver
   }
 }
 
-// Internal forces cancel in pairs; what is left is what the solver has not solved.
+// However few the iterations, internal forces cancel.
 TEST(ImplicitSystem, a_free_sheet_keeps_its_momentum) {
-  Scene scene = sheet(10, Linear::cg, 400);
-  scene.gravity = {0, 0, 0};
-  const CookedFabric fabric = cooked(scene);
-  ImplicitSystem system = system_of(scene, fabric);
-  Eigen::VectorXd masses(system.positions.cols());
-  for (Eigen::Index i = 0; i < masses.size(); ++i) masses[i] = 1.0 / fabric.positions[i].w;
-  for (Eigen::Index i = 0; i < masses.size(); ++i) system.positions(0, i) += 0.2 * system.positions(0, i) * system.positions(0, i);
-  const Vector start = system.positions * masses / masses.sum();
-  double fastest = 0;
-  for (int k = 0; k < 50; ++k) {
-    system.step();
-    fastest = std::max(fastest, system.velocities.colwise().norm().maxCoeff());
-    EXPECT_LT((system.velocities * masses).norm() / masses.sum(), 1e-9 * fastest);
+  for (const Linear linear : {Linear::cg, Linear::jacobi}) {
+    Scene scene = sheet(10, linear, 4);
+    scene.gravity = {0, 0, 0};
+    const CookedFabric fabric = cooked(scene);
+    ImplicitSystem system = system_of(scene, fabric);
+    Eigen::VectorXd masses(system.positions.cols());
+    for (Eigen::Index i = 0; i < masses.size(); ++i) masses[i] = 1 / double(fabric.positions[i].w);
+    for (Eigen::Index i = 0; i < masses.size(); ++i) system.positions(0, i) += 0.2 * system.positions(0, i) * system.positions(0, i);
+    const Vector start = system.positions * masses / masses.sum();
+    double fastest = 0;
+    for (int k = 0; k < 50; ++k) {
+      system.step();
+      fastest = std::max(fastest, system.velocities.colwise().norm().maxCoeff());
+      EXPECT_LT((system.velocities * masses).norm() / masses.sum(), 1e-13 * fastest);
+    }
+    EXPECT_GT(fastest, 0.1);
+    EXPECT_LT((system.positions * masses / masses.sum() - start).norm(), 1e-13);
   }
-  EXPECT_GT(fastest, 0.1);
-  EXPECT_LT((system.positions * masses / masses.sum() - start).norm(), 1e-10);
 }
 
 TEST(ImplicitSystem, a_sheet_in_free_fall_follows_the_integrators_closed_form) {

@@ -1,6 +1,7 @@
 #include "engine/reference/implicit.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -18,6 +19,7 @@ Result<ImplicitSystem> ImplicitSystem::create(const Scene& scene, const CookedFa
   system.gravity_ = vector(scene.gravity);
   system.h_ = fabric.h;
   system.springs_ = fabric.springs;
+  system.cloths_ = fabric.cloths;
   const auto particles = static_cast<Eigen::Index>(fabric.positions.size());
   system.positions.resize(3, particles);
   system.velocities.resize(3, particles);
@@ -40,9 +42,7 @@ Result<ImplicitSystem> ImplicitSystem::create(const Scene& scene, const CookedFa
       return fail("colliders[", k, "]: the implicit system on the CPU meets planes that stand still, and no other colliders");
     system.planes_.push_back({vector(collider.normal).normalized(), vector(collider.centre)});
   }
-  bool bends = false;
-  for (const ParticleSpring& spring : fabric.springs) bends |= spring.stiffness < 0;
-  system.jacobi_weight = bends ? 1.0 / 3 : 2.0 / 3;
+  system.jacobi_weight = fabric.jacobi_weight;
   return system;
 }
 
@@ -76,6 +76,10 @@ ImplicitEquations ImplicitSystem::assemble(std::span<const ImplicitTarget> targe
     equations.couplings.push_back({s.a, s.b, block});
   }
   if (!planes_.empty()) meet_planes(equations, impulse);
+  for (const ClothRange& cloth : cloths_) {
+    const auto* first = equations.filter.data() + cloth.first_particle;
+    if (std::all_of(first, first + cloth.particles, [](const Matrix& m) { return m.isIdentity(0); })) equations.free.push_back(cloth);
+  }
   equations.inverse.assign(equations.diagonal.size(), Matrix::Zero());
   for (std::size_t i = 0; i < equations.diagonal.size(); ++i)
     if (equations.masses[static_cast<Eigen::Index>(i)] > 0) equations.inverse[i] = equations.diagonal[i].inverse();
@@ -110,8 +114,10 @@ void ImplicitSystem::meet_planes(ImplicitEquations& equations, Columns& impulse)
 }
 
 ImplicitSolution ImplicitSystem::solve(const ImplicitEquations& equations) const {
-  return settings_.linear == Linear::cg ? solve_conjugate_gradients(equations, settings_.iterations)
-                                        : solve_jacobi(equations, settings_.iterations, jacobi_weight);
+  ImplicitSolution solution = settings_.linear == Linear::cg ? solve_conjugate_gradients(equations, settings_.iterations)
+                                                             : solve_jacobi(equations, settings_.iterations, jacobi_weight);
+  equations.keep_momentum(solution.change);
+  return solution;
 }
 
 void ImplicitSystem::move(const ImplicitEquations& equations, const ImplicitSolution& solution, std::span<const ImplicitTarget> targets) {

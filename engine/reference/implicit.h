@@ -17,6 +17,9 @@
 // answer. In free fall that is nowhere, in a cloth that hangs at rest it is all the way: both are exact after one iteration. From
 // the free flight alone every substep would leave a part of the fall unsolved, and a cloth at rest would sag.
 //
+// Momentum: what springs do to a cloth that nothing holds sums to zero, but what a solver has not solved yet does not. The
+// mean change of such a cloth's velocity is taken off at the end; that is the best constant correction in the norm of A.
+//
 // Planes constrain the direction across them: a particle that would end below goes onto the plane, and its residual loses that
 // direction, unless the springs would pull it off.
 //
@@ -52,9 +55,11 @@ struct ImplicitEquations {
   Columns right;                   // b, filtered (kg m/s)
   Columns flight;                  // v* (m/s)
   Columns guess;                   // the velocity before less v*, filtered (m/s)
+  std::vector<ClothRange> free;    // cloths that nothing holds or meets
 
   Columns times(const Columns& p) const;         // A p, not filtered
   Columns filtered(Columns p) const;
+  void keep_momentum(Columns& change) const;     // of the free cloths
   /// |b - A dv| over |b|, both filtered: 0 is solved, 1 is nothing done.
   double residual(const Columns& change) const;
 };
@@ -102,7 +107,7 @@ class ImplicitSystem {
   void step(std::span<const ImplicitTarget> targets = {});
 
   Columns positions, velocities;   // m, m/s: may be written between steps
-  double jacobi_weight = 0;        // chosen by create
+  double jacobi_weight = 0;        // CookedFabric's
   const ImplicitReport& report() const { return report_; }
   double h() const { return h_; }
 
@@ -118,6 +123,7 @@ class ImplicitSystem {
   double h_ = 0;
   Eigen::VectorXd inverse_masses_, keep_, thickness_;   // 1/kg, of the velocity in a substep, m
   std::vector<ParticleSpring> springs_;
+  std::vector<ClothRange> cloths_;
   std::vector<Plane> planes_;
   ImplicitReport report_;
 };

@@ -42,6 +42,15 @@ Columns ImplicitEquations::filtered(Columns p) const {
   return p;
 }
 
+void ImplicitEquations::keep_momentum(Columns& change) const {
+  for (const ClothRange& cloth : free) {
+    const Eigen::Index first = cloth.first_particle, count = cloth.particles;
+    const Eigen::VectorXd weights = masses.segment(first, count);
+    const Vector mean = change.middleCols(first, count) * weights / weights.sum();
+    change.middleCols(first, count).colwise() -= mean;
+  }
+}
+
 double ImplicitEquations::residual(const Columns& change) const {
   const double whole = right.norm();
   return whole > 0 ? (right - filtered(times(change))).norm() / whole : 0;
