@@ -79,6 +79,7 @@ class Cook {
 
   Result<CookedFabric> finish() {
     lay_out_links();
+    if (scene_.solver.method == Method::gauss_seidel) cooking::colour_links(fabric_);
     if (!fabric_.bends.empty()) lay_out_bends();
     lay_out_tethers();
     if (scene_.solver.method == Method::implicit) lay_out_springs();
@@ -183,6 +184,7 @@ class Cook {
     std::vector<std::uint32_t> uses(fabric_.positions.size());
     for (const StretchLink& link : fabric_.links) ++uses[link.a], ++uses[link.b];
     const bool split = scene_.solver.averaging == Averaging::mass_split, iterated = scene_.solver.iterations > 1;
+    const bool coloured = scene_.solver.method == Method::gauss_seidel;
     for (std::size_t i = 0; i < uses.size(); ++i)
       fabric_.split_weights.push_back((split ? std::max<float>(1, static_cast<float>(uses[i])) : 1) * fabric_.positions[i].w);
     std::vector<std::vector<gpu::uvec2>> lists(fabric_.positions.size());
@@ -197,7 +199,7 @@ class Cook {
     }
     for (std::size_t i = 0; i < uses.size(); ++i) {
       const float weight = fabric_.split_weights[i], count = std::max<float>(1, static_cast<float>(uses[i]));
-      fabric_.iterate_weights.push_back(iterated ? weight : split ? fabric_.positions[i].w : weight / count);
+      fabric_.iterate_weights.push_back(coloured ? fabric_.positions[i].w : iterated ? weight : split ? fabric_.positions[i].w : weight / count);
     }
     fabric_.stretch = cooking::pack_rows(lists, cooking::Padding::owner, iterated ? 0 : kMostPadding);
   }
@@ -350,6 +352,7 @@ Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) {
   if (!(scene.solver.rate > 0) || !std::isfinite(scene.solver.rate)) return fail("solver.rate: ", scene.solver.rate, " is not above 0 (Hz)");
   if (scene.solver.iterations < 1) return fail("solver.iterations: 0 is less than 1");
   if (const std::string fault = method_fault(scene); !fault.empty()) return fail("solver.method: ", fault);
+  if (const std::string fault = relaxation_fault(scene); !fault.empty()) return fail("solver.relaxation: ", fault);
   Cook cook(scene);
   for (std::uint32_t index = 0; index < cloths; ++index)
     if (auto added = cook.add(index, meshes[index]); !added) return added.take_error();

@@ -22,7 +22,7 @@ struct StretchLink {
   float rest;        // m, as the GPU has it
   float compliance;  // m/N
   bool only_pulls;
-  float gain = 0;    // kg: 1 / (W_a + W_b + compliance / h^2) as the GPU has it, with one iteration a substep; 0 if neither end gives way
+  float gain = 0;    // kg: 1 / (W_a + W_b + compliance / h^2) as the GPU has it, with one Jacobi iteration a substep; 0 if neither end gives way
 };
 
 /// A spring of the method implicit, once a pair: a link with its stiffness, a spring of Cloth::springs, or, linear with rest 0 and of
@@ -82,6 +82,9 @@ struct CookedFabric {
   std::vector<float> iterate_weights;        // particles: what a particle takes of the sum over its links, see stretch.comp
   std::vector<StretchLink> links;
   PairRows stretch;                          // entries: gpu::pack_link with the gain, or the compliance with several iterations
+  std::vector<gpu::uvec4> coloured_links;    // gpu::pack_coloured, colour after colour: no two of a colour share a particle; without
+                                             // those between anchors; Gauss-Seidel only
+  std::vector<std::uint32_t> colour_ends;    // how many of them the colours up to this one have
   std::vector<gpu::Bend> bends;
   PairRows bend;                             // entries: (particle, coefficient bits); one iteration a substep only
   PairRows bend_uses;                        // entries: (bend, K w bits); several iterations only

@@ -55,6 +55,9 @@ SpringRows spring_rows(std::span<const ParticleSpring> springs, std::size_t part
 /// Which Jacobi converges with, whatever the pose.
 double jacobi_weight(std::span<const ParticleSpring> springs);
 
+/// Parts the links into colours, so that no two of one share a particle: see fabric_colours.cpp.
+void colour_links(CookedFabric& fabric);
+
 /// Bending stencils over points; split_weight is left at 0. `clamped` counts slivers whose cotangents were limited.
 std::vector<gpu::Bend> bend_stencils(const Mesh& mesh, double rigidity, std::uint32_t& clamped);
 

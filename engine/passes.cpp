@@ -12,6 +12,8 @@ namespace {
 
 using namespace feature;
 
+constexpr std::uint32_t kOthers = kGaussSeidel | kChebyshev | kImplicit;   // solvers that are not Jacobi
+
 // All that C++ says about passes. What a pass touches stands in its shader alone.
 constexpr Pass kPasses[] = {
     // name            shader              stage                 one thread per               only with              not with                relaxes settles
@@ -33,13 +35,20 @@ constexpr Pass kPasses[] = {
     {"implicit_relax", "implicit_relax",   Stage::linear,        Domain::particles,           kImplicit | kRelaxed,  kPlain,                 false,  false},
     {"implicit_drift", "implicit_drift",   Stage::iteration,     Domain::cloths,              kImplicit,             kPlain,                 false,  false},
     {"implicit_step",  "implicit_step",    Stage::iteration,     Domain::particles,           kImplicit,             kPlain,                 true,   true},
-    {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kBending,              kIterated | kImplicit,  true,   false},
-    {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kPlain,                kBending | kIterated | kImplicit, true, true},
-    {"stretch",        "stretch_iterated", Stage::iteration,     Domain::particles,           kBending | kIterated,  kImplicit,              true,   false},
-    {"stretch",        "stretch_iterated", Stage::iteration,     Domain::particles,           kIterated,             kBending | kImplicit,   true,   true},
+    {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kBending,              kIterated | kOthers,    true,   false},
+    {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kPlain,                kBending | kIterated | kOthers, true, true},
+    {"stretch",        "stretch_iterated", Stage::iteration,     Domain::particles,           kBending | kIterated,  kOthers,                true,   false},
+    {"stretch",        "stretch_iterated", Stage::iteration,     Domain::particles,           kIterated,             kBending | kOthers,     true,   true},
+    {"stretch",        "stretch_coloured", Stage::iteration,     Domain::coloured,            kGaussSeidel,          kIterated,              false,  false},
+    {"stretch",        "stretch_coloured_iterated", Stage::iteration, Domain::coloured,       kGaussSeidel | kIterated, kPlain,              false,  false},
+    {"hold",           "hold",             Stage::iteration,     Domain::particles,           kGaussSeidel,          kBending,               true,   true},
+    {"stretch",        "stretch_accelerated", Stage::iteration,  Domain::particles,           kChebyshev,            kPlain,                 true,   false},
     {"bend",           "bend",             Stage::iteration,     Domain::particles,           kBending,              kIterated | kImplicit,  true,   true},
-    {"bend_lambda",    "bend_lambda",      Stage::iteration,     Domain::bends,               kBending | kIterated,  kImplicit,              false,  false},
-    {"bend_gather",    "bend_gather",      Stage::iteration,     Domain::particles,           kBending | kIterated,  kImplicit,              true,   true},
+    {"bend_lambda",    "bend_lambda",      Stage::iteration,     Domain::bends,               kBending | kIterated,  kChebyshev,             false,  false},
+    {"bend_lambda",    "bend_lambda_accelerated", Stage::iteration, Domain::bends,            kBending | kChebyshev, kPlain,                 false,  false},
+    {"bend_gather",    "bend_gather",      Stage::iteration,     Domain::particles,           kBending | kIterated,  kChebyshev,             true,   true},
+    {"bend_gather",    "bend_gather",      Stage::iteration,     Domain::particles,           kBending | kChebyshev, kPlain,                 true,   false},
+    {"accelerate",     "accelerate",       Stage::iteration,     Domain::particles,           kChebyshev,            kPlain,                 true,   true},
     {"contact_solve",  "contact_solve",    Stage::contact,       Domain::candidates,          kContacts,             kPlain,                 false,  false},
     {"contact_apply",  "contact_apply",    Stage::contact,       Domain::touched_particles,   kContacts,             kColliders,             false,  false},
     {"contact_apply",  "contact_apply",    Stage::contact,       Domain::touched_particles,   kContacts | kColliders, kPlain,                false,  false, "+collide"},
@@ -82,6 +91,8 @@ std::uint32_t features_of(const Scene& scene, const CookedFabric& fabric) {
   if (scene.colliders.size() > fabric.collider_meshes.size()) features |= kColliders;
   if (scene.solver.iterations > 1 && !implicit) features |= kIterated;
   if (!fabric.rest.empty()) features |= kContacts;
+  if (scene.solver.method == Method::gauss_seidel) features |= kGaussSeidel;
+  if (scene.solver.method == Method::chebyshev) features |= kChebyshev;
   return features;
 }
 
@@ -149,7 +160,9 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
                                   particles, particles, particles,
                                   // Springs, and the system of the method implicit.
                                   particles, fours, 4 * fours, 4 * fours, 2 * particles, (relaxed ? 3 : 1) * particles, (relaxed ? 1 : 5) * particles,
-                                  2 * particles, 2, fabric.materials.size()};
+                                  2 * particles, 2, fabric.materials.size(),
+                                  // Gauss-Seidel; Chebyshev.
+                                  fabric.coloured_links.size(), fabric.coloured_links.size(), stretch_pairs, bends, 3 * particles, 1};
   constexpr auto grows = [](gpu::Binding binding) {
     return binding == gpu::candidates || binding == gpu::contact_normals || binding == gpu::contact_weights;
   };
@@ -167,6 +180,7 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
 
 std::uint32_t domain_size(Domain domain, const CookedFabric& fabric, const ContactSizes& contacts) {
   switch (domain) {
+    case Domain::coloured: return static_cast<std::uint32_t>(fabric.coloured_links.size());   // all colours together
     case Domain::particles:
     case Domain::detected_particles:
     case Domain::touched_particles:
@@ -180,6 +194,10 @@ std::uint32_t domain_size(Domain domain, const CookedFabric& fabric, const Conta
     case Domain::candidates: return contacts.capacity;
   }
   return 0;
+}
+
+std::uint32_t rounds_of(const Pass& pass, const CookedFabric& fabric) {
+  return pass.domain == Domain::coloured ? static_cast<std::uint32_t>(fabric.colour_ends.size()) : pass.rounds;
 }
 
 std::optional<std::uint32_t> indirect_offset(Domain domain) {

@@ -137,7 +137,8 @@ struct SolverSettings {
   Method method = Method::jacobi;
   Linear linear = Linear::cg;   // method implicit only
   Averaging averaging = Averaging::mass_split;
-  double relaxation = 1.25;     // 0 < omega < 4/3 (stable for one iteration a substep)
+  double relaxation = 0;        // over-relaxation omega, below most_relaxation; 0: relaxation_of
+  double rho = 0;               // Chebyshev only: the spectral radius it takes Jacobi's iteration to have, below 1; 0: rho_of
   double longest_advance = 0.1; // s: a longer advance() is clamped to this, and the surplus reported
 };
 
@@ -200,6 +201,17 @@ std::optional<Fabric> fabric_preset(std::string_view name);
 
 /// Whether cloth meets cloth: asked for, or needed by a mesh collider.
 bool contacts_on(const Scene& scene);
+
+/// Over-relaxation from here on can blow a scene up: 1 + 3^(-1/iterations), 4/3 with one iteration a substep; with Chebyshev 1 + rho.
+/// scene_method.cpp says why.
+double most_relaxation(const SolverSettings& solver);
+
+/// What the solver's relaxation and Chebyshev's spectral radius are, with defaults filled in.
+double relaxation_of(const SolverSettings& solver);
+double rho_of(const SolverSettings& solver);
+
+/// Why the scene's relaxation is refused, as what follows "solver.relaxation: "; empty if it is not.
+std::string relaxation_fault(const Scene& scene);
 
 /// Why the scene's method cannot solve it, as what follows "solver.method: "; empty if it can.
 std::string method_fault(const Scene& scene);

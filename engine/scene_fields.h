@@ -29,6 +29,7 @@ struct Range {
 
 constexpr Range between(double low, double high, std::string_view unit = "") { return {low, high, false, false, unit}; }
 constexpr Range above(double low, double high, std::string_view unit = "") { return {low, high, true, false, unit}; }
+constexpr Range below(double low, double high, std::string_view unit = "") { return {low, high, false, true, unit}; }
 constexpr Range inside(double low, double high, std::string_view unit = "") { return {low, high, true, true, unit}; }
 
 // Further than this from the origin a float cannot tell millimetres apart by a hundred kilometres; nobody's cloth is there.
@@ -196,7 +197,8 @@ void fields(V& v, SolverSettings& solver) {
   v.choice("method", solver.method, kMethods);
   v.choice("linear", solver.linear, kLinears);
   v.choice("averaging", solver.averaging, kAveragings);
-  v.number("relaxation", solver.relaxation, inside(0, 4.0 / 3));
+  v.number("relaxation", solver.relaxation, below(0, 2));
+  v.number("rho", solver.rho, below(0, 1));
   v.number("longest_advance", solver.longest_advance, above(0, 10, "s"));
 }
 

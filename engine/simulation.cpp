@@ -60,7 +60,8 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
   for (const PlannedPass& planned : state->solver->plan().passes) {
     const Stage stage = planned.pass->stage;
     const bool repeated = stage == Stage::iteration || stage == Stage::contact;
-    (repeated ? iterated : stage == Stage::linear ? linear : once) += planned.pass->rounds * (stage == Stage::contact ? scene.contacts.iterations : 1);
+    (repeated ? iterated : stage == Stage::linear ? linear : once) +=
+        rounds_of(*planned.pass, state->fabric) * (stage == Stage::contact ? scene.contacts.iterations : 1);
   }
   const bool implicit = scene.solver.method == Method::implicit;
   const double dispatches = 2 + most_substeps * (once + scene.solver.iterations * linear + (implicit ? 1 : scene.solver.iterations) * iterated);
@@ -183,7 +184,7 @@ std::vector<PassUse> Simulation::passes() const {
   const std::uint32_t iterations = state_->scene.solver.method == Method::implicit ? 1 : linear;
   std::vector<PassUse> uses;
   for (const PlannedPass& planned : state_->solver->plan().passes) {
-    std::uint32_t dispatches = planned.pass->rounds;
+    std::uint32_t dispatches = rounds_of(*planned.pass, state_->fabric);
     switch (planned.pass->stage) {
       case Stage::substep_begin: dispatches *= state_->anchors_are_keyed ? substeps : 0; break;
       case Stage::linear: dispatches *= substeps * linear; break;
@@ -209,7 +210,7 @@ std::vector<BufferUse> Simulation::buffers() const {
 Counts Simulation::counts() const {
   const gpu::Counters& counters = state_->counters();
   return {counters.non_finite, counters.coincident, counters.contacts_most, counters.contacts_lost, counters.truncated, counters.detections,
-          counters.unconverged,   counters.stopped,    counters.residual};
+          counters.unconverged,   counters.stopped,    counters.residual,   counters.unaccelerated};
 }
 
 }  // namespace weft

@@ -98,6 +98,7 @@ struct Counts {
   std::uint32_t unconverged = 0;     // substeps whose solve left more than 1 % of the free flight's residual
   std::uint32_t stopped = 0;         // substeps whose solve was broken off with the best there was
   float residual = 0;                // of the last substep's, before its last iteration: the part that was left
+  std::uint32_t unaccelerated = 0;   // substeps that the method chebyshev finished as jacobi, because its acceleration was not steady
 };
 
 class Simulation {

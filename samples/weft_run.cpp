@@ -137,6 +137,7 @@ void print(const Figures& figures, double rate) {
   if (figures.timed_on_cpu) std::printf("This device has no timestamps: passes were timed on the CPU\n");
   if (figures.clamped_seconds > 0)
     std::printf("%.3g s were not simulated: solver.longest_advance is shorter than a frame\n", figures.clamped_seconds);
+  if (figures.chebyshev) std::printf("%u substeps were finished without acceleration\n", figures.counts.unaccelerated);
   if (figures.counts.non_finite > 0) std::printf("%u times a particle that was not finite was put back\n", figures.counts.non_finite);
 }
 

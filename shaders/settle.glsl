@@ -60,6 +60,9 @@ void settle(uint i, vec4 p) {
 #ifdef COLLIDERS
   p.xyz = out_of_colliders(x.xyz, p.xyz, material);
 #endif
+#ifdef ACCELERATED
+  iterates[3 * i + 1] = vec4(p.xyz, 0);
+#endif
 #ifdef FINISH
   if (last) p = finish_substep(i, x.xyz, p, v.xyz, material.x);
 #endif

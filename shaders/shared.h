@@ -59,7 +59,13 @@
   X(46, krylov,         vec4)     /* particles x 5 or 1  residual (kg m/s); of conjugate gradients also change (m/s), product, search direction, its image */ \
   X(47, partial_sums,   vec4)     /* 2 x particles  sums of workgroups (implicit.glsl) */                                \
   X(48, linear,         Linear)   /* 2              where the solve is: written and read by turns */                     \
-  X(49, free_cloths,    FreeCloth) /* cloths        whose momentum a solve must not change */
+  X(49, free_cloths,    FreeCloth) /* cloths        whose momentum a solve must not change */           \
+  X(50, coloured_links, uvec4)    /* links          colour after colour (pack_coloured) */                               \
+  X(51, coloured_lambda, uint)    /* links          bits of their multipliers */                                           \
+  X(52, stretch_steps,  vec2)     /* link pairs     what both multipliers last changed by (Chebyshev) */                 \
+  X(53, bend_steps,     vec4)     /* bends          what the multiplier last changed by */                               \
+  X(54, iterates,       vec4)     /* 3 x particles  the iterate before the last, the last (m), and the substep's first step (m) */ \
+  X(55, acceleration,   Acceleration) /* 1          whether Chebyshev's acceleration is steady */
 
 // Texel views (GATHER) live in a second descriptor set under the same numbers.
 #define WEFT_STORAGE_SET 0
@@ -182,6 +188,14 @@ struct Material {
   float unused;       // a material is one texel
 };
 
+// What the first steps of a substep's iteration tell of its predecessors' (accelerate.glsl): bits of squares (m^2), substeps by turns.
+struct Acceleration {
+  uint largest[3];    // of all steps
+  uint turned[3];     // of those that point the other way than the substep before
+  uint streak[3];     // for how many substeps on end that has grown
+  uint rest[3];       // for how many more substeps there is no acceleration
+};
+
 struct Counters {
   uint non_finite;    // particles put back to their last finite position
   uint coincident;    // links skipped because their ends were at one place
@@ -192,6 +206,7 @@ struct Counters {
   uint unconverged;   // implicit solves that left more than WEFT_CONVERGED of the residual
   uint stopped;       // implicit solves that broke off with the best there was
   float residual;     // the last implicit solve's, over that of the free flight
+  uint unaccelerated; // substeps that fell back from Chebyshev to Jacobi
 };
 
 // A solve counts as converged when no more than this is left of its residual, in the norm r . D^-1 r.
@@ -240,7 +255,7 @@ struct Detection {
 };
 #define WEFT_HORIZON 10u
 
-/// What every pass is told. 88 of the 128 bytes that every device has.
+/// What every pass is told. 96 of the 128 bytes that every device has.
 struct Push {
   uint count;         // threads with work
   uint tether_pairs;  // per particle
@@ -261,13 +276,17 @@ struct Push {
   float reach_low, reach_high;   // m, limits of Detection::reach
   // The method implicit only.
   uint iteration;     // of the solve; after it, how many there were
+  float momentum;     // Chebyshev's weight of this iteration (accelerate.glsl)
+  uint first;         // of `coloured_links`: where this dispatch's colour begins
 };
 
 #define WEFT_LAST_ITERATION 1u  // of the substep: velocities follow
 #define WEFT_LAST_SUBSTEP 2u    // of the frame: no further prediction
 #define WEFT_FIRST_ITERATION 4u // of the substep: multipliers start at zero
 #define WEFT_ROUND_SHIFT 8u      // bits 8 and 9: which round of a pass that runs in several
+#define WEFT_TURN_SHIFT 10u      // bits 10 and 11: substeps modulo 3
 #define WEFT_ANCHORS_MOVE 8u    // in this frame: each anchor's next place is known to the anchor pass alone
+
 
 #define WEFT_NONE 0xffffffffu
 #define WEFT_MAX_PARTICLES 0x00ffffffu
@@ -294,6 +313,24 @@ WEFT_INLINE Link unpack_link(uint x, uint y) {
   link.rest = WEFT_FLOAT((y >> 8) << 7);
   link.response = WEFT_FLOAT(((x >> 24) << 23) | ((y & 0xfeu) << 15));
   link.only_pulls = (y & 1u) != 0u;
+  return link;
+}
+
+// A link of Gauss-Seidel in 16 bytes: two particles, rest length, and the compliance, whose sign bit marks one that only pulls.
+struct ColouredLink {
+  uint a, b;
+  float rest;         // m
+  float compliance;   // m/N
+  bool only_pulls;
+};
+
+WEFT_INLINE ColouredLink unpack_coloured(uvec4 packed) {
+  ColouredLink link;
+  link.a = packed.x;
+  link.b = packed.y;
+  link.rest = WEFT_FLOAT(packed.z);
+  link.compliance = WEFT_FLOAT(packed.w & 0x7fffffffu);
+  link.only_pulls = (packed.w & 0x80000000u) != 0u;
   return link;
 }
 
@@ -329,6 +366,10 @@ WEFT_INLINE uvec4 pack_candidate(uint a, uint b, uint c, uint d, float keep, boo
 
 #ifdef __cplusplus
 
+inline uvec4 pack_coloured(const ColouredLink& link) {
+  return {link.a, link.b, WEFT_BITS(link.rest), WEFT_BITS(link.compliance) | (link.only_pulls ? 0x80000000u : 0u)};
+}
+
 inline uvec2 pack_link(const Link& link) {
   // Rounded to nearest: half of the last kept bit is added before cutting; a carry runs into the exponent, as it should.
   const uint rest = (WEFT_BITS(link.rest) + 0x40u) >> 7;
@@ -337,7 +378,8 @@ inline uvec2 pack_link(const Link& link) {
 }
 
 static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 36 && sizeof(Push) == 88 && sizeof(Linear) == 28 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 224);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 40 && sizeof(Push) == 96 && sizeof(Linear) == 28 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 224);
+static_assert(sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);
 
 enum Binding : uint {

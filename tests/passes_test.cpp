@@ -11,19 +11,27 @@
 namespace weft {
 namespace {
 
-constexpr std::uint32_t kAll = feature::kAnchors | feature::kBending | feature::kTethers | feature::kColliders | feature::kIterated |
-                               feature::kContacts | feature::kImplicit | feature::kRelaxed;
-// Of those features, what a scene can have: links and bends are not solved by the method implicit.
-bool possible(std::uint32_t features) {
-  const bool implicit = features & feature::kImplicit;
-  return implicit ? (features & (feature::kBending | feature::kIterated)) == 0 : (features & feature::kRelaxed) == 0;
-}
 // What the method jacobi can have.
-constexpr std::uint32_t kLinks = kAll & ~(feature::kImplicit | feature::kRelaxed);
+constexpr std::uint32_t kLinks = feature::kAnchors | feature::kBending | feature::kTethers | feature::kColliders | feature::kIterated | feature::kContacts;
+
+// Every combination that a scene can call for (scene_method.cpp).
+std::vector<std::uint32_t> combinations() {
+  using namespace feature;
+  std::vector<std::uint32_t> found;
+  for (std::uint32_t features = 0; features <= kLinks; ++features) {
+    found.push_back(features);
+    found.push_back(features | kGaussSeidel);
+    if ((features & (kIterated | kContacts)) == kIterated) found.push_back(features | kChebyshev);
+    if ((features & (kIterated | kBending)) != 0) continue;   // links and bends: not of the method implicit
+    found.push_back(features | kImplicit);
+    found.push_back(features | kImplicit | kRelaxed);
+  }
+  return found;
+}
 
 template <class Body>
 void for_every_plan(Body body) {
-  for (std::uint32_t features = 0; features <= kAll; ++features)
+  for (const std::uint32_t features : combinations())
     for (const bool gather_storage : {false, true}) {
       SCOPED_TRACE("features " + std::to_string(features) + (gather_storage ? ", storage" : ", texels"));
       const auto plan = make_plan(features, gather_storage);
@@ -99,7 +107,7 @@ TEST(Plan, whatever_a_pass_writes_for_others_is_read) {
 }
 
 TEST(Plan, both_variants_touch_the_same_buffers_in_the_same_way) {
-  for (std::uint32_t features = 0; features <= kAll; ++features) {
+  for (const std::uint32_t features : combinations()) {
     const auto texels = make_plan(features, false), storage = make_plan(features, true);
     ASSERT_TRUE(texels && storage);
     ASSERT_EQ(texels->passes.size(), storage->passes.size());
@@ -130,17 +138,23 @@ TEST(Plan, every_buffer_of_a_feature_is_there_with_it_and_absent_without) {
     EXPECT_EQ(has(plan, gpu::anchors), (features & feature::kAnchors) != 0);
     EXPECT_EQ(has(plan, gpu::tethers), (features & feature::kTethers) != 0);
     EXPECT_EQ(has(plan, gpu::colliders), (features & feature::kColliders) != 0);
-    EXPECT_EQ(has(plan, gpu::stretch_lambda), iterated);
+    const bool coloured = features & feature::kGaussSeidel, accelerated = features & feature::kChebyshev;
+    EXPECT_EQ(has(plan, gpu::stretch_lambda), iterated && !coloured);
+    EXPECT_EQ(has(plan, gpu::coloured_links), coloured);
+    EXPECT_EQ(has(plan, gpu::coloured_lambda), coloured && iterated);
+    for (const gpu::Binding steps : {gpu::stretch_steps, gpu::iterates, gpu::acceleration}) EXPECT_EQ(has(plan, steps), accelerated) << steps;
+    EXPECT_EQ(has(plan, gpu::bend_steps), accelerated && bending);
     for (const gpu::Binding once : {gpu::bend_rows, gpu::bend_entries}) EXPECT_EQ(has(plan, once), bending && !iterated) << once;
     for (const gpu::Binding often : {gpu::bends, gpu::bend_lambda, gpu::bend_impulses, gpu::bend_uses, gpu::bend_use_rows})
       EXPECT_EQ(has(plan, often), bending && iterated) << often;
-    for (const gpu::Binding links : {gpu::stretch_rows, gpu::stretch_links}) EXPECT_EQ(has(plan, links), !implicit) << links;
+    for (const gpu::Binding links : {gpu::stretch_rows, gpu::stretch_links}) EXPECT_EQ(has(plan, links), !implicit && !coloured) << links;
     for (const gpu::Binding springs : {gpu::spring_rows, gpu::spring_ends, gpu::springs, gpu::spring_blocks, gpu::inverses, gpu::exchanged, gpu::krylov,
                                        gpu::partial_sums, gpu::linear, gpu::free_cloths})
       EXPECT_EQ(has(plan, springs), implicit) << springs;
     EXPECT_EQ(std::any_of(plan.passes.begin(), plan.passes.end(), [](const PlannedPass& p) { return p.label == "implicit_relax"; }), implicit && relaxed);
     EXPECT_EQ(std::any_of(plan.passes.begin(), plan.passes.end(), [](const PlannedPass& p) { return p.label == "implicit_multiply"; }), implicit && !relaxed);
-    for (const gpu::Binding always : {gpu::positions, gpu::velocities, gpu::predicted, gpu::relaxed, gpu::materials, gpu::surface_rows, gpu::corners, gpu::vertex_positions, gpu::vertex_normals, gpu::counters})
+    for (const gpu::Binding always : {gpu::positions, gpu::velocities, gpu::predicted, gpu::relaxed, gpu::materials,
+                                      gpu::surface_rows, gpu::corners, gpu::vertex_positions, gpu::vertex_normals, gpu::counters})
       EXPECT_TRUE(has(plan, always)) << always;
   });
 }
@@ -156,6 +170,10 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   EXPECT_EQ(labels(kImplicit | kRelaxed), (Labels{"predict", "implicit_assemble", "implicit_relax", "implicit_drift", "implicit_step+settle", "surface"}));
   EXPECT_EQ(labels(kColliders | kIterated), (Labels{"predict", "stretch+collide+settle", "surface"}));
   EXPECT_EQ(labels(kLinks & ~kContacts), (Labels{"predict", "anchor", "stretch", "bend_lambda", "bend_gather+tether+collide+settle", "surface"}));
+  EXPECT_EQ(labels(kGaussSeidel), (Labels{"predict", "stretch", "hold+settle", "surface"}));
+  EXPECT_EQ(labels(kGaussSeidel | kBending), (Labels{"predict", "stretch", "bend+settle", "surface"}));
+  EXPECT_EQ(labels(kChebyshev | kIterated | kBending | kTethers),
+            (Labels{"predict", "stretch", "bend_lambda", "bend_gather", "accelerate+tether+settle", "surface"}));
   EXPECT_EQ(labels(kContacts), (Labels{"predict+watch", "detect_arm", "detect_path", "grid_count", "grid_total", "grid_scan", "grid_fill", "pair_faces", "pair_edges",
                                        "contact_arm", "contact_prepare", "stretch", "contact_solve", "contact_apply", "contact_limit", "settle", "surface"}));
   EXPECT_EQ(labels(kLinks & ~kIterated),
@@ -199,6 +217,8 @@ Subject subject(std::uint32_t features) {
   made.scene.solver.iterations = features & feature::kIterated ? 2 : 1;
   made.scene.solver.method = features & feature::kImplicit ? Method::implicit : Method::jacobi;
   made.scene.solver.linear = features & feature::kRelaxed ? Linear::jacobi : Linear::cg;
+  if (features & feature::kGaussSeidel) made.scene.solver.method = Method::gauss_seidel;
+  if (features & feature::kChebyshev) made.scene.solver.method = Method::chebyshev;
   const auto meshes = make_meshes(made.scene);
   auto fabric = cook(made.scene, *meshes);
   EXPECT_TRUE(fabric) << fabric.error();
@@ -207,9 +227,9 @@ Subject subject(std::uint32_t features) {
 }
 
 TEST(Features, a_scene_calls_for_what_it_has) {
-  for (std::uint32_t features = 0; features <= kAll; ++features) {
+  for (const std::uint32_t features : combinations()) {
     // Tethers need an anchor to hold on to.
-    if (((features & feature::kTethers) && !(features & feature::kAnchors)) || !possible(features)) continue;
+    if ((features & feature::kTethers) && !(features & feature::kAnchors)) continue;
     const Subject s = subject(features);
     EXPECT_EQ(features_of(s.scene, s.fabric), features);
   }
@@ -218,7 +238,7 @@ TEST(Features, a_scene_calls_for_what_it_has) {
 }
 
 TEST(BufferNeeds, every_buffer_of_the_plan_has_bytes_and_no_other_is_listed) {
-  for (std::uint32_t features = 0; features <= kAll; ++features) {
+  for (const std::uint32_t features : combinations()) {
     const Subject s = subject(features);
     const auto plan = make_plan(features_of(s.scene, s.fabric), false);
     ASSERT_TRUE(plan) << plan.error();
