@@ -17,6 +17,9 @@ constexpr std::uint32_t kDefaultSubsteps = 10;
 // Implicit Euler is stable at any step and pays for one by its iterations: 8 ms, near the 10 ms of the system it grew out of.
 constexpr std::uint32_t kImplicitSubsteps = 2;
 
+// Substeps a frame, which springs that are too stiff for longer ones may ask for; as many as solver.substeps can say.
+constexpr double kMostParts = 1000;
+
 // Softer than this (m/N) pulls with nothing that could be seen, and its quotient by h^2 would not be finite any more: infinity
 // times a multiplier of zero is no number, and takes a particle's other links along.
 constexpr double kSoftest = 1e12;
@@ -59,7 +62,7 @@ class Cook {
     const std::size_t first_link = fabric_.links.size(), first_bend = fabric_.bends.size();
     add_links(cloth, mesh);
     if (cloth.bending && cloth.fabric.bend > 0) add_bends(cloth, mesh);
-    if (scene_.solver.method == Method::implicit) {
+    if (on_springs(scene_.solver.method)) {
       if (auto done = add_springs(cloth, mesh, first_link, first_bend); !done) return fail("cloths[", index, "]: ", done.error());
     }
     if (cloth.tethers) add_tethers(cloth, mesh, *anchors);
@@ -78,11 +81,13 @@ class Cook {
   }
 
   Result<CookedFabric> finish() {
+    if (scene_.solver.method == Method::mass_spring || scene_.solver.method == Method::verlet)
+      if (auto fits = fit_step(); !fits) return fits.take_error();
     lay_out_links();
     if (scene_.solver.method == Method::gauss_seidel) cooking::colour_links(fabric_);
     if (!fabric_.bends.empty()) lay_out_bends();
     lay_out_tethers();
-    if (scene_.solver.method == Method::implicit) lay_out_springs();
+    if (on_springs(scene_.solver.method)) lay_out_springs();
     for (const gpu::vec4& p : fabric_.positions)
       if (!std::isfinite(p.x + p.y + p.z + p.w)) return fail("a particle's position or inverse mass is not finite: the mesh or its mass is beyond single precision");
     for (const StretchLink& link : fabric_.links)
@@ -96,7 +101,8 @@ class Cook {
   Result<void> add_particles(std::uint32_t index, const Mesh& mesh, std::span<const std::uint32_t> order,
                              std::span<const cooking::AnchorChoice> anchors) {
     const Cloth& cloth = scene_.cloths[index];
-    const std::vector<double> masses = point_masses(mesh, cloth.fabric.area_density);
+    std::vector<double> masses = point_masses(mesh, cloth.fabric.area_density);
+    if (cloth.springs && cloth.springs->mass > 0) std::fill(masses.begin(), masses.end(), cloth.springs->mass);
     for (const std::uint32_t point : order) {
       const Vec3 x = mesh.points[point];
       if (!(masses[point] > 0)) return fail("cloths[", index, "]: point ", point, " has a mass of ", masses[point], " kg; it must be above 0");
@@ -133,17 +139,18 @@ class Cook {
 
   // The springs of the scene, or what makes the same energy as the links and bends from the given ones on.
   Result<void> add_springs(const Cloth& cloth, const Mesh& mesh, std::size_t first_link, std::size_t first_bend) {
+    const bool only_pulls = scene_.solver.method == Method::verlet, straight = scene_.solver.method != Method::implicit;
     if (cloth.springs) {
-      for (const auto& [a, b, rest, kind] : cooking::neighbour_springs(mesh, *cloth.springs))
+      for (const auto& [a, b, rest, kind] : cooking::neighbour_springs(mesh, *cloth.springs, straight))
         fabric_.springs.push_back({particle_of_[a], particle_of_[b], static_cast<float>(rest), static_cast<float>(kind.stiffness),
-                                   static_cast<float>(kind.damping), false});
+                                   static_cast<float>(kind.damping), only_pulls});
       return {};
     }
     for (const StretchLink& link : std::span(fabric_.links).subspan(first_link)) {
-      if (!(link.compliance > 0)) return fail("a link of ", link.rest, " m has no compliance, and the method implicit needs springs that give way");
-      fabric_.springs.push_back({link.a, link.b, link.rest, 1 / link.compliance, 0, link.only_pulls});
+      if (!(link.compliance > 0)) return fail("a link of ", link.rest, " m has no compliance, and the method needs springs that give way");
+      fabric_.springs.push_back({link.a, link.b, link.rest, 1 / link.compliance, 0, link.only_pulls || only_pulls});
     }
-    cooking::add_bending_springs(std::span(fabric_.bends).subspan(first_bend), fabric_.springs);
+    if (!only_pulls) cooking::add_bending_springs(std::span(fabric_.bends).subspan(first_bend), fabric_.springs);
     return {};
   }
 
@@ -184,7 +191,7 @@ class Cook {
     std::vector<std::uint32_t> uses(fabric_.positions.size());
     for (const StretchLink& link : fabric_.links) ++uses[link.a], ++uses[link.b];
     const bool split = scene_.solver.averaging == Averaging::mass_split, iterated = scene_.solver.iterations > 1;
-    const bool coloured = scene_.solver.method == Method::gauss_seidel;
+    const bool alone = scene_.solver.method == Method::gauss_seidel || on_springs(scene_.solver.method);   // no masses are split
     for (std::size_t i = 0; i < uses.size(); ++i)
       fabric_.split_weights.push_back((split ? std::max<float>(1, static_cast<float>(uses[i])) : 1) * fabric_.positions[i].w);
     std::vector<std::vector<gpu::uvec2>> lists(fabric_.positions.size());
@@ -199,7 +206,7 @@ class Cook {
     }
     for (std::size_t i = 0; i < uses.size(); ++i) {
       const float weight = fabric_.split_weights[i], count = std::max<float>(1, static_cast<float>(uses[i]));
-      fabric_.iterate_weights.push_back(coloured ? fabric_.positions[i].w : iterated ? weight : split ? fabric_.positions[i].w : weight / count);
+      fabric_.iterate_weights.push_back(alone ? fabric_.positions[i].w : iterated ? weight : split ? fabric_.positions[i].w : weight / count);
     }
     fabric_.stretch = cooking::pack_rows(lists, cooking::Padding::owner, iterated ? 0 : kMostPadding);
   }
@@ -254,6 +261,23 @@ class Cook {
       }
     }
     return rows;
+  }
+
+  // Divides substeps that are too long for the springs.
+  Result<void> fit_step() {
+    fabric_.largest_step = cooking::largest_step(fabric_.springs, fabric_.positions);
+    const double wanted = fabric_.h, parts = std::ceil(wanted / fabric_.largest_step - 1e-9), substeps = parts * substeps_of(scene_.solver);
+    if (!(parts > 1)) return {};
+    if (substeps > kMostParts)
+      return fail("solver.method: the springs and masses of this scene are stable up to substeps of ", fabric_.largest_step, " s; that makes ", substeps,
+                  " a frame, more than ", kMostParts, ": take softer springs, heavier particles, a coarser mesh or a higher solver.rate");
+    fabric_.h = wanted / parts;
+    inverse_h2_ = 1 / (fabric_.h * fabric_.h);
+    for (std::size_t k = 0; k < scene_.cloths.size(); ++k)
+      fabric_.materials[k].keep = static_cast<float>(std::exp(-scene_.cloths[k].fabric.damping * fabric_.h));
+    fabric_.notes.push_back(fail("solver: a substep of ", 1e3 * wanted, " ms is longer than ", 1e3 * fabric_.largest_step,
+                                 " ms, up to which its springs are stable: each is taken in ", parts, " parts.").message);
+    return {};
   }
 
   void lay_out_springs() {

@@ -25,7 +25,7 @@ struct StretchLink {
   float gain = 0;    // kg: 1 / (W_a + W_b + compliance / h^2) as the GPU has it, with one Jacobi iteration a substep; 0 if neither end gives way
 };
 
-/// A spring of the method implicit, once a pair: a link with its stiffness, a spring of Cloth::springs, or, linear with rest 0 and of
+/// A spring of the methods on springs, once a pair: a link with its stiffness, a spring of Cloth::springs, or, linear with rest 0 and of
 /// either sign, an entry of the bending matrix.
 struct ParticleSpring {
   std::uint32_t a, b;
@@ -88,7 +88,8 @@ struct CookedFabric {
   std::vector<gpu::Bend> bends;
   PairRows bend;                             // entries: (particle, coefficient bits); one iteration a substep only
   PairRows bend_uses;                        // entries: (bend, K w bits); several iterations only
-  std::vector<ParticleSpring> springs;       // method implicit only
+  std::vector<ParticleSpring> springs;       // methods on springs only
+  double largest_step = 0;                   // s: a longer substep of mass_spring or verlet could blow up
   SpringRows spring_rows;
   double jacobi_weight = 0;                  // of the damped Jacobi that solves for them: engine/reference/implicit.h
   std::vector<gpu::Tether> tethers;          // particles x tethers_per_particle, an even number

@@ -44,8 +44,12 @@ struct NeighbourSpring {
   Springs::Kind kind;
 };
 
-/// Between all points that are one or two links of the mesh apart: see fabric_springs.cpp.
-std::vector<NeighbourSpring> neighbour_springs(const Mesh& mesh, const weft::Springs& springs);
+/// Between all points that are one or two links of the mesh apart, or, `straight`, one link or two edges straight ahead: see
+/// fabric_springs.cpp.
+std::vector<NeighbourSpring> neighbour_springs(const Mesh& mesh, const weft::Springs& springs, bool straight);
+
+/// The longest step of symplectic Euler that is stable in every pose, s; infinite where nothing moves: see fabric_step.cpp.
+double largest_step(std::span<const ParticleSpring> springs, std::span<const gpu::vec4> positions);
 
 /// The bending matrix of stencils over particles, as linear springs.
 void add_bending_springs(std::span<const gpu::Bend> bends, std::vector<ParticleSpring>& springs);

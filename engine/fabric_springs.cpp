@@ -1,4 +1,4 @@
-// Springs of the method implicit.
+// Springs of the methods implicit, mass_spring and verlet.
 //
 //     o o o o o    Between neighbours: structural along edges, shear along both diagonals of quads (x), and bend (o) between
 //     o x s x o    all points that are two of these apart. Inside a grid that makes the 24 neighbours, 5 x 5, of the particle
@@ -17,17 +17,27 @@
 
 namespace weft::cooking {
 
-std::vector<NeighbourSpring> neighbour_springs(const Mesh& mesh, const weft::Springs& springs) {
+std::vector<NeighbourSpring> neighbour_springs(const Mesh& mesh, const weft::Springs& springs, bool straight) {
   std::vector<NeighbourSpring> made;
   std::vector<std::vector<std::uint32_t>> near(mesh.points.size());
   const auto add = [&](std::uint32_t a, std::uint32_t b, const weft::Springs::Kind& kind) {
     if (kind.stiffness > 0) made.push_back({a, b, (vector(mesh.points[a]) - vector(mesh.points[b])).norm(), kind});
   };
-  for (const Spring& link : cooking::springs(mesh, {1, 1})) {
+  std::vector<Spring> links = cooking::springs(mesh, {1, 1});
+  for (const Spring& link : links) {
     if (link.kind == Spring::Kind::far) continue;
     near[link.a].push_back(link.b);
     near[link.b].push_back(link.a);
     add(link.a, link.b, link.kind == Spring::Kind::edge ? springs.structural : springs.shear);
+  }
+  if (straight) {
+    // Edges come first, as the mesh has them; only where lines of them lead is asked for.
+    std::vector<bool> is_diagonal;
+    links.resize(mesh.edges.size());
+    for (const Spring& edge : links) is_diagonal.push_back(edge.kind == Spring::Kind::diagonal);
+    add_far_links(mesh, is_diagonal, 2, links);
+    for (std::size_t k = mesh.edges.size(); k < links.size(); ++k) add(links[k].a, links[k].b, springs.bend);
+    return made;
   }
   std::vector<std::uint32_t> two_on;
   for (std::uint32_t a = 0; a < near.size(); ++a) {

@@ -12,7 +12,7 @@ namespace {
 
 using namespace feature;
 
-constexpr std::uint32_t kOthers = kGaussSeidel | kChebyshev | kImplicit;   // solvers that are not Jacobi
+constexpr std::uint32_t kOthers = kGaussSeidel | kChebyshev | kImplicit | kSprings;   // solvers that are not Jacobi
 
 // All that C++ says about passes. What a pass touches stands in its shader alone.
 constexpr Pass kPasses[] = {
@@ -42,6 +42,8 @@ constexpr Pass kPasses[] = {
     {"stretch",        "stretch_coloured", Stage::iteration,     Domain::coloured,            kGaussSeidel,          kIterated,              false,  false},
     {"stretch",        "stretch_coloured_iterated", Stage::iteration, Domain::coloured,       kGaussSeidel | kIterated, kPlain,              false,  false},
     {"hold",           "hold",             Stage::iteration,     Domain::particles,           kGaussSeidel,          kBending,               true,   true},
+    {"spring",         "spring",           Stage::iteration,     Domain::particles,           kSprings,              kPlain,                 true,   false},
+    {"hold",           "hold",             Stage::iteration,     Domain::particles,           kSprings,              kPlain,                 true,   true},
     {"stretch",        "stretch_accelerated", Stage::iteration,  Domain::particles,           kChebyshev,            kPlain,                 true,   false},
     {"bend",           "bend",             Stage::iteration,     Domain::particles,           kBending,              kIterated | kImplicit,  true,   true},
     {"bend_lambda",    "bend_lambda",      Stage::iteration,     Domain::bends,               kBending | kIterated,  kChebyshev,             false,  false},
@@ -86,13 +88,14 @@ std::uint32_t features_of(const Scene& scene, const CookedFabric& fabric) {
   if (moved_particles(fabric) > 0) features |= kAnchors;
   const bool implicit = scene.solver.method == Method::implicit;
   if (implicit) features |= kImplicit | (scene.solver.linear == Linear::jacobi ? kRelaxed : kPlain);
-  if (!fabric.bends.empty() && !implicit) features |= kBending;
+  if (!fabric.bends.empty() && !on_springs(scene.solver.method)) features |= kBending;
   if (!fabric.tethers.empty()) features |= kTethers;
   if (scene.colliders.size() > fabric.collider_meshes.size()) features |= kColliders;
   if (scene.solver.iterations > 1 && !implicit) features |= kIterated;
   if (!fabric.rest.empty()) features |= kContacts;
   if (scene.solver.method == Method::gauss_seidel) features |= kGaussSeidel;
   if (scene.solver.method == Method::chebyshev) features |= kChebyshev;
+  if (on_springs(scene.solver.method) && !implicit) features |= kSprings;
   return features;
 }
 

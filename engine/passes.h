@@ -31,6 +31,7 @@ inline constexpr std::uint32_t kRelaxed = 128;   // ... solved by Jacobi instead
 // With kImplicit, solvers other than Jacobi: at most one of them.
 inline constexpr std::uint32_t kGaussSeidel = 256;
 inline constexpr std::uint32_t kChebyshev = 512;   // with kIterated
+inline constexpr std::uint32_t kSprings = 1024;   // springs by symplectic Euler or Verlet instead of links and bends
 }  // namespace feature
 
 // assemble and linear: of an implicit substep, which has one iteration with many of `linear` before it; contact: several times an iteration

@@ -85,7 +85,9 @@ struct Springs {
   };
   Kind structural;              // edges of the mesh that are no diagonals of quads
   Kind shear;                   // both diagonals of quads
-  Kind bend;                    // two of these on: with them a particle inside a grid has 24 neighbours, 5 x 5
+  Kind bend;                    // two of these on. Implicit: all of them, so that a particle inside a grid has 24 neighbours, 5 x 5;
+                                // mass_spring: two edges on, straight ahead, 12 neighbours; not with verlet
+  double mass = 0;              // kg, of every particle; 0: its share of the fabric's
 };
 
 struct Cloth {
@@ -98,7 +100,7 @@ struct Cloth {
   bool tethers = true;          // takes effect when there are anchors
   std::uint32_t tethers_per_vertex = 4;   // 1 ... 8
   double tether_slack = 0;      // fraction of the geodesic distance, 0 ... 1
-  std::optional<Springs> springs;   // method implicit only, in place of the fabric's links and bends
+  std::optional<Springs> springs;   // methods implicit, mass_spring and verlet only, in place of the fabric's links and bends
   std::vector<Anchor> anchors;
   Appearance appearance;
 };
@@ -201,6 +203,9 @@ std::optional<Fabric> fabric_preset(std::string_view name);
 
 /// Whether cloth meets cloth: asked for, or needed by a mesh collider.
 bool contacts_on(const Scene& scene);
+
+/// Methods that solve springs, the scene's or those that the fabric makes, instead of constraints.
+constexpr bool on_springs(Method method) { return method == Method::implicit || method == Method::mass_spring || method == Method::verlet; }
 
 /// Over-relaxation from here on can blow a scene up: 1 + 3^(-1/iterations), 4/3 with one iteration a substep; with Chebyshev 1 + rho.
 /// scene_method.cpp says why.

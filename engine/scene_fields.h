@@ -144,6 +144,7 @@ void fields(V& v, Springs& springs) {
   v.object("structural", springs.structural);
   v.object("shear", springs.shear);
   v.object("bend", springs.bend);
+  v.number("mass", springs.mass, between(0, 1e3, "kg"));
 }
 
 template <class V>

@@ -44,16 +44,19 @@ std::string relaxation_fault(const Scene& scene) {
 
 std::string method_fault(const Scene& scene) {
   const std::string named = '"' + std::string(scene_fields::kMethods[static_cast<std::size_t>(scene.solver.method)]) + '"';
-  if (scene.solver.method > Method::chebyshev && scene.solver.method != Method::implicit) return named + " is not there yet";
+  const Method method = scene.solver.method;
   for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
     const Cloth& cloth = scene.cloths[i];
     const std::string path = "cloths[" + std::to_string(i) + "].";
-    if (scene.solver.method != Method::implicit && cloth.springs)
-      return named + " solves no springs, and " + path + "springs are there: \"implicit\" does";
-    if (scene.solver.method == Method::implicit && !cloth.springs && (std::isinf(cloth.fabric.stretch) || std::isinf(cloth.fabric.shear)))
+    if (!on_springs(method) && cloth.springs) return named + " solves no springs, and " + path + "springs are there: \"implicit\" and \"mass_spring\" do";
+    if (on_springs(method) && !cloth.springs && (std::isinf(cloth.fabric.stretch) || std::isinf(cloth.fabric.shear)))
       return named + " needs springs that give way, and " + path + "fabric is \"rigid\": give its stretch and shear in N/m, or springs";
+    if (method == Method::verlet && cloth.springs && cloth.springs->bend.stiffness > 0)
+      return named + " has links to 8 neighbours that only pull, and " + path + "springs.bend is there: \"mass_spring\" has it";
   }
-  if (scene.solver.method == Method::chebyshev) {
+  if ((method == Method::mass_spring || method == Method::verlet) && scene.solver.iterations > 1)
+    return named + " evaluates its forces once a substep, and solver.iterations is " + std::to_string(scene.solver.iterations) + ", not 1";
+  if (method == Method::chebyshev) {
     if (scene.solver.iterations < 2) return named + " accelerates iterations, and solver.iterations is 1, not at least 2";
     if (contacts_on(scene)) return named + " does not go with contacts: pushing pairs apart is not among the steps that it extrapolates";
   }

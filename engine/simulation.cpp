@@ -180,7 +180,9 @@ const CookedFabric& Simulation::fabric() const { return state_->fabric; }
 const compute::Device& Simulation::device() const { return *state_->device; }
 
 std::vector<PassUse> Simulation::passes() const {
-  const std::uint32_t substeps = substeps_of(state_->scene.solver), linear = state_->scene.solver.iterations;
+  // Springs may have had them divided.
+  const auto substeps = static_cast<std::uint32_t>(std::lround(1 / (state_->scene.solver.rate * state_->fabric.h)));
+  const std::uint32_t linear = state_->scene.solver.iterations;
   const std::uint32_t iterations = state_->scene.solver.method == Method::implicit ? 1 : linear;
   std::vector<PassUse> uses;
   for (const PlannedPass& planned : state_->solver->plan().passes) {

@@ -47,6 +47,7 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   solver.jacobi_weight_ = fabric.jacobi_weight;
   solver.stretch_stride_ = fabric.stretch.stride;
   solver.rho_ = rho_of(scene.solver);
+  solver.damped_ = std::any_of(fabric.springs.begin(), fabric.springs.end(), [](const ParticleSpring& s) { return s.damping > 0; });
   solver.colour_ends_ = fabric.colour_ends;
   solver.tether_pairs_ = fabric.tethers_per_particle / 2;
   for (const Collider& collider : scene.colliders)
@@ -179,7 +180,8 @@ Result<void> Solver::create_pipelines(const compute::PipelineCache& cache) {
     made.layout = std::move(*layout);
     // A shader ignores the constants that it does not have.
     std::vector<compute::SpecializationConstant> constants{{planned.group_size_constant, workgroup_}, {WEFT_STRIDE_CONSTANT, stretch_stride_},
-                                                            {WEFT_LINEAR_CONSTANT, settings_.linear == Linear::jacobi ? WEFT_LINEAR_JACOBI : WEFT_LINEAR_CG}};
+                                                            {WEFT_LINEAR_CONSTANT, settings_.linear == Linear::jacobi ? WEFT_LINEAR_JACOBI : WEFT_LINEAR_CG},
+                                                            {WEFT_DAMPED_CONSTANT, damped_ ? 1u : 0u}};
     for (std::uint32_t shape = 0; shape < WEFT_SHAPES; ++shape) constants.push_back({WEFT_SHAPE_CONSTANT + shape, colliders_[shape]});
     auto pipeline = compute::ComputePipeline::create(*device_, &cache, planned.label, planned.spirv, constants, made.layout.get());
     if (!pipeline) return pipeline.take_error();

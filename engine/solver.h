@@ -96,6 +96,7 @@ class Solver {
   std::uint32_t triangles_ = 0, edges_ = 0;
   std::array<std::uint32_t, WEFT_SHAPES> colliders_{};   // of each shape
   std::uint32_t tether_pairs_ = 0, stretch_stride_ = 0, contact_iterations_ = 0, workgroup_ = 0, parity_ = 0, turn_ = 0, cloths_ = 0;
+  bool damped_ = false;   // some spring is
   double h_ = 0, rho_ = 0, jacobi_weight_ = 0;
 };
 

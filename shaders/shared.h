@@ -171,6 +171,9 @@ struct Anchor {
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
 
+// Whether any spring of the pass spring is damped.
+#define WEFT_DAMPED_CONSTANT 7
+
 struct Collider {
   float radius;       // m, spheres and capsules
   float friction;     // Coulomb

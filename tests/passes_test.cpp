@@ -23,6 +23,7 @@ std::vector<std::uint32_t> combinations() {
     found.push_back(features | kGaussSeidel);
     if ((features & (kIterated | kContacts)) == kIterated) found.push_back(features | kChebyshev);
     if ((features & (kIterated | kBending)) != 0) continue;   // links and bends: not of the method implicit
+    found.push_back(features | kSprings);
     found.push_back(features | kImplicit);
     found.push_back(features | kImplicit | kRelaxed);
   }
@@ -138,7 +139,7 @@ TEST(Plan, every_buffer_of_a_feature_is_there_with_it_and_absent_without) {
     EXPECT_EQ(has(plan, gpu::anchors), (features & feature::kAnchors) != 0);
     EXPECT_EQ(has(plan, gpu::tethers), (features & feature::kTethers) != 0);
     EXPECT_EQ(has(plan, gpu::colliders), (features & feature::kColliders) != 0);
-    const bool coloured = features & feature::kGaussSeidel, accelerated = features & feature::kChebyshev;
+    const bool explicit_springs = features & feature::kSprings, coloured = features & feature::kGaussSeidel, accelerated = features & feature::kChebyshev;
     EXPECT_EQ(has(plan, gpu::stretch_lambda), iterated && !coloured);
     EXPECT_EQ(has(plan, gpu::coloured_links), coloured);
     EXPECT_EQ(has(plan, gpu::coloured_lambda), coloured && iterated);
@@ -147,8 +148,9 @@ TEST(Plan, every_buffer_of_a_feature_is_there_with_it_and_absent_without) {
     for (const gpu::Binding once : {gpu::bend_rows, gpu::bend_entries}) EXPECT_EQ(has(plan, once), bending && !iterated) << once;
     for (const gpu::Binding often : {gpu::bends, gpu::bend_lambda, gpu::bend_impulses, gpu::bend_uses, gpu::bend_use_rows})
       EXPECT_EQ(has(plan, often), bending && iterated) << often;
-    for (const gpu::Binding links : {gpu::stretch_rows, gpu::stretch_links}) EXPECT_EQ(has(plan, links), !implicit && !coloured) << links;
-    for (const gpu::Binding springs : {gpu::spring_rows, gpu::spring_ends, gpu::springs, gpu::spring_blocks, gpu::inverses, gpu::exchanged, gpu::krylov,
+    for (const gpu::Binding links : {gpu::stretch_rows, gpu::stretch_links}) EXPECT_EQ(has(plan, links), !implicit && !explicit_springs && !coloured) << links;
+    for (const gpu::Binding springs : {gpu::spring_rows, gpu::spring_ends, gpu::springs}) EXPECT_EQ(has(plan, springs), implicit || explicit_springs) << springs;
+    for (const gpu::Binding springs : {gpu::spring_blocks, gpu::inverses, gpu::exchanged, gpu::krylov,
                                        gpu::partial_sums, gpu::linear, gpu::free_cloths})
       EXPECT_EQ(has(plan, springs), implicit) << springs;
     EXPECT_EQ(std::any_of(plan.passes.begin(), plan.passes.end(), [](const PlannedPass& p) { return p.label == "implicit_relax"; }), implicit && relaxed);
@@ -170,6 +172,7 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   EXPECT_EQ(labels(kImplicit | kRelaxed), (Labels{"predict", "implicit_assemble", "implicit_relax", "implicit_drift", "implicit_step+settle", "surface"}));
   EXPECT_EQ(labels(kColliders | kIterated), (Labels{"predict", "stretch+collide+settle", "surface"}));
   EXPECT_EQ(labels(kLinks & ~kContacts), (Labels{"predict", "anchor", "stretch", "bend_lambda", "bend_gather+tether+collide+settle", "surface"}));
+  EXPECT_EQ(labels(kSprings | kTethers), (Labels{"predict", "spring", "hold+tether+settle", "surface"}));
   EXPECT_EQ(labels(kGaussSeidel), (Labels{"predict", "stretch", "hold+settle", "surface"}));
   EXPECT_EQ(labels(kGaussSeidel | kBending), (Labels{"predict", "stretch", "bend+settle", "surface"}));
   EXPECT_EQ(labels(kChebyshev | kIterated | kBending | kTethers),
@@ -218,6 +221,7 @@ Subject subject(std::uint32_t features) {
   made.scene.solver.method = features & feature::kImplicit ? Method::implicit : Method::jacobi;
   made.scene.solver.linear = features & feature::kRelaxed ? Linear::jacobi : Linear::cg;
   if (features & feature::kGaussSeidel) made.scene.solver.method = Method::gauss_seidel;
+  if (features & feature::kSprings) made.scene.solver.method = Method::mass_spring;
   if (features & feature::kChebyshev) made.scene.solver.method = Method::chebyshev;
   const auto meshes = make_meshes(made.scene);
   auto fabric = cook(made.scene, *meshes);
