@@ -6,6 +6,9 @@
 namespace weft::reference {
 namespace {
 
+// Relative error of a packed rest length (shared.h, Link).
+constexpr double kPacking = 0x1p-17;
+
 // Lengths against the shortest two-sided link beside them tell edges from links of several edges.
 class Neighbourhood {
  public:
@@ -30,6 +33,13 @@ class Neighbourhood {
   std::vector<double> shortest_, longest_;   // m, two-sided links at each particle
 };
 
+// As it was before it was packed, where the cooked pose tells; m.
+double rest_length(const CookedFabric& fabric, const StretchLink& link) {
+  const gpu::vec4 &a = fabric.positions[link.a], &b = fabric.positions[link.b];
+  const double cooked = std::hypot(double(a.x) - b.x, double(a.y) - b.y, double(a.z) - b.z);
+  return std::abs(cooked - link.rest) <= kPacking * link.rest ? cooked : link.rest;
+}
+
 }  // namespace
 
 Energies energies_of(const CookedFabric& fabric, double h) {
@@ -43,7 +53,7 @@ Energies energies_of(const CookedFabric& fabric, double h) {
   };
   const Neighbourhood neighbourhood(fabric);
   for (const StretchLink& link : fabric.links)
-    add(link.a, link.b, link.rest, link.compliance, neighbourhood.edges(link), link.only_pulls,
+    add(link.a, link.b, rest_length(fabric, link), link.compliance, neighbourhood.edges(link), link.only_pulls,
         neighbourhood.near(link) || energies.inverse_masses[link.a] * energies.inverse_masses[link.b] == 0);
   for (std::size_t k = 0; k < fabric.tethers.size(); ++k)
     if (const gpu::Tether& tether = fabric.tethers[k]; tether.anchor != WEFT_NONE)

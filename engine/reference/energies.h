@@ -9,6 +9,9 @@
 // kSoftening (w_a + w_b), so that a link gives way by a millionth of what its two particles would without it. A sheet of n
 // particles that hangs from one link stretches it by n kSoftening h^2 g: 3e-7 m for 10,000 particles at h = 1/600 s. Links of
 // several edges get that for every edge under them, squared, which keeps the ratio of the stiffnesses that compliant cloth has.
+//
+// Rest lengths are taken as they were before they were packed for the GPU, from the pose that was cooked: packed ones are rounded, each
+// its own way (2^-17), so that no pose fits them all, and a sheet of rigid links would be prestressed far beyond its weight.
 #pragma once
 
 #include <Eigen/Core>
