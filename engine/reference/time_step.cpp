@@ -7,7 +7,8 @@
 namespace weft::reference {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+// What is left over of a sum counts as nothing when it is less than the rounding of the terms, a few operations each.
+constexpr double kRounded = 4 * std::numeric_limits<double>::epsilon();
 
 // Ends closer than this (m) have no direction; the engine leaves such a link out too.
 constexpr double kCoincident = 1e-10;
@@ -32,11 +33,16 @@ void TimeStep::begin(const Positions& free_motion, const Positions& guess) {
   now_.u = guess;
 }
 
-// l of a bend, from differences: the same wherever the cloth is.
-Eigen::Vector3d TimeStep::curl(const BendEnergy& bend, const Positions& u) const {
-  const auto [p0, p1, p2, p3] = bend.particle;
-  const auto from_first = [&](std::uint32_t p) -> Eigen::Vector3d { return (y_.col(p) - y_.col(p0)) + (u.col(p) - u.col(p0)); };
-  return bend.k[1] * from_first(p1) + bend.k[2] * from_first(p2) + bend.k[3] * from_first(p3);
+// l of a bend and the size of what it is summed up from; from differences: the same wherever the cloth is.
+TimeStep::Curl TimeStep::curl(const BendEnergy& bend, const Positions& u) const {
+  Curl curl{Eigen::Vector3d::Zero(), 0};
+  const std::uint32_t first = bend.particle[0];
+  for (int j = 1; j < 4; ++j) {
+    const Eigen::Vector3d d = (y_.col(bend.particle[j]) - y_.col(first)) + (u.col(bend.particle[j]) - u.col(first));
+    curl.l += bend.k[j] * d;
+    curl.terms += std::abs(bend.k[j]) * d.norm();
+  }
+  return curl;
 }
 
 // Also lets go of the multipliers of slack links.
@@ -45,7 +51,8 @@ TimeStep::Residual TimeStep::evaluate(State& state) const {
   residual.frames.reserve(energies_.links.size());
   residual.force = state.u * masses_.asDiagonal();
   residual.potential = 0.5 * residual.force.cwiseProduct(state.u).sum();
-  double asked = 0;   // m, by links
+  Eigen::VectorXd terms = Eigen::VectorXd::Zero(masses_.size());   // kg m, what a particle's force is summed up from
+  double asked = 0;                                                // m, by links
   for (std::size_t e = 0; e < energies_.links.size(); ++e) {
     const LinkEnergy& link = energies_.links[e];
     double& lambda = state.lambda[static_cast<Eigen::Index>(e)];
@@ -60,19 +67,26 @@ TimeStep::Residual TimeStep::evaluate(State& state) const {
     residual.frames.push_back({normal, length, active ? value : 0, active});
     residual.force.col(link.a) -= lambda * normal;
     residual.force.col(link.b) += lambda * normal;
+    terms[link.a] += std::abs(lambda);
+    terms[link.b] += std::abs(lambda);
     if (active && !(link.only_pulls && c < 0)) residual.potential += c * c / (2 * link.softness);
-    // Below the rounding of a length there is nothing to ask for.
-    if (active && std::abs(value) > 4 * kEpsilon * link.rest) asked = std::max(asked, std::abs(value) * link.weight / (link.weight + link.softness));
+    if (active && std::abs(value) > kRounded * link.rest) asked = std::max(asked, std::abs(value) * link.weight / (link.weight + link.softness));
     else residual.frames.back().value = 0;
   }
   for (const BendEnergy& bend : energies_.bends) {
-    const Eigen::Vector3d l = curl(bend, state.u);
+    const auto [l, size] = curl(bend, state.u);
     residual.potential += 0.5 * bend.stiffness * l.squaredNorm();
-    for (int j = 0; j < 4; ++j) residual.force.col(bend.particle[j]) += bend.stiffness * bend.k[j] * l;
+    for (int j = 0; j < 4; ++j) {
+      residual.force.col(bend.particle[j]) += bend.stiffness * bend.k[j] * l;
+      terms[bend.particle[j]] += bend.stiffness * std::abs(bend.k[j]) * size;
+    }
   }
-  for (Eigen::Index i = 0; i < masses_.size(); ++i)
+  residual.size = asked;
+  for (Eigen::Index i = 0; i < masses_.size(); ++i) {
     if (energies_.inverse_masses[i] == 0) residual.force.col(i).setZero();
-  residual.size = std::max(asked, (residual.force.colwise().norm().transpose().array() / masses_.array()).maxCoeff());
+    const double force = residual.force.col(i).norm();
+    if (force > kRounded * terms[i]) residual.size = std::max(residual.size, force / masses_[i]);
+  }
   return residual;
 }
 

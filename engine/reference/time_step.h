@@ -54,8 +54,13 @@ class TimeStep {
     double potential = 0;                // kg m^2
   };
 
+  struct Curl {
+    Eigen::Vector3d l;                   // m
+    double terms;                        // m
+  };
+
   Residual evaluate(State& state) const;
-  Eigen::Vector3d curl(const BendEnergy& bend, const Positions& u) const;
+  Curl curl(const BendEnergy& bend, const Positions& u) const;
   Positions apply(const Residual& at, const Eigen::VectorXd& lambda, const Positions& p, bool projected) const;
   void factorise(const Residual& at, const Eigen::VectorXd& lambda);
   // Conjugate gradients; false where a direction of negative curvature turned up.
