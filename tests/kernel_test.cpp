@@ -258,10 +258,12 @@ void twin_frame(const Scene& scene, const CookedFabric& fabric, reference::Point
       p = reference::relax_bend(bends, p, masses, bend_lambda, fabric.h, scene.solver.relaxation, meet);
       for (std::size_t i = 0; i < x.size(); ++i) {
         if (masses[i] == 0) continue;
+        std::vector<reference::Tether> tethers;
         for (std::uint32_t t = 0; t < fabric.tethers_per_particle; ++t) {
           const gpu::Tether& tether = fabric.tethers[i * fabric.tethers_per_particle + t];
-          if (tether.anchor != WEFT_NONE) p[i] = reference::within_tether({p[tether.anchor], tether.reach}, p[i]);
+          if (tether.anchor != WEFT_NONE) tethers.push_back({p[tether.anchor], tether.reach});
         }
+        p[i] = reference::within_tethers(tethers, p[i]);
         for (const reference::Body& body : bodies) p[i] = reference::out_of_body(body, x[i], p[i], material.thickness);
       }
     }
