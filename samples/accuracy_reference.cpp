@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <fstream>
 
 #include "samples/console.h"
@@ -98,27 +97,6 @@ Result<Trajectory> reference_run(Scene scene, std::uint32_t substeps, std::uint3
   if (!solved) return solved;
   if (auto written = write_text(file, bytes_of(*solved)); !written) return written.take_error();
   return solved;
-}
-
-void Distance::add(std::span<const gpu::vec4> positions) {
-  const reference::Positions& pose = from_.poses[frame_++];
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    if (positions[i].w == 0) continue;
-    const gpu::vec4& p = positions[i];
-    sum_ += (pose.col(static_cast<Eigen::Index>(i)) - Eigen::Vector3d(p.x, p.y, p.z)).squaredNorm();
-    ++count_;
-  }
-}
-
-double Distance::value() const { return count_ > 0 ? std::sqrt(sum_ / static_cast<double>(count_)) / size_ : 0; }
-
-double size_of(std::span<const gpu::vec4> positions) {
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY), high = -low;
-  for (const gpu::vec4& p : positions) {
-    low = low.cwiseMin(Eigen::Vector3d(p.x, p.y, p.z));
-    high = high.cwiseMax(Eigen::Vector3d(p.x, p.y, p.z));
-  }
-  return (high - low).norm();
 }
 
 }  // namespace weft::command

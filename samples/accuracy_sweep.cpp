@@ -6,6 +6,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "engine/reference/errors.h"
 #include "engine/simulation.h"
 #include "samples/accuracy_reference.h"
 #include "samples/console.h"
@@ -88,8 +89,7 @@ Result<void> run(const compute::Device& device, const Scene& scene, const SweepP
   auto simulation = Simulation::create(device, scene, options);
   if (!simulation) return simulation.take_error();
   const CookedFabric& fabric = (*simulation)->fabric();
-  const double size = size_of(fabric.positions);
-  Distance to_same(references.same, size), to_fine(references.fine, size);
+  reference::Trajectory poses;
   StrainSum strains;
   std::vector<double> wall;
   for (std::uint32_t frame = 0; frame < plan.frames && !interrupted(); ++frame) {
@@ -101,9 +101,7 @@ Result<void> run(const compute::Device& device, const Scene& scene, const SweepP
     const auto positions = (*simulation)->read_positions();
     if (!positions) return fail(positions.error());
     if (strained) strains.add(measure_strain(fabric, *positions));
-    if (!references.there()) continue;
-    to_same.add(*positions);
-    to_fine.add(*positions);
+    if (references.there()) poses.poses.push_back(reference::pose_of(fabric, *positions));
   }
   const Spread spread = spread_of(wall);
   const Strain strain = strains.value();
@@ -115,8 +113,10 @@ Result<void> run(const compute::Device& device, const Scene& scene, const SweepP
   point.strain_max = strain.max;
   point.non_finite = (*simulation)->counts().non_finite;
   if (references.there()) {
-    point.solver_error = to_same.value();
-    point.time_error = to_fine.value();
+    const double size = reference::sheet_size(fabric);
+    point.solver_error = reference::run_error(poses, references.same, size);
+    point.time_error = reference::run_error(references.same, references.fine, size);
+    point.total_error = reference::run_error(poses, references.fine, size);
   }
   return {};
 }

@@ -179,7 +179,7 @@ void print_front(const Curve& curve, bool tethers) {
   for (const std::size_t i : best) {
     const CurvePoint& p = points[i];
     char distance[32] = "-";
-    if (std::isfinite(p.time_error)) std::snprintf(distance, sizeof distance, "%.2e", p.time_error);
+    if (std::isfinite(p.total_error)) std::snprintf(distance, sizeof distance, "%.2e", p.total_error);
     std::printf("%10.3g %10s %10s %10s  %s\n", p.ms_median, percent(p.strain_rms).c_str(), percent(p.strain_max).c_str(), distance, setting_words(p).c_str());
   }
 }

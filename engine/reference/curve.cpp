@@ -29,6 +29,7 @@ void columns(Visitor&& v, Point& p) {
   v("strain_max", p.strain_max);
   v("solver_error", p.solver_error);
   v("time_error", p.time_error);
+  v("total_error", p.total_error);
   v("non_finite", p.non_finite);
   v("passes", p.passes);
 }

@@ -29,8 +29,10 @@ struct CurvePoint {
   double ms_median = kUnknown, ms_p95 = kUnknown;   // whole frames on the wall clock, without timestamps
   double ms_gpu = kUnknown;     // all passes by timestamps, median
   double strain_mean = kUnknown, strain_rms = kUnknown, strain_max = kUnknown;   // fractions
-  double solver_error = kUnknown;   // rms distance to the reference at the same h, over the sheet's size
-  double time_error = kUnknown;     // ... to the reference at a sixteenth of it
+  // Rms distances over a run, relative to the sheet's size (errors.h):
+  double solver_error = kUnknown;   // of this run to the reference with the same step h
+  double time_error = kUnknown;     // of that reference to the one with h / 16
+  double total_error = kUnknown;    // of this run to the one with h / 16
   std::uint32_t non_finite = 0;     // particles that had to be put back
   std::string passes;           // milliseconds of each: "predict=0.02 stretch=1.1"
 
