@@ -43,7 +43,7 @@ std::vector<double> point_masses(const Mesh& mesh, double area_density) {
 
 class Cook {
  public:
-  explicit Cook(const Scene& scene) : scene_(scene), softening_(scene.solver.relaxation / (substep() * substep())) { fabric_.h = substep(); }
+  explicit Cook(const Scene& scene) : scene_(scene), softening_(relaxation_of(scene.solver) / (substep() * substep())) { fabric_.h = substep(); }
 
   Result<void> add(std::uint32_t index, const Mesh& mesh) {
     const Cloth& cloth = scene_.cloths[index];
@@ -272,7 +272,7 @@ class Cook {
       return fail("solver.method: the springs and masses of this scene are stable up to substeps of ", fabric_.largest_step, " s; that makes ", substeps,
                   " a frame, more than ", kMostParts, ": take softer springs, heavier particles, a coarser mesh or a higher solver.rate");
     fabric_.h = wanted / parts;
-    inverse_h2_ = 1 / (fabric_.h * fabric_.h);
+    softening_ = relaxation_of(scene_.solver) / (fabric_.h * fabric_.h);
     for (std::size_t k = 0; k < scene_.cloths.size(); ++k)
       fabric_.materials[k].keep = static_cast<float>(std::exp(-scene_.cloths[k].fabric.damping * fabric_.h));
     fabric_.notes.push_back(fail("solver: a substep of ", 1e3 * wanted, " ms is longer than ", 1e3 * fabric_.largest_step,

@@ -46,7 +46,7 @@ double particles_at(const Scene& scene) {
   double sum = 0;
   for (const Cloth& cloth : scene.cloths)
     if (cloth.grid) sum += (cloth.grid->cells_x + 1.0) * (cloth.grid->cells_y + 1.0) * (cloth.grid->topology == Topology::centre ? 2 : 1);
-  return std::max(sum, 1000.0);
+  return std::max(sum, 100.0);   // what meshes have is not known here
 }
 
 // Sums of a strain over frames.
@@ -171,25 +171,24 @@ Result<Scene> scene_of(const Scene& scene, const Setting& setting) {
 
 std::vector<Setting> settings_of(const Scene& scene, const SweepPlan& plan, std::vector<std::string>& refused) {
   std::vector<Setting> settings;
-  for (const std::uint32_t cells : plan.cells)
-    for (const bool tethers : plan.tethers) {
-      const auto base = scene_at(scene, cells, tethers);
-      for (const SolverRow& row : kSolverRows)
+  for (const SolverRow& row : kSolverRows) {
+    const std::size_t before = settings.size();
+    std::string why;
+    for (const std::uint32_t cells : plan.cells)
+      for (const bool tethers : plan.tethers) {
+        const auto base = scene_at(scene, cells, tethers);
+        const double particles = base ? particles_at(*base) : 1;
         for (const std::uint32_t substeps : plan.substeps)
           for (const std::uint32_t iterations : plan.iterations) {
             const std::uint32_t passes = substeps * iterations;
-            if (passes > (iterations == 1 ? plan.most_passes : plan.most_iterated)) continue;
-            Setting setting{row, cells, tethers, substeps, iterations, 0};
-            if (const auto made = scene_of(scene, setting); !made) {
-              const std::string sentence = std::string(row.name) + ": " + made.error();
-              if (std::find(refused.begin(), refused.end(), sentence) == refused.end()) refused.push_back(sentence);
-              continue;
-            }
-            const double particles = base ? particles_at(*base) : 1000;
-            setting.work = (particles * passes + kSubmission) * (plan.frames + kBeforeStamps + kTimedByStamps);
-            settings.push_back(setting);
+            if (passes > (iterations == 1 ? plan.most_passes : plan.most_iterated) || passes * particles > plan.most_particle_passes) continue;
+            Setting setting{row, cells, tethers, substeps, iterations, (particles * passes + kSubmission) * (plan.frames + kBeforeStamps + kTimedByStamps)};
+            if (const auto made = scene_of(scene, setting)) settings.push_back(setting);
+            else why = made.error();
           }
-    }
+      }
+    if (settings.size() == before) refused.push_back(std::string(row.name) + ": " + why);
+  }
   std::stable_sort(settings.begin(), settings.end(), [](const Setting& a, const Setting& b) { return a.work < b.work; });
   return settings;
 }

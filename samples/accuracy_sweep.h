@@ -38,6 +38,7 @@ struct SweepPlan {
   std::vector<std::uint32_t> substeps, iterations;
   std::uint32_t most_passes = 0;             // substeps times iterations, of one iteration
   std::uint32_t most_iterated = 0;           // ... of several
+  double most_particle_passes = 0;           // of a frame, times its particles
   std::uint32_t reference_cells = 0;         // the largest resolution with a reference
   std::uint32_t most_steps = 0;              // a frame, of the finest reference
 };
@@ -58,7 +59,7 @@ Result<Scene> scene_at(const Scene& scene, std::uint32_t cells, bool tethers);
 /// The scene of a setting. An error is why the scene refuses it.
 Result<Scene> scene_of(const Scene& scene, const Setting& setting);
 
-/// What is to be tried, cheapest first. `refused` gets a sentence for every row that is left out.
+/// What is to be tried, cheapest first. `refused` gets a sentence for every row that has no setting.
 std::vector<Setting> settings_of(const Scene& scene, const SweepPlan& plan, std::vector<std::string>& refused);
 
 /// Measures one setting: a run from the scene's start, in which errors are measured in every frame and the wall clock in all

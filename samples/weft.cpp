@@ -80,7 +80,7 @@ int main(int count, char** arguments) {
   CLI::App* accuracy_command = app.add_subcommand("accuracy", "Measure error over milliseconds for solvers, substeps, iterations and resolutions");
   accuracy_command->add_option("scene", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ)")->required()->type_name("SCENE|MESH");
   accuracy_command->add_flag("--quick", accuracy_options.quick, "A coarse sweep of under a minute");
-  CLI::Option* accuracy_frames_option = accuracy_command->add_option("--frames", accuracy_frames, "Frames that each setting is run for: 60, quick 24");
+  CLI::Option* accuracy_frames_option = accuracy_command->add_option("--frames", accuracy_frames, "Frames that each setting is run for: 48, quick 24");
   accuracy_frames_option->check(CLI::Range(4u, kMostFrames));
   CLI::Option* reference_option = accuracy_command->add_option(
       "--reference-cells", reference_cells, "Cells along the longest side up to which runs are compared with a reference: 32, quick 16; 0: with none");

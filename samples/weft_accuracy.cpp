@@ -39,16 +39,17 @@ SweepPlan plan_of(const Scene& scene, const AccuracyOptions& options) {
     held |= !cloth.anchors.empty();
     tethered |= !cloth.anchors.empty() && cloth.tethers;
   }
-  plan.frames = options.frames.value_or(options.quick ? 24 : 60);
+  plan.frames = options.frames.value_or(options.quick ? 24 : 48);
   plan.warm_up = plan.frames / 4;
   plan.reference_cells = options.reference_cells.value_or(options.quick ? 16 : 32);
   plan.most_steps = options.quick ? 80 : 320;
   plan.substeps = options.quick ? std::vector<std::uint32_t>{1, 2, 5, 10, 20} : std::vector<std::uint32_t>{1, 2, 5, 10, 20, 40, 80, 160, 320};
-  plan.iterations = options.quick ? std::vector<std::uint32_t>{1, 4} : std::vector<std::uint32_t>{1, 3, 10};
+  plan.iterations = options.quick ? std::vector<std::uint32_t>{1, 4} : std::vector<std::uint32_t>{1, 4, 16};
   plan.most_passes = plan.substeps.back();
-  plan.most_iterated = options.quick ? 20 : 60;
-  for (const std::uint32_t cells : options.quick ? std::vector<std::uint32_t>{16} : std::vector<std::uint32_t>{32, 99})
-    if (cells < own) plan.cells.push_back(cells);
+  plan.most_iterated = options.quick ? 8 : 40;
+  plan.most_particle_passes = options.quick ? 0.5e6 : 3.3e6;
+  for (const std::uint32_t cells : options.quick ? std::vector<std::uint32_t>{plan.reference_cells} : std::vector<std::uint32_t>{plan.reference_cells, 99})
+    if (cells > 0 && cells < own) plan.cells.push_back(cells);
   plan.cells.push_back(own);
   plan.tethers = {tethered};
   if (held && !options.quick) plan.tethers.push_back(!tethered);
