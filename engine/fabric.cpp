@@ -14,6 +14,11 @@ using cooking::vector;
 // 10 substeps keep a hung sheet of 200 x 200 vertices at 0.02 % mean and below 2 % largest strain, in the time of 28 plain C++
 // passes over its links (README, "Speed").
 constexpr std::uint32_t kDefaultSubsteps = 10;
+// Implicit Euler is stable at any step and pays for one by its iterations: 8 ms, near the 10 ms of the system it grew out of.
+constexpr std::uint32_t kImplicitSubsteps = 2;
+
+// Substeps a frame, which springs that are too stiff for longer ones may ask for; as many as solver.substeps can say.
+constexpr double kMostParts = 1000;
 
 // Softer than this (m/N) pulls with nothing that could be seen, and its quotient by h^2 would not be finite any more: infinity
 // times a multiplier of zero is no number, and takes a particle's other links along.
@@ -38,7 +43,7 @@ std::vector<double> point_masses(const Mesh& mesh, double area_density) {
 
 class Cook {
  public:
-  explicit Cook(const Scene& scene) : scene_(scene), inverse_h2_(1 / (substep() * substep())) { fabric_.h = substep(); }
+  explicit Cook(const Scene& scene) : scene_(scene), softening_(relaxation_of(scene.solver) / (substep() * substep())) { fabric_.h = substep(); }
 
   Result<void> add(std::uint32_t index, const Mesh& mesh) {
     const Cloth& cloth = scene_.cloths[index];
@@ -54,8 +59,12 @@ class Cook {
                               static_cast<std::uint32_t>(fabric_.surface_rows.size()), static_cast<std::uint32_t>(mesh.point_of.size()),
                               static_cast<std::uint32_t>(fabric_.anchors.size()), static_cast<std::uint32_t>(anchors->size())});
     if (auto done = add_particles(index, mesh, order, *anchors); !done) return done;
+    const std::size_t first_link = fabric_.links.size(), first_bend = fabric_.bends.size();
     add_links(cloth, mesh);
     if (cloth.bending && cloth.fabric.bend > 0) add_bends(cloth, mesh);
+    if (on_springs(scene_.solver.method)) {
+      if (auto done = add_springs(cloth, mesh, first_link, first_bend); !done) return fail("cloths[", index, "]: ", done.error());
+    }
     if (cloth.tethers) add_tethers(cloth, mesh, *anchors);
     add_surface(mesh);
     fabric_.cloth_triangles = static_cast<std::uint32_t>(fabric_.triangles.size());
@@ -72,9 +81,13 @@ class Cook {
   }
 
   Result<CookedFabric> finish() {
+    if (scene_.solver.method == Method::mass_spring || scene_.solver.method == Method::verlet)
+      if (auto fits = fit_step(); !fits) return fits.take_error();
     lay_out_links();
+    if (scene_.solver.method == Method::gauss_seidel) cooking::colour_links(fabric_);
     if (!fabric_.bends.empty()) lay_out_bends();
     lay_out_tethers();
+    if (on_springs(scene_.solver.method)) lay_out_springs();
     for (const gpu::vec4& p : fabric_.positions)
       if (!std::isfinite(p.x + p.y + p.z + p.w)) return fail("a particle's position or inverse mass is not finite: the mesh or its mass is beyond single precision");
     for (const StretchLink& link : fabric_.links)
@@ -88,7 +101,8 @@ class Cook {
   Result<void> add_particles(std::uint32_t index, const Mesh& mesh, std::span<const std::uint32_t> order,
                              std::span<const cooking::AnchorChoice> anchors) {
     const Cloth& cloth = scene_.cloths[index];
-    const std::vector<double> masses = point_masses(mesh, cloth.fabric.area_density);
+    std::vector<double> masses = point_masses(mesh, cloth.fabric.area_density);
+    if (cloth.springs && cloth.springs->mass > 0) std::fill(masses.begin(), masses.end(), cloth.springs->mass);
     for (const std::uint32_t point : order) {
       const Vec3 x = mesh.points[point];
       if (!(masses[point] > 0)) return fail("cloths[", index, "]: point ", point, " has a mass of ", masses[point], " kg; it must be above 0");
@@ -121,6 +135,23 @@ class Cook {
       fabric_.bends.push_back(bend);
     }
     if (clamped > 0) note(cloth, clamped, " bending stencils lie on slivers; their cotangents were limited");
+  }
+
+  // The springs of the scene, or what makes the same energy as the links and bends from the given ones on.
+  Result<void> add_springs(const Cloth& cloth, const Mesh& mesh, std::size_t first_link, std::size_t first_bend) {
+    const bool only_pulls = scene_.solver.method == Method::verlet, straight = scene_.solver.method != Method::implicit;
+    if (cloth.springs) {
+      for (const auto& [a, b, rest, kind] : cooking::neighbour_springs(mesh, *cloth.springs, straight))
+        fabric_.springs.push_back({particle_of_[a], particle_of_[b], static_cast<float>(rest), static_cast<float>(kind.stiffness),
+                                   static_cast<float>(kind.damping), only_pulls});
+      return {};
+    }
+    for (const StretchLink& link : std::span(fabric_.links).subspan(first_link)) {
+      if (!(link.compliance > 0)) return fail("a link of ", link.rest, " m has no compliance, and the method needs springs that give way");
+      fabric_.springs.push_back({link.a, link.b, link.rest, 1 / link.compliance, 0, link.only_pulls || only_pulls});
+    }
+    if (!only_pulls) cooking::add_bending_springs(std::span(fabric_.bends).subspan(first_bend), fabric_.springs);
+    return {};
   }
 
   void add_tethers(const Cloth& cloth, const Mesh& mesh, std::span<const cooking::AnchorChoice> anchors) {
@@ -160,12 +191,13 @@ class Cook {
     std::vector<std::uint32_t> uses(fabric_.positions.size());
     for (const StretchLink& link : fabric_.links) ++uses[link.a], ++uses[link.b];
     const bool split = scene_.solver.averaging == Averaging::mass_split, iterated = scene_.solver.iterations > 1;
+    const bool alone = scene_.solver.method == Method::gauss_seidel || on_springs(scene_.solver.method);   // no masses are split
     for (std::size_t i = 0; i < uses.size(); ++i)
       fabric_.split_weights.push_back((split ? std::max<float>(1, static_cast<float>(uses[i])) : 1) * fabric_.positions[i].w);
     std::vector<std::vector<gpu::uvec2>> lists(fabric_.positions.size());
     for (StretchLink& link : fabric_.links) {
       const double weight = double(fabric_.split_weights[link.a]) + fabric_.split_weights[link.b];
-      const double gain = weight > 0 ? 1 / (weight + link.compliance * inverse_h2_) : 0;
+      const double gain = weight > 0 ? 1 / (weight + link.compliance * softening_) : 0;
       const float response = iterated ? link.compliance : static_cast<float>(gain);
       const gpu::uvec2 to_b = gpu::pack_link({link.b, link.rest, response, link.only_pulls});
       lists[link.a].push_back(to_b);
@@ -174,7 +206,7 @@ class Cook {
     }
     for (std::size_t i = 0; i < uses.size(); ++i) {
       const float weight = fabric_.split_weights[i], count = std::max<float>(1, static_cast<float>(uses[i]));
-      fabric_.iterate_weights.push_back(iterated ? weight : split ? fabric_.positions[i].w : weight / count);
+      fabric_.iterate_weights.push_back(alone ? fabric_.positions[i].w : iterated ? weight : split ? fabric_.positions[i].w : weight / count);
     }
     fabric_.stretch = cooking::pack_rows(lists, cooking::Padding::owner, iterated ? 0 : kMostPadding);
   }
@@ -213,7 +245,7 @@ class Cook {
       row.clear();
       for (const auto& [e, share] : shares[i]) {
         const gpu::Bend& bend = fabric_.bends[e];
-        const double scale = std::bit_cast<float>(share) / (bend.split_weight + bend.compliance * inverse_h2_);
+        const double scale = std::bit_cast<float>(share) / (bend.split_weight + bend.compliance * softening_);
         for (int j = 0; j < 4; ++j)
           if (bend.particle[j] != i) row.emplace_back(bend.particle[j], scale * bend.k[j]);
       }
@@ -229,6 +261,28 @@ class Cook {
       }
     }
     return rows;
+  }
+
+  // Divides substeps that are too long for the springs.
+  Result<void> fit_step() {
+    fabric_.largest_step = cooking::largest_step(fabric_.springs, fabric_.positions);
+    const double wanted = fabric_.h, parts = std::ceil(wanted / fabric_.largest_step - 1e-9), substeps = parts * substeps_of(scene_.solver);
+    if (!(parts > 1)) return {};
+    if (substeps > kMostParts)
+      return fail("solver.method: the springs and masses of this scene are stable up to substeps of ", fabric_.largest_step, " s; that makes ", substeps,
+                  " a frame, more than ", kMostParts, ": take softer springs, heavier particles, a coarser mesh or a higher solver.rate");
+    fabric_.h = wanted / parts;
+    softening_ = relaxation_of(scene_.solver) / (fabric_.h * fabric_.h);
+    for (std::size_t k = 0; k < scene_.cloths.size(); ++k)
+      fabric_.materials[k].keep = static_cast<float>(std::exp(-scene_.cloths[k].fabric.damping * fabric_.h));
+    fabric_.notes.push_back(fail("solver: a substep of ", 1e3 * wanted, " ms is longer than ", 1e3 * fabric_.largest_step,
+                                 " ms, up to which its springs are stable: each is taken in ", parts, " parts.").message);
+    return {};
+  }
+
+  void lay_out_springs() {
+    fabric_.spring_rows = cooking::spring_rows(fabric_.springs, fabric_.positions.size());
+    fabric_.jacobi_weight = cooking::jacobi_weight(fabric_.springs);
   }
 
   void lay_out_tethers() {
@@ -250,7 +304,9 @@ class Cook {
   }
 
   const Scene& scene_;
-  double inverse_h2_;
+  // With one iteration a substep a pass moves particles by omega / (W + s) of what a constraint asks for. Over-relaxation is meant for
+  // the masses that Jacobi splits, W, and not for the cloth's compliance: omega / (W + s) = 1 / (W / omega + alpha / h^2).
+  double softening_;   // 1/s^2: s / alpha, omega / h^2
   CookedFabric fabric_;
   std::vector<std::uint32_t> particle_of_;             // of the cloth at hand: point -> particle
   std::vector<std::vector<gpu::Tether>> tethers_;
@@ -284,7 +340,10 @@ PairRows pack_rows(std::span<const std::vector<gpu::uvec2>> lists, Padding paddi
 
 }  // namespace cooking
 
-std::uint32_t substeps_of(const SolverSettings& solver) { return solver.substeps == 0 ? kDefaultSubsteps : solver.substeps; }
+std::uint32_t substeps_of(const SolverSettings& solver) {
+  if (solver.substeps > 0) return solver.substeps;
+  return solver.method == Method::implicit ? kImplicitSubsteps : kDefaultSubsteps;
+}
 
 Result<std::vector<Mesh>> make_meshes(const Scene& scene) {
   std::vector<Mesh> meshes;
@@ -318,6 +377,8 @@ Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) {
   // A scene that a host made has passed no reader.
   if (!(scene.solver.rate > 0) || !std::isfinite(scene.solver.rate)) return fail("solver.rate: ", scene.solver.rate, " is not above 0 (Hz)");
   if (scene.solver.iterations < 1) return fail("solver.iterations: 0 is less than 1");
+  if (const std::string fault = method_fault(scene); !fault.empty()) return fail("solver.method: ", fault);
+  if (const std::string fault = relaxation_fault(scene); !fault.empty()) return fail("solver.relaxation: ", fault);
   Cook cook(scene);
   for (std::uint32_t index = 0; index < cloths; ++index)
     if (auto added = cook.add(index, meshes[index]); !added) return added.take_error();

@@ -22,7 +22,24 @@ struct StretchLink {
   float rest;        // m, as the GPU has it
   float compliance;  // m/N
   bool only_pulls;
-  float gain = 0;    // kg: 1 / (W_a + W_b + compliance / h^2) as the GPU has it, with one iteration a substep; 0 if neither end gives way
+  float gain = 0;    // kg: 1 / (W_a + W_b + omega compliance / h^2) as the GPU has it, with one Jacobi iteration a substep; 0 if neither end gives way
+};
+
+/// A spring of the methods on springs, once a pair: a link with its stiffness, a spring of Cloth::springs, or, linear with rest 0 and of
+/// either sign, an entry of the bending matrix.
+struct ParticleSpring {
+  std::uint32_t a, b;
+  float rest;        // m
+  float stiffness;   // N/m
+  float damping;     // N s/m
+  bool only_pulls;
+};
+
+/// The springs as the GPU reads them: a particle's other ends, four a fetch, and beside each its figures (shared.h, `springs`).
+struct SpringRows {
+  std::vector<gpu::uvec2> rows;     // per particle: first four, number of fours
+  std::vector<gpu::uvec4> ends;     // a place that is left over holds the particle itself
+  std::vector<gpu::vec4> springs;   // four for each of `ends`
 };
 
 /// A cloth's place in the arrays.
@@ -65,9 +82,16 @@ struct CookedFabric {
   std::vector<float> iterate_weights;        // particles: what a particle takes of the sum over its links, see stretch.comp
   std::vector<StretchLink> links;
   PairRows stretch;                          // entries: gpu::pack_link with the gain, or the compliance with several iterations
+  std::vector<gpu::uvec4> coloured_links;    // gpu::pack_coloured, colour after colour: no two of a colour share a particle; without
+                                             // those between anchors; Gauss-Seidel only
+  std::vector<std::uint32_t> colour_ends;    // how many of them the colours up to this one have
   std::vector<gpu::Bend> bends;
   PairRows bend;                             // entries: (particle, coefficient bits); one iteration a substep only
   PairRows bend_uses;                        // entries: (bend, K w bits); several iterations only
+  std::vector<ParticleSpring> springs;       // methods on springs only
+  double largest_step = 0;                   // s: a longer substep of mass_spring or verlet could blow up
+  SpringRows spring_rows;
+  double jacobi_weight = 0;                  // of the damped Jacobi that solves for them: engine/reference/implicit.h
   std::vector<gpu::Tether> tethers;          // particles x tethers_per_particle, an even number
   std::uint32_t tethers_per_particle = 0;
   std::uint64_t tether_count = 0;            // without the unused places

@@ -68,7 +68,7 @@ void add_far_links(const Mesh& mesh, const std::vector<bool>& is_diagonal, std::
   for (std::uint32_t e = 0; e < mesh.edges.size(); ++e) {
     if (is_diagonal[e]) continue;
     for (const std::uint32_t start : {mesh.edges[e].a, mesh.edges[e].b}) {
-      Spring link{start, lines.other_end(e, start), near[e].rest, near[e].compliance, true};
+      Spring link{start, lines.other_end(e, start), near[e].rest, near[e].compliance, true, Spring::Kind::far};
       std::vector<std::uint32_t> line{e};
       while (line.size() < steps) {
         const std::uint32_t next = lines.next(line.back(), link.b);

@@ -22,6 +22,7 @@ struct Spring {
   double rest;             // m
   double compliance;       // m/N
   bool only_pulls;
+  enum class Kind { edge, diagonal, far } kind = Kind::edge;   // diagonal: either one of a quad
 };
 
 struct Stiffness {
@@ -35,6 +36,31 @@ std::vector<Spring> springs(const Mesh& mesh, const Stiffness& stiffness);
 /// Links that only pull between points `steps` edges apart on a straight line of edges: see fabric_far.cpp. Up to half of the
 /// stiffness of those edges (the first of `near`, in the mesh's order) moves over to them; `is_diagonal` edges make no line.
 void add_far_links(const Mesh& mesh, const std::vector<bool>& is_diagonal, std::uint32_t steps, std::vector<Spring>& near);
+
+/// A spring of Cloth::springs, which pushes and pulls.
+struct NeighbourSpring {
+  std::uint32_t a, b;      // points
+  double rest;             // m
+  Springs::Kind kind;
+};
+
+/// Between all points that are one or two links of the mesh apart, or, `straight`, one link or two edges straight ahead: see
+/// fabric_springs.cpp.
+std::vector<NeighbourSpring> neighbour_springs(const Mesh& mesh, const weft::Springs& springs, bool straight);
+
+/// The longest step of symplectic Euler that is stable in every pose, s; infinite where nothing moves: see fabric_step.cpp.
+double largest_step(std::span<const ParticleSpring> springs, std::span<const gpu::vec4> positions);
+
+/// The bending matrix of stencils over particles, as linear springs.
+void add_bending_springs(std::span<const gpu::Bend> bends, std::vector<ParticleSpring>& springs);
+
+SpringRows spring_rows(std::span<const ParticleSpring> springs, std::size_t particles);
+
+/// Which Jacobi converges with, whatever the pose.
+double jacobi_weight(std::span<const ParticleSpring> springs);
+
+/// Parts the links into colours, so that no two of one share a particle: see fabric_colours.cpp.
+void colour_links(CookedFabric& fabric);
 
 /// Bending stencils over points; split_weight is left at 0. `clamped` counts slivers whose cotangents were limited.
 std::vector<gpu::Bend> bend_stencils(const Mesh& mesh, double rigidity, std::uint32_t& clamped);

@@ -12,6 +12,8 @@ namespace {
 
 using namespace feature;
 
+constexpr std::uint32_t kOthers = kGaussSeidel | kChebyshev | kImplicit | kSprings;   // solvers that are not Jacobi
+
 // All that C++ says about passes. What a pass touches stands in its shader alone.
 constexpr Pass kPasses[] = {
     // name            shader              stage                 one thread per               only with              not with                relaxes settles
@@ -30,13 +32,28 @@ constexpr Pass kPasses[] = {
     {"pair_edges",     "pair_edges",       Stage::detect,        Domain::near_edges,          kContacts,             kPlain,                 false,  false},
     {"contact_arm",    "contact_arm",      Stage::detect,        Domain::once,                kContacts,             kPlain,                 false,  false},
     {"contact_prepare","contact_prepare",  Stage::detect,        Domain::candidates,          kContacts,             kPlain,                 false,  false},
-    {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kBending,              kIterated,              true,   false},
-    {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kPlain,                kBending | kIterated,   true,   true},
-    {"stretch",        "stretch_iterated", Stage::iteration,     Domain::particles,           kBending | kIterated,  kPlain,                 true,   false},
-    {"stretch",        "stretch_iterated", Stage::iteration,     Domain::particles,           kIterated,             kBending,               true,   true},
-    {"bend",           "bend",             Stage::iteration,     Domain::particles,           kBending,              kIterated,              true,   true},
-    {"bend_lambda",    "bend_lambda",      Stage::iteration,     Domain::bends,               kBending | kIterated,  kPlain,                 false,  false},
-    {"bend_gather",    "bend_gather",      Stage::iteration,     Domain::particles,           kBending | kIterated,  kPlain,                 true,   true},
+    {"implicit_assemble","implicit_assemble",Stage::assemble,    Domain::particles,           kImplicit,             kPlain,                 false,  false},
+    {"implicit_multiply","implicit_multiply",Stage::linear,      Domain::particles,           kImplicit,             kRelaxed,               false,  false},
+    {"implicit_advance","implicit_advance",Stage::linear,        Domain::particles,           kImplicit,             kRelaxed,               false,  false},
+    {"implicit_relax", "implicit_relax",   Stage::linear,        Domain::particles,           kImplicit | kRelaxed,  kPlain,                 false,  false},
+    {"implicit_drift", "implicit_drift",   Stage::iteration,     Domain::cloths,              kImplicit,             kPlain,                 false,  false},
+    {"implicit_step",  "implicit_step",    Stage::iteration,     Domain::particles,           kImplicit,             kPlain,                 true,   true},
+    {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kBending,              kIterated | kOthers,    true,   false},
+    {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kPlain,                kBending | kIterated | kOthers, true, true},
+    {"stretch",        "stretch_iterated", Stage::iteration,     Domain::particles,           kBending | kIterated,  kOthers,                true,   false},
+    {"stretch",        "stretch_iterated", Stage::iteration,     Domain::particles,           kIterated,             kBending | kOthers,     true,   true},
+    {"stretch",        "stretch_coloured", Stage::iteration,     Domain::coloured,            kGaussSeidel,          kIterated,              false,  false},
+    {"stretch",        "stretch_coloured_iterated", Stage::iteration, Domain::coloured,       kGaussSeidel | kIterated, kPlain,              false,  false},
+    {"hold",           "hold",             Stage::iteration,     Domain::particles,           kGaussSeidel,          kBending,               true,   true},
+    {"spring",         "spring",           Stage::iteration,     Domain::particles,           kSprings,              kPlain,                 true,   false},
+    {"hold",           "hold",             Stage::iteration,     Domain::particles,           kSprings,              kPlain,                 true,   true},
+    {"stretch",        "stretch_accelerated", Stage::iteration,  Domain::particles,           kChebyshev,            kPlain,                 true,   false},
+    {"bend",           "bend",             Stage::iteration,     Domain::particles,           kBending,              kIterated | kImplicit,  true,   true},
+    {"bend_lambda",    "bend_lambda",      Stage::iteration,     Domain::bends,               kBending | kIterated,  kChebyshev,             false,  false},
+    {"bend_lambda",    "bend_lambda_accelerated", Stage::iteration, Domain::bends,            kBending | kChebyshev, kPlain,                 false,  false},
+    {"bend_gather",    "bend_gather",      Stage::iteration,     Domain::particles,           kBending | kIterated,  kChebyshev,             true,   true},
+    {"bend_gather",    "bend_gather",      Stage::iteration,     Domain::particles,           kBending | kChebyshev, kPlain,                 true,   false},
+    {"accelerate",     "accelerate",       Stage::iteration,     Domain::particles,           kChebyshev,            kPlain,                 true,   true},
     {"contact_solve",  "contact_solve",    Stage::contact,       Domain::candidates,          kContacts,             kPlain,                 false,  false},
     {"contact_apply",  "contact_apply",    Stage::contact,       Domain::touched_particles,   kContacts,             kColliders,             false,  false},
     {"contact_apply",  "contact_apply",    Stage::contact,       Domain::touched_particles,   kContacts | kColliders, kPlain,                false,  false, "+collide"},
@@ -72,11 +89,16 @@ std::span<const Pass> all_passes() { return kPasses; }
 std::uint32_t features_of(const Scene& scene, const CookedFabric& fabric) {
   std::uint32_t features = kPlain;
   if (moved_particles(fabric) > 0) features |= kAnchors;
-  if (!fabric.bends.empty()) features |= kBending;
+  const bool implicit = scene.solver.method == Method::implicit;
+  if (implicit) features |= kImplicit | (scene.solver.linear == Linear::jacobi ? kRelaxed : kPlain);
+  if (!fabric.bends.empty() && !on_springs(scene.solver.method)) features |= kBending;
   if (!fabric.tethers.empty()) features |= kTethers;
   if (scene.colliders.size() > fabric.collider_meshes.size()) features |= kColliders;
-  if (scene.solver.iterations > 1) features |= kIterated;
+  if (scene.solver.iterations > 1 && !implicit) features |= kIterated;
   if (!fabric.rest.empty()) features |= kContacts;
+  if (scene.solver.method == Method::gauss_seidel) features |= kGaussSeidel;
+  if (scene.solver.method == Method::chebyshev) features |= kChebyshev;
+  if (on_springs(scene.solver.method) && !implicit) features |= kSprings;
   return features;
 }
 
@@ -132,6 +154,8 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
   const std::uint64_t particles = fabric.positions.size(), vertices = fabric.surface_rows.size();
   const std::uint64_t stretch_pairs = fabric.stretch.pairs.size(), bends = fabric.bends.size();
   const std::uint64_t triangles = fabric.triangles.size(), edges = fabric.edges.size();
+  const std::uint64_t fours = fabric.spring_rows.ends.size();
+  const bool relaxed = scene.solver.linear == Linear::jacobi;
   const std::uint64_t counts[] = {particles, particles, particles, particles, particles, stretch_pairs, stretch_pairs, particles,
                                   fabric.bend.pairs.size(), bends, bends, bends, fabric.bend_uses.pairs.size(), fabric.tethers.size() / 2,
                                   moved_particles(fabric), scene.colliders.size() - fabric.collider_meshes.size(), fabric.materials.size(), vertices,
@@ -139,7 +163,12 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
                                   // Contacts: from `triangles` on. A block is at least 8 slots.
                                   triangles, edges, particles, particles, particles, particles, contacts.slots, contacts.slots + 1ull,
                                   contacts.slots / 8 + 1ull, 3 * (triangles + edges), 1, contacts.capacity, contacts.capacity, contacts.capacity,
-                                  particles, particles, 2 * particles};
+                                  particles, particles, 2 * particles,
+                                  // Springs, and the system of the method implicit.
+                                  particles, fours, 4 * fours, 4 * fours, 2 * particles, (relaxed ? 3 : 1) * particles, (relaxed ? 1 : 5) * particles,
+                                  2 * particles, 2, fabric.materials.size(),
+                                  // Gauss-Seidel; Chebyshev.
+                                  fabric.coloured_links.size(), fabric.coloured_links.size(), stretch_pairs, bends, 3 * particles, 1};
   constexpr auto grows = [](gpu::Binding binding) {
     return binding == gpu::candidates || binding == gpu::contact_normals || binding == gpu::contact_weights;
   };
@@ -157,10 +186,12 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
 
 std::uint32_t domain_size(Domain domain, const CookedFabric& fabric, const ContactSizes& contacts) {
   switch (domain) {
+    case Domain::coloured: return static_cast<std::uint32_t>(fabric.coloured_links.size());   // all colours together
     case Domain::particles:
     case Domain::detected_particles:
     case Domain::touched_particles:
-    case Domain::once: return static_cast<std::uint32_t>(fabric.positions.size());   // a single thread is told how many there are
+    case Domain::cloths:
+    case Domain::once: return static_cast<std::uint32_t>(fabric.positions.size());   // a single thread, or one group a cloth, is told how many there are
     case Domain::anchors: return moved_particles(fabric);
     case Domain::bends: return static_cast<std::uint32_t>(fabric.bends.size());
     case Domain::vertices: return static_cast<std::uint32_t>(fabric.surface_rows.size());
@@ -171,6 +202,10 @@ std::uint32_t domain_size(Domain domain, const CookedFabric& fabric, const Conta
     case Domain::candidates: return contacts.capacity;
   }
   return 0;
+}
+
+std::uint32_t rounds_of(const Pass& pass, const CookedFabric& fabric) {
+  return pass.domain == Domain::coloured ? static_cast<std::uint32_t>(fabric.colour_ends.size()) : pass.rounds;
 }
 
 std::optional<std::uint32_t> indirect_offset(Domain domain) {

@@ -26,14 +26,23 @@ inline constexpr std::uint32_t kTethers = 4;
 inline constexpr std::uint32_t kColliders = 8;
 inline constexpr std::uint32_t kIterated = 16;   // more than one iteration a substep: multipliers are kept
 inline constexpr std::uint32_t kContacts = 32;   // cloth against cloth and mesh colliders
+inline constexpr std::uint32_t kImplicit = 64;   // springs by implicit Euler instead of links and bends
+inline constexpr std::uint32_t kRelaxed = 128;   // ... solved by Jacobi instead of conjugate gradients
+// With kImplicit, solvers other than Jacobi: at most one of them.
+inline constexpr std::uint32_t kGaussSeidel = 256;
+inline constexpr std::uint32_t kChebyshev = 512;   // with kIterated
+inline constexpr std::uint32_t kSprings = 1024;   // springs by symplectic Euler or Verlet instead of links and bends
 }  // namespace feature
 
-enum class Stage { frame_begin, substep_begin, detect, iteration, contact, substep_end, frame_end };   // contact: several times an iteration
+// assemble and linear: of an implicit substep, which has one iteration with many of `linear` before it; contact: several times an iteration
+enum class Stage { frame_begin, substep_begin, detect, assemble, linear, iteration, contact, substep_end, frame_end };
 
 /// One thread per. The later ones are dispatched with group counts that the GPU itself writes into gpu::Detection, none where
 /// there is nothing to do.
 enum class Domain {
   particles, anchors, bends, vertices, once,
+  cloths,                                         // a workgroup, not a thread, per
+  coloured,                                       // links of one colour, a dispatch a colour
   detected_particles, primitives, slots,          // where a detection is due
   near_faces, near_edges,                         // where it found pairs that are near each other
   candidates, touched_particles                   // where the last detection found something
@@ -104,6 +113,9 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
 
 /// Threads of a domain.
 std::uint32_t domain_size(Domain domain, const CookedFabric& fabric, const ContactSizes& contacts);
+
+/// Dispatches that a pass takes where it is listed once.
+std::uint32_t rounds_of(const Pass& pass, const CookedFabric& fabric);
 
 /// Where in gpu::Detection a domain's group counts are, in bytes; nothing for those that the CPU counts.
 std::optional<std::uint32_t> indirect_offset(Domain domain);

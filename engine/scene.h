@@ -77,6 +77,19 @@ struct Appearance {
   Vec2 repeat{1, 1};                                  // how often the textures repeat over the mesh's UVs
 };
 
+/// Springs between neighbours on the mesh, each at rest as long as they are apart there.
+struct Springs {
+  struct Kind {
+    double stiffness = 0;       // N/m; 0: none of this kind
+    double damping = 0;         // N s/m, along the spring
+  };
+  Kind structural;              // edges of the mesh that are no diagonals of quads
+  Kind shear;                   // both diagonals of quads
+  Kind bend;                    // two of these on. Implicit: all of them, so that a particle inside a grid has 24 neighbours, 5 x 5;
+                                // mass_spring: two edges on, straight ahead, 12 neighbours; not with verlet
+  double mass = 0;              // kg, of every particle; 0: its share of the fabric's
+};
+
 struct Cloth {
   std::string name = "cloth";
   std::optional<Grid> grid;     // either a grid ...
@@ -87,6 +100,7 @@ struct Cloth {
   bool tethers = true;          // takes effect when there are anchors
   std::uint32_t tethers_per_vertex = 4;   // 1 ... 8
   double tether_slack = 0;      // fraction of the geodesic distance, 0 ... 1
+  std::optional<Springs> springs;   // methods implicit, mass_spring and verlet only, in place of the fabric's links and bends
   std::vector<Anchor> anchors;
   Appearance appearance;
 };
@@ -110,14 +124,23 @@ struct Collider {
   Vec3 colour{0.5f, 0.5f, 0.5f};
 };
 
+/// How a substep is solved; the README's section on solvers tells them apart.
+enum class Method { jacobi, gauss_seidel, chebyshev, mass_spring, verlet, implicit };
+
+/// How the method implicit solves its equations: conjugate gradients, or damped block Jacobi, both preconditioned by 3x3 blocks.
+enum class Linear { cg, jacobi };
+
 enum class Averaging { mass_split, count };  // momentum-conserving (Tonge 2012); Flamenco's, for comparison
 
 struct SolverSettings {
   double rate = 60;             // Hz: frames a second; a substep lasts 1 / (rate substeps)
   std::uint32_t substeps = 0;   // 0: the default that the README gives its reasons for
   std::uint32_t iterations = 1; // 1 ... 1000
+  Method method = Method::jacobi;
+  Linear linear = Linear::cg;   // method implicit only
   Averaging averaging = Averaging::mass_split;
-  double relaxation = 1.25;     // 0 < omega < 4/3 (stable for one iteration a substep)
+  double relaxation = 0;        // over-relaxation omega, below most_relaxation; 0: relaxation_of
+  double rho = 0;               // Chebyshev only: the spectral radius it takes Jacobi's iteration to have, below 1; 0: rho_of
   double longest_advance = 0.1; // s: a longer advance() is clamped to this, and the surplus reported
 };
 
@@ -180,6 +203,23 @@ std::optional<Fabric> fabric_preset(std::string_view name);
 
 /// Whether cloth meets cloth: asked for, or needed by a mesh collider.
 bool contacts_on(const Scene& scene);
+
+/// Methods that solve springs, the scene's or those that the fabric makes, instead of constraints.
+constexpr bool on_springs(Method method) { return method == Method::implicit || method == Method::mass_spring || method == Method::verlet; }
+
+/// Over-relaxation from here on can blow a scene up: 1 + 3^(-1/iterations), 4/3 with one iteration a substep; with Chebyshev 1 + rho.
+/// scene_method.cpp says why.
+double most_relaxation(const SolverSettings& solver);
+
+/// What the solver's relaxation and Chebyshev's spectral radius are, with defaults filled in.
+double relaxation_of(const SolverSettings& solver);
+double rho_of(const SolverSettings& solver);
+
+/// Why the scene's relaxation is refused, as what follows "solver.relaxation: "; empty if it is not.
+std::string relaxation_fault(const Scene& scene);
+
+/// Why the scene's method cannot solve it, as what follows "solver.method: "; empty if it can.
+std::string method_fault(const Scene& scene);
 
 /// Indices of the colliders that are meshes. They are part of what is simulated; the others are formulas.
 std::vector<std::uint32_t> mesh_colliders(const Scene& scene);

@@ -29,6 +29,7 @@ struct Range {
 
 constexpr Range between(double low, double high, std::string_view unit = "") { return {low, high, false, false, unit}; }
 constexpr Range above(double low, double high, std::string_view unit = "") { return {low, high, true, false, unit}; }
+constexpr Range below(double low, double high, std::string_view unit = "") { return {low, high, false, true, unit}; }
 constexpr Range inside(double low, double high, std::string_view unit = "") { return {low, high, true, true, unit}; }
 
 // Further than this from the origin a float cannot tell millimetres apart by a hundred kilometres; nobody's cloth is there.
@@ -50,6 +51,8 @@ using Names = std::span<const std::string_view>;
 inline constexpr std::array<std::string_view, 2> kTopologies = {"diagonal", "centre"};
 inline constexpr std::array<std::string_view, 4> kCorners = {"low_low", "high_low", "low_high", "high_high"};
 inline constexpr std::array<std::string_view, 5> kShapes = {"plane", "sphere", "capsule", "box", "mesh"};
+inline constexpr std::array<std::string_view, 6> kMethods = {"jacobi", "gauss_seidel", "chebyshev", "mass_spring", "verlet", "implicit"};
+inline constexpr std::array<std::string_view, 2> kLinears = {"cg", "jacobi"};
 inline constexpr std::array<std::string_view, 2> kAveragings = {"mass_split", "count"};
 inline constexpr std::array<std::string_view, 3> kMeshEndings = {".gltf", ".glb", ".obj"};
 inline constexpr std::array<std::string_view, 3> kPictureEndings = {".png", ".jpg", ".jpeg"};
@@ -131,6 +134,20 @@ void fields(V& v, Appearance& appearance) {
 }
 
 template <class V>
+void fields(V& v, Springs::Kind& kind) {
+  v.number("stiffness", kind.stiffness, between(0, 1e9, "N/m"));
+  v.number("damping", kind.damping, between(0, 1e6, "N s/m"));
+}
+
+template <class V>
+void fields(V& v, Springs& springs) {
+  v.object("structural", springs.structural);
+  v.object("shear", springs.shear);
+  v.object("bend", springs.bend);
+  v.number("mass", springs.mass, between(0, 1e3, "kg"));
+}
+
+template <class V>
 void fields(V& v, Cloth& cloth) {
   v.text("name", cloth.name);
   v.optional_object("grid", cloth.grid);
@@ -139,6 +156,7 @@ void fields(V& v, Cloth& cloth) {
   v.fabric("fabric", cloth.fabric);
   v.flag("bending", cloth.bending);
   v.tethers("tethers", cloth);
+  v.optional_object("springs", cloth.springs);
   v.list("anchors", cloth.anchors, 0, kMostAnchors);
   v.object("appearance", cloth.appearance);
 }
@@ -177,8 +195,11 @@ void fields(V& v, SolverSettings& solver) {
   v.number("rate", solver.rate, above(0, 1e4, "Hz"));
   v.whole("substeps", solver.substeps, between(0, 1000));
   v.whole("iterations", solver.iterations, between(1, 1000));
+  v.choice("method", solver.method, kMethods);
+  v.choice("linear", solver.linear, kLinears);
   v.choice("averaging", solver.averaging, kAveragings);
-  v.number("relaxation", solver.relaxation, inside(0, 4.0 / 3));
+  v.number("relaxation", solver.relaxation, below(0, 2));
+  v.number("rho", solver.rho, below(0, 1));
   v.number("longest_advance", solver.longest_advance, above(0, 10, "s"));
 }
 

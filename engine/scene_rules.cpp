@@ -74,6 +74,8 @@ void check(const Read& read, const Collider& collider) {
 }
 
 void check(const Read& read, const Scene& scene) {
+  if (const std::string fault = method_fault(scene); !fault.empty()) read.faults.add("solver.method", fault);
+  if (const std::string fault = relaxation_fault(scene); !fault.empty()) read.faults.add("solver.relaxation", fault);
   if (const auto meshes = mesh_colliders(scene); !meshes.empty() && !scene.contacts.enabled && read.json.contains("contacts"))
     read.faults.add("contacts", join("are off, and colliders[", meshes.front(), "] is a mesh, which cloth meets through contacts alone"));
 }

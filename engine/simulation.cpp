@@ -56,13 +56,15 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
     if (auto made = state->create_snapshot(); !made) return made.take_error();
   // One advance records all of its dispatches at once.
   const double most_substeps = std::max(scene.solver.longest_advance, 1 / scene.solver.rate) / state->fabric.h + 1;
-  double iterated = 0, once = 0;   // dispatches an iteration and a substep
+  double iterated = 0, linear = 0, once = 0;   // dispatches an iteration, one of a solve, and a substep
   for (const PlannedPass& planned : state->solver->plan().passes) {
     const Stage stage = planned.pass->stage;
     const bool repeated = stage == Stage::iteration || stage == Stage::contact;
-    (repeated ? iterated : once) += planned.pass->rounds * (stage == Stage::contact ? scene.contacts.iterations : 1);
+    (repeated ? iterated : stage == Stage::linear ? linear : once) +=
+        rounds_of(*planned.pass, state->fabric) * (stage == Stage::contact ? scene.contacts.iterations : 1);
   }
-  const double dispatches = 2 + most_substeps * (once + scene.solver.iterations * iterated);
+  const bool implicit = scene.solver.method == Method::implicit;
+  const double dispatches = 2 + most_substeps * (once + scene.solver.iterations * linear + (implicit ? 1 : scene.solver.iterations) * iterated);
   if (dispatches > kMostDispatches)
     return fail("solver: the longest advance of ", scene.solver.longest_advance, " s takes about ", dispatches, " dispatches, more than ", kMostDispatches,
                 "; take fewer substeps or iterations, or a shorter longest_advance");
@@ -178,12 +180,17 @@ const CookedFabric& Simulation::fabric() const { return state_->fabric; }
 const compute::Device& Simulation::device() const { return *state_->device; }
 
 std::vector<PassUse> Simulation::passes() const {
-  const std::uint32_t substeps = substeps_of(state_->scene.solver), iterations = state_->scene.solver.iterations;
+  // Springs may have had them divided.
+  const auto substeps = static_cast<std::uint32_t>(std::lround(1 / (state_->scene.solver.rate * state_->fabric.h)));
+  const std::uint32_t linear = state_->scene.solver.iterations;
+  const std::uint32_t iterations = state_->scene.solver.method == Method::implicit ? 1 : linear;
   std::vector<PassUse> uses;
   for (const PlannedPass& planned : state_->solver->plan().passes) {
-    std::uint32_t dispatches = planned.pass->rounds;
+    std::uint32_t dispatches = rounds_of(*planned.pass, state_->fabric);
     switch (planned.pass->stage) {
       case Stage::substep_begin: dispatches *= state_->anchors_are_keyed ? substeps : 0; break;
+      case Stage::linear: dispatches *= substeps * linear; break;
+      case Stage::assemble:
       case Stage::detect:
       case Stage::substep_end: dispatches *= substeps; break;
       case Stage::iteration: dispatches *= substeps * iterations; break;
@@ -204,7 +211,8 @@ std::vector<BufferUse> Simulation::buffers() const {
 
 Counts Simulation::counts() const {
   const gpu::Counters& counters = state_->counters();
-  return {counters.non_finite, counters.coincident, counters.contacts_most, counters.contacts_lost, counters.truncated, counters.detections};
+  return {counters.non_finite, counters.coincident, counters.contacts_most, counters.contacts_lost, counters.truncated, counters.detections,
+          counters.unconverged,   counters.stopped,    counters.residual,   counters.unaccelerated};
 }
 
 }  // namespace weft

@@ -43,7 +43,12 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   solver.settings_ = scene.solver;
   solver.contact_iterations_ = scene.contacts.iterations;
   solver.h_ = fabric.h;
+  solver.cloths_ = static_cast<std::uint32_t>(fabric.cloths.size());
+  solver.jacobi_weight_ = fabric.jacobi_weight;
   solver.stretch_stride_ = fabric.stretch.stride;
+  solver.rho_ = rho_of(scene.solver);
+  solver.damped_ = std::any_of(fabric.springs.begin(), fabric.springs.end(), [](const ParticleSpring& s) { return s.damping > 0; });
+  solver.colour_ends_ = fabric.colour_ends;
   solver.tether_pairs_ = fabric.tethers_per_particle / 2;
   for (const Collider& collider : scene.colliders)
     if (collider.shape != ColliderShape::mesh) ++solver.colliders_[static_cast<std::size_t>(collider.shape)];
@@ -59,6 +64,7 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   solver.edges_ = static_cast<std::uint32_t>(fabric.edges.size());
   for (const PlannedPass& planned : solver.plan_.passes) {
     solver.counts_.push_back(domain_size(planned.pass->domain, fabric, solver.contacts_));
+    solver.rounds_.push_back(rounds_of(*planned.pass, fabric));
     if ((solver.counts_.back() + solver.workgroup_ - 1) / solver.workgroup_ > device.limits().max_workgroups_x)
       return fail("pass ", planned.label, ": ", solver.counts_.back(), " threads need more workgroups than the device's ", device.limits().max_workgroups_x);
   }
@@ -118,9 +124,14 @@ Result<void> Solver::create_buffers(const Scene& scene, const CookedFabric& fabr
   const std::vector<gpu::ivec4> sums(particles);
   const std::vector<gpu::vec4> nowhere(particles);
   const std::vector<std::uint32_t> zeros(std::max<std::size_t>(particles, contacts_.slots));
+  const std::vector<gpu::vec4> iterates(has(gpu::iterates) ? 3 * fabric.positions.size() : 0);
+  const std::vector<gpu::Acceleration> acceleration(1);
   std::vector<gpu::uvec4> triangles;
   if (has(gpu::triangles))
     for (const auto& [a, b, c] : fabric.triangles) triangles.push_back({a, b, c, 0});
+  std::vector<gpu::FreeCloth> free_cloths(fabric.materials.size());
+  for (std::size_t k = 0; k < fabric.cloths.size(); ++k)
+    if (fabric.cloths[k].anchors == 0) free_cloths[k] = {fabric.cloths[k].first_particle, fabric.cloths[k].particles, {0, 0, 0}};
   const std::span<const std::byte> none = std::as_bytes(std::span(zeros));
   const std::pair<gpu::Binding, std::span<const std::byte>> contents[] = {
       {gpu::positions, bytes_of(fabric.positions)},        {gpu::velocities, bytes_of(fabric.velocities)},
@@ -136,7 +147,10 @@ Result<void> Solver::create_buffers(const Scene& scene, const CookedFabric& fabr
       {gpu::references, bytes_of(nowhere)},                {gpu::paths, bytes_of(nowhere)},
       {gpu::leashes, none.first(particles * sizeof(gpu::uint))}, {gpu::contact_counts, none.first(particles * sizeof(gpu::uint))},
       {gpu::grid_counts, none.first(contacts_.slots * sizeof(gpu::uint))}, {gpu::detection, bytes_of(detection)},
-      {gpu::contact_sums, bytes_of(sums)},                 {gpu::fractions, bytes_of(fractions)},
+      {gpu::coloured_links, bytes_of(fabric.coloured_links)}, {gpu::iterates, bytes_of(iterates)},
+      {gpu::acceleration, bytes_of(acceleration)},         {gpu::contact_sums, bytes_of(sums)},                 {gpu::fractions, bytes_of(fractions)},
+      {gpu::spring_rows, bytes_of(fabric.spring_rows.rows)}, {gpu::spring_ends, bytes_of(fabric.spring_rows.ends)},
+      {gpu::springs, bytes_of(fabric.spring_rows.springs)}, {gpu::free_cloths, bytes_of(free_cloths)},
   };
   std::vector<compute::Upload> uploads;
   for (const auto& [binding, bytes] : contents)
@@ -165,7 +179,9 @@ Result<void> Solver::create_pipelines(const compute::PipelineCache& cache) {
     if (!layout) return layout.take_error();
     made.layout = std::move(*layout);
     // A shader ignores the constants that it does not have.
-    std::vector<compute::SpecializationConstant> constants{{planned.group_size_constant, workgroup_}, {WEFT_STRIDE_CONSTANT, stretch_stride_}};
+    std::vector<compute::SpecializationConstant> constants{{planned.group_size_constant, workgroup_}, {WEFT_STRIDE_CONSTANT, stretch_stride_},
+                                                            {WEFT_LINEAR_CONSTANT, settings_.linear == Linear::jacobi ? WEFT_LINEAR_JACOBI : WEFT_LINEAR_CG},
+                                                            {WEFT_DAMPED_CONSTANT, damped_ ? 1u : 0u}};
     for (std::uint32_t shape = 0; shape < WEFT_SHAPES; ++shape) constants.push_back({WEFT_SHAPE_CONSTANT + shape, colliders_[shape]});
     auto pipeline = compute::ComputePipeline::create(*device_, &cache, planned.label, planned.spirv, constants, made.layout.get());
     if (!pipeline) return pipeline.take_error();
@@ -223,7 +239,8 @@ std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
   push.h = static_cast<float>(h_);
   push.inverse_h = static_cast<float>(1 / h_);
   push.inverse_h2 = static_cast<float>(1 / (h_ * h_));
-  push.relaxation = static_cast<float>(settings_.relaxation);
+  const bool implicit = settings_.method == Method::implicit;
+  push.relaxation = static_cast<float>(implicit ? jacobi_weight_ : relaxation_of(settings_));
   push.gravity = {input.gravity.x, input.gravity.y, input.gravity.z};
   push.triangles = triangles_;
   push.edges = edges_;
@@ -244,8 +261,15 @@ std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
     push.fraction_to = static_cast<float>(s + 1) / static_cast<float>(input.substeps);
     list_stage(Stage::substep_begin, input, push);
     list_stage(Stage::detect, input, push);
-    for (std::uint32_t k = 0; k < settings_.iterations; ++k) {
-      push.flags = flags | (k == 0 ? WEFT_FIRST_ITERATION : 0) | (k + 1 == settings_.iterations ? WEFT_LAST_ITERATION : 0);
+    turn_ = (turn_ + 1) % 3;
+    if (implicit) {
+      list_stage(Stage::assemble, input, push);
+      for (push.iteration = 0; push.iteration < settings_.iterations; ++push.iteration) list_stage(Stage::linear, input, push);
+    }
+    const std::uint32_t iterations = implicit ? 1 : settings_.iterations;
+    for (std::uint32_t k = 0; k < iterations; ++k) {
+      push.flags = flags | (k == 0 ? WEFT_FIRST_ITERATION : 0) | (k + 1 == iterations ? WEFT_LAST_ITERATION : 0) | turn_ << WEFT_TURN_SHIFT;
+      push.momentum = k == 0 ? 1 : static_cast<float>(k == 1 ? 2 / (2 - rho_ * rho_) : 4 / (4 - rho_ * rho_ * push.momentum));
       list_stage(Stage::iteration, input, push);
       for (std::uint32_t c = 0; c < contact_iterations_; ++c) list_stage(Stage::contact, input, push);
     }
@@ -267,13 +291,22 @@ void Solver::list_stage(Stage stage, const FrameInput& input, gpu::Push push) {
     const Pass& pass = *plan_.passes[k].pass;
     if (pass.stage != stage || (pass.domain == Domain::anchors && !input.anchors_move)) continue;
     push.count = counts_[k];
-    for (std::uint32_t round = 0; round < pass.rounds; ++round) {
+    for (std::uint32_t round = 0; round < rounds_[k]; ++round) {
       gpu::Push told = push;
-      told.flags |= round << WEFT_ROUND_SHIFT;
+      set_round(pass.domain, round, told);
       steps_.push_back({k, parity_, told});
     }
     if (pass.relaxes) parity_ ^= 1;
   }
+}
+
+void Solver::set_round(Domain domain, std::uint32_t round, gpu::Push& push) const {
+  if (domain != Domain::coloured) {
+    push.flags |= round << WEFT_ROUND_SHIFT;
+    return;
+  }
+  push.first = round == 0 ? 0 : colour_ends_[round - 1];
+  push.count = colour_ends_[round] - push.first;
 }
 
 void Solver::record_input(compute::Recorder& recorder, const FrameInput& input) const {
@@ -298,7 +331,7 @@ void Solver::record_step(compute::Recorder& recorder, const Step& step) const {
   recorder.bind(resources.pipeline.handle(), resources.layout.get(), sets);
   recorder.push(resources.layout.get(), std::as_bytes(std::span(&step.push, 1)));
   if (indirect) recorder.dispatch_indirect(buffer(gpu::detection).handle, *indirect);
-  else recorder.dispatch(planned.pass->domain == Domain::once ? 1 : (step.push.count + workgroup_ - 1) / workgroup_);
+  else recorder.dispatch(planned.pass->domain == Domain::once ? 1 : planned.pass->domain == Domain::cloths ? cloths_ : (step.push.count + workgroup_ - 1) / workgroup_);
 }
 
 std::uint64_t Solver::mask(std::uint64_t bindings, std::uint32_t parity) const {

@@ -79,6 +79,7 @@ class Solver {
   Result<void> create_pipelines(const compute::PipelineCache& cache);
   Result<void> write_sets();
   void list_stage(Stage stage, const FrameInput& input, gpu::Push push);
+  void set_round(Domain domain, std::uint32_t round, gpu::Push& push) const;
   std::uint64_t mask(std::uint64_t bindings, std::uint32_t parity) const;
 
   const compute::Device* device_ = nullptr;
@@ -86,14 +87,17 @@ class Solver {
   Plan plan_;
   std::vector<BufferNeed> needs_;
   std::vector<std::uint32_t> counts_;   // threads of each pass
+  std::vector<std::uint32_t> rounds_;   // dispatches of each pass where it is listed once
+  std::vector<std::uint32_t> colour_ends_;
   compute::Arena arena_, growing_arena_;
   std::vector<PassResources> resources_;   // of each pass: a device need not have room for all bindings in one
   std::vector<Step> steps_;
   ContactSizes contacts_;
   std::uint32_t triangles_ = 0, edges_ = 0;
   std::array<std::uint32_t, WEFT_SHAPES> colliders_{};   // of each shape
-  std::uint32_t tether_pairs_ = 0, stretch_stride_ = 0, contact_iterations_ = 0, workgroup_ = 0, parity_ = 0;
-  double h_ = 0;
+  std::uint32_t tether_pairs_ = 0, stretch_stride_ = 0, contact_iterations_ = 0, workgroup_ = 0, parity_ = 0, turn_ = 0, cloths_ = 0;
+  bool damped_ = false;   // some spring is
+  double h_ = 0, rho_ = 0, jacobi_weight_ = 0;
 };
 
 }  // namespace weft

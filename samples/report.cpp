@@ -71,6 +71,7 @@ Result<Figures> figures_of(const Simulation& simulation) {
   figures.bends = fabric.bends.size();
   figures.tethers = fabric.tether_count;
   figures.contacts = contacts_on(simulation.scene());
+  figures.chebyshev = simulation.scene().solver.method == Method::chebyshev;
   figures.mesh_colliders = !fabric.collider_meshes.empty();
   figures.buffers = simulation.buffers();
   figures.strain = measure_strain(fabric, *positions);
@@ -121,6 +122,7 @@ std::string report_json(const Figures& figures, const PassTimes& times) {
   if (figures.intersections) report["intersections"] = {{"max", figures.intersections->max}, {"final", figures.intersections->final}};
   if (const Counts& counts = figures.counts; figures.contacts)
     report["contacts"] = {{"max", counts.contacts_most}, {"lost", counts.contacts_lost}, {"truncated", counts.truncated}, {"detections", counts.detections}};
+  if (figures.chebyshev) report["unaccelerated"] = figures.counts.unaccelerated;
   report["clamped_seconds"] = figures.clamped_seconds;
   report["hash"] = hash;
   constexpr int kIndent = 2;

@@ -1,4 +1,5 @@
-// bend_gather: every particle sums what its bending stencils ask of it: dp_i = omega sum_e w_i K_i dlambda_e.
+// bend_gather: every particle sums what its bending stencils ask of it: dp_i = sum_e w_i K_i dlambda_e.
+// The multipliers have been over-relaxed already, so that a converged substep solves what its compliances say.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -31,7 +32,7 @@ void main() {
     const uvec4 pair = FETCH(bend_uses, k);
     sum += share(pair.xy) + share(pair.zw);
   }
-  const vec4 next = vec4(p.xyz + push.relaxation * sum, p.w);
+  const vec4 next = vec4(p.xyz + sum, p.w);
 #ifdef SETTLE
   settle(i, next);
 #else

@@ -18,13 +18,21 @@ WRITE(vec4, bend_impulses)
 
 layout(push_constant, scalar) uniform Constants { Push push; };
 
+#ifdef ACCELERATED
+READ_WRITE(vec4, bend_steps)
+READ(Acceleration, acceleration)
+#include "accelerate.glsl"
+#else
+float omega = push.relaxation;
+#endif
+
 vec3 change_of_lambda(Bend bend, vec3 lambda) {
   const vec3 origin = FETCH(predicted, bend.particle[0]).xyz;
   const vec3 l = bend.k[1] * (FETCH(predicted, bend.particle[1]).xyz - origin) +
                  bend.k[2] * (FETCH(predicted, bend.particle[2]).xyz - origin) +
                  bend.k[3] * (FETCH(predicted, bend.particle[3]).xyz - origin);
   const float alpha = bend.compliance * push.inverse_h2;
-  const vec3 change = -(l + alpha * lambda) / max(bend.split_weight + alpha, 1e-20);
+  const vec3 change = -omega * (l + alpha * lambda) / max(bend.split_weight + alpha, 1e-20);
   return dot(change, change) < 1e20 ? change : vec3(0);
 }
 
@@ -34,6 +42,12 @@ void main() {
   const bool first = (push.flags & WEFT_FIRST_ITERATION) != 0;
   const vec3 lambda = first ? vec3(0) : bend_lambda[i].xyz;
   const vec3 change = change_of_lambda(bends[i], lambda);
+#ifdef ACCELERATED
+  const vec3 step = momentum * change + (momentum - 1) * (first ? vec3(0) : bend_steps[i].xyz);
+  bend_steps[i] = vec4(step, 0);
+  bend_lambda[i] = vec4(lambda + step, 0);
+#else
   bend_lambda[i] = vec4(lambda + change, 0);
+#endif
   bend_impulses[i] = vec4(change, 0);
 }

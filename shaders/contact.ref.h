@@ -95,7 +95,7 @@ inline Points solve_contacts(std::span<const Pair> pairs, std::span<const Contac
     for (int j = 0; j < 4; ++j)
       copies.push(pairs[k].particle[j], contact_gradient(contacts[k], j) * impulse.lambda + contacts[k].weights[j] * impulse.tangential);
   }
-  return copies.meet(p, 1);
+  return copies.meet(p);
 }
 
 /// Of the distance to keep: what the limit leaves of the gap, or all of it if it is less.

@@ -5,7 +5,8 @@
 // This work is based on: Macklin, Mueller, Chentanez 2016, "XPBD", eq. 18; Tonge, Benevolenski, Voroshilov 2012, "Mass
 // splitting for jitter-free parallel rigid body simulation". A particle in n constraints is cut into n copies of mass m / n,
 // each constraint moves its own copies, and the particle goes to the mean of its copies. Count-averaging lets every
-// constraint move a copy of the full mass instead, so what one end gains the other does not lose.
+// constraint move a copy of the full mass instead, so what one end gains the other does not lose. Over-relaxation (omega) changes
+// multipliers by more than was asked for, and the particles with them, so that it does not change what iterations converge to.
 #pragma once
 
 #include <Eigen/Core>
@@ -42,11 +43,11 @@ class Copies {
   }
   /// A constraint's impulse (gradient times change of multiplier) on its copy of a particle.
   void push(std::uint32_t particle, const Vector& impulse) { moved_[particle] += weight(particle) * impulse; }
-  /// Every particle at the mean of its copies, over-relaxed.
-  Points meet(const Points& from, double omega) const {
+  /// Every particle at the mean of its copies.
+  Points meet(const Points& from) const {
     Points to = from;
     for (std::size_t i = 0; i < to.size(); ++i)
-      if (uses_[i] > 0) to[i] += omega / uses_[i] * moved_[i];
+      if (uses_[i] > 0) to[i] += 1.0 / uses_[i] * moved_[i];
     return to;
   }
 

@@ -51,7 +51,23 @@
                                                     During a detection near_faces: uvec2, particle and triangle */       \
   X(37, contact_counts, uint)     /* particles      contacts of this substep; 0 between substeps */                      \
   X(38, contact_sums,   ivec4)    /* particles      xyz sum of corrections in units of `quantum`, w unused; 0 between iterations */ \
-  X(39, fractions,      uvec4)    /* 2 x particles  bits of the fraction of its way it may go, a round each; 1.0 between substeps */
+  X(39, fractions,      uvec4)    /* 2 x particles  bits of the fraction of its way it may go, a round each; 1.0 between substeps */ \
+  X(40, spring_rows,    uvec2)    /* particles      first four of springs, number of fours */                            \
+  X(41, spring_ends,    uvec4)    /* fours          other particles of four springs; its own number where there is none */ \
+  X(42, springs,        vec4)     /* 4 x fours      rest length (m), stiffness (N/m), damping (N s/m), 1 if it only pulls */ \
+  X(43, spring_blocks,  vec4)     /* 4 x fours      a spring's 3x3 block in this substep: xyz u, w a of u u^T + a I (kg) */ \
+  X(44, inverses,       vec4)     /* 2 x particles  inverse Cholesky factor of the diagonal block: xx yy zz, mass (kg; 0: held); yx zx zy, unused */ \
+  X(45, exchanged,      vec4)     /* particles x 1 or 3  what particles tell each other in a solve: preconditioned residuals, or Jacobi's last iterates (m/s) */ \
+  X(46, krylov,         vec4)     /* particles x 5 or 1  residual (kg m/s); of conjugate gradients also change (m/s), product, search direction, its image */ \
+  X(47, partial_sums,   vec4)     /* 2 x particles  sums of workgroups (implicit.glsl) */                                \
+  X(48, linear,         Linear)   /* 2              where the solve is: written and read by turns */                     \
+  X(49, free_cloths,    FreeCloth) /* cloths        whose momentum a solve must not change */           \
+  X(50, coloured_links, uvec4)    /* links          colour after colour (pack_coloured) */                               \
+  X(51, coloured_lambda, uint)    /* links          bits of their multipliers */                                           \
+  X(52, stretch_steps,  vec2)     /* link pairs     what both multipliers last changed by (Chebyshev) */                 \
+  X(53, bend_steps,     vec4)     /* bends          what the multiplier last changed by */                               \
+  X(54, iterates,       vec4)     /* 3 x particles  the iterate before the last, the last (m), and the substep's first step (m) */ \
+  X(55, acceleration,   Acceleration) /* 1          whether Chebyshev's acceleration is steady */
 
 // Texel views (GATHER) live in a second descriptor set under the same numbers.
 #define WEFT_STORAGE_SET 0
@@ -154,6 +170,14 @@ struct Anchor {
 // Pairs of links in every row of stretch_links; 0 where stretch_rows has to tell.
 #define WEFT_STRIDE_CONSTANT 5
 
+// How the equations of an implicit substep are solved.
+#define WEFT_LINEAR_CONSTANT 6
+#define WEFT_LINEAR_CG 0u
+#define WEFT_LINEAR_JACOBI 1u
+
+// Whether any spring of the pass spring is damped.
+#define WEFT_DAMPED_CONSTANT 7
+
 struct Collider {
   float radius;       // m, spheres and capsules
   float friction;     // Coulomb
@@ -171,6 +195,14 @@ struct Material {
   float unused;       // a material is one texel
 };
 
+// What the first steps of a substep's iteration tell of its predecessors' (accelerate.glsl): bits of squares (m^2), substeps by turns.
+struct Acceleration {
+  uint largest[3];    // of all steps
+  uint turned[3];     // of those that point the other way than the substep before
+  uint streak[3];     // for how many substeps on end that has grown
+  uint rest[3];       // for how many more substeps there is no acceleration
+};
+
 struct Counters {
   uint non_finite;    // particles put back to their last finite position
   uint coincident;    // links skipped because their ends were at one place
@@ -178,6 +210,30 @@ struct Counters {
   uint contacts_lost; // candidates that found no place, all detections together
   uint truncated;     // times that a particle was stopped short: by a plane, its leash or a lost candidate
   uint detections;
+  uint unconverged;   // implicit solves that left more than WEFT_CONVERGED of the residual
+  uint stopped;       // implicit solves that broke off with the best there was
+  float residual;     // the last implicit solve's, over that of the free flight
+  uint unaccelerated; // substeps that fell back from Chebyshev to Jacobi
+};
+
+// A solve counts as converged when no more than this is left of its residual, in the norm r . D^-1 r.
+#define WEFT_CONVERGED 0.01
+
+/// A cloth, and the velocity that a solve gave to its centre of mass though no spring could.
+struct FreeCloth {
+  uint first, particles;   // no particles where something holds it
+  vec3 drift;              // m/s
+};
+
+/// Where the solve of an implicit substep is (implicit.glsl).
+struct Linear {
+  float first;        // r . D^-1 r of the free flight
+  float squared;      // ... before the last iteration
+  float gamma;        // r . z of the last iteration
+  float step;         // how far it went along its direction
+  float next;         // how much of the direction goes over into the next one; Jacobi: what its iterate is to be multiplied by
+  uint iterate;       // Jacobi: which of the three is the best so far
+  uint done;          // 1: nothing more to gain, 2: broken off
 };
 
 /// Arguments of an indirect dispatch.
@@ -212,7 +268,7 @@ struct Detection {
 };
 #define WEFT_NEAR 2u   // pairs of each kind that may be near each other, for each candidate that there is room for
 
-/// What every pass is told. 84 of the 128 bytes that every device has.
+/// What every pass is told. 96 of the 128 bytes that every device has.
 struct Push {
   uint count;         // threads with work
   uint tether_pairs;  // per particle
@@ -231,13 +287,19 @@ struct Push {
   float quantum;      // m, unit of contact_sums
   float recover;      // m: what a substep makes good of a distance that is too small
   float reach_low, reach_high;   // m, limits of Detection::reach
+  // The method implicit only.
+  uint iteration;     // of the solve; after it, how many there were
+  float momentum;     // Chebyshev's weight of this iteration (accelerate.glsl)
+  uint first;         // of `coloured_links`: where this dispatch's colour begins
 };
 
 #define WEFT_LAST_ITERATION 1u  // of the substep: velocities follow
 #define WEFT_LAST_SUBSTEP 2u    // of the frame: no further prediction
 #define WEFT_FIRST_ITERATION 4u // of the substep: multipliers start at zero
 #define WEFT_ROUND_SHIFT 8u      // bits 8 to 10: which round of a pass that runs in several
+#define WEFT_TURN_SHIFT 12u      // bits 12 and 13: substeps modulo 3
 #define WEFT_ANCHORS_MOVE 8u    // in this frame: each anchor's next place is known to the anchor pass alone
+
 
 #define WEFT_NONE 0xffffffffu
 #define WEFT_MAX_PARTICLES 0x00ffffffu
@@ -245,8 +307,8 @@ struct Push {
 // A link of the stretch pass in eight bytes: 24 bits of index, a rest length with 16 bits of mantissa (relative error up to
 // 2^-17), a response with 7 (below 0.4 %), and one bit for links that only pull.
 //
-// With one iteration a substep nothing in an XPBD multiplier changes but C, so the response is the gain 1 / (W_a + W_b + alpha/h^2)
-// (kg), worked out when cooking: the pass neither adds masses nor divides by them. Both ends have the same bits of it, so
+// With one iteration a substep nothing in an XPBD multiplier changes but C, so the response is the gain 1 / (W_a + W_b + omega alpha/h^2)
+// (kg; fabric.cpp says why omega), worked out when cooking: the pass neither adds masses nor divides by them. Both ends have the same bits of it, so
 // momentum is conserved. With several iterations the response is the compliance alpha (m/N).
 //
 //   x: [31..24] response exponent   [23..0] index
@@ -264,6 +326,24 @@ WEFT_INLINE Link unpack_link(uint x, uint y) {
   link.rest = WEFT_FLOAT((y >> 8) << 7);
   link.response = WEFT_FLOAT(((x >> 24) << 23) | ((y & 0xfeu) << 15));
   link.only_pulls = (y & 1u) != 0u;
+  return link;
+}
+
+// A link of Gauss-Seidel in 16 bytes: two particles, rest length, and the compliance, whose sign bit marks one that only pulls.
+struct ColouredLink {
+  uint a, b;
+  float rest;         // m
+  float compliance;   // m/N
+  bool only_pulls;
+};
+
+WEFT_INLINE ColouredLink unpack_coloured(uvec4 packed) {
+  ColouredLink link;
+  link.a = packed.x;
+  link.b = packed.y;
+  link.rest = WEFT_FLOAT(packed.z);
+  link.compliance = WEFT_FLOAT(packed.w & 0x7fffffffu);
+  link.only_pulls = (packed.w & 0x80000000u) != 0u;
   return link;
 }
 
@@ -299,6 +379,10 @@ WEFT_INLINE uvec4 pack_candidate(uint a, uint b, uint c, uint d, float keep, boo
 
 #ifdef __cplusplus
 
+inline uvec4 pack_coloured(const ColouredLink& link) {
+  return {link.a, link.b, WEFT_BITS(link.rest), WEFT_BITS(link.compliance) | (link.only_pulls ? 0x80000000u : 0u)};
+}
+
 inline uvec2 pack_link(const Link& link) {
   // Rounded to nearest: half of the last kept bit is added before cutting; a carry runs into the exponent, as it should.
   const uint rest = (WEFT_BITS(link.rest) + 0x40u) >> 7;
@@ -307,7 +391,8 @@ inline uvec2 pack_link(const Link& link) {
 }
 
 static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 24 && sizeof(Push) == 84 && sizeof(Detection) == 280);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 40 && sizeof(Push) == 96 && sizeof(Linear) == 28 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 280);
+static_assert(sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);
 
 enum Binding : uint {

@@ -18,6 +18,10 @@ GATHER_UINT4(stretch_links)
 #ifdef ITERATED
 READ_WRITE(vec2, stretch_lambda)
 #endif
+#ifdef ACCELERATED
+READ_WRITE(vec2, stretch_steps)
+READ(Acceleration, acceleration)
+#endif
 WRITE(vec4, relaxed)
 READ_WRITE(Counters, counters)
 
@@ -27,15 +31,23 @@ layout(push_constant, scalar) uniform Constants { Push push; };
 #include "settle.glsl"
 #endif
 
+#ifdef ACCELERATED
+#include "accelerate.glsl"
+#elif defined(ITERATED)
+float omega = push.relaxation;
+vec2 advanced(vec2 multiplier, float change, bool only_pulls) { return vec2(multiplier.x + change, 0); }
+#endif
+
 #ifndef ITERATED
 layout(constant_id = WEFT_STRIDE_CONSTANT) const uint stride = 0;
 #endif
 
 uint coincident = 0;
 
-// The impulse of one link on the particle at p, per unit of its inverse mass. Its multiplier is read and renewed.
+// The impulse of one link on the particle at p, per unit of its inverse mass. Its multiplier (x), and with Chebyshev what that last
+// changed by (y), are read and renewed.
 // Ends at one place have no direction: d = 0 makes their impulse zero, and they are counted.
-vec3 impulse(vec4 p, uvec2 packed, inout float lambda) {
+vec3 impulse(vec4 p, uvec2 packed, inout vec2 multiplier) {
   const Link link = unpack_link(packed.x, packed.y);
   const vec4 q = FETCH(predicted, link.other);
   const vec3 d = p.xyz - q.xyz;
@@ -44,9 +56,9 @@ vec3 impulse(vec4 p, uvec2 packed, inout float lambda) {
   const float len = sqrt(squared + 1e-20);   // not max(): its care for NaN costs the software driver 5 %
 #ifdef ITERATED
   const float alpha = link.response * push.inverse_h2;
-  float change = (link.rest - len - alpha * lambda) / max(p.w + q.w + alpha, 1e-20);
-  if (link.only_pulls) change = min(change, -lambda);
-  lambda += change;
+  float change = omega * (link.rest - len - alpha * multiplier.x) / max(p.w + q.w + alpha, 1e-20);
+  if (link.only_pulls) change = min(change, -multiplier.x);
+  multiplier = advanced(multiplier, change, link.only_pulls);
   return (change / len) * d;
 #else
   const float scale = (link.rest - len) * link.response / len;
@@ -60,29 +72,37 @@ void main() {
   const vec4 p = FETCH(predicted, i);
 #ifdef ITERATED
   const uvec2 row = FETCH_UINT2(stretch_rows, i);
-  const float share = p.w / max(float(row.y), 1);
+  const float share = p.w / max(float(row.y), 1);   // multipliers have been over-relaxed already
 #else
   const uvec2 row = stride > 0 ? uvec2(i * stride, 2 * stride) : FETCH_UINT2(stretch_rows, i);
-  const float share = p.w;
+  const float share = push.relaxation * p.w;
 #endif
   const uint end = row.x + ((row.y + 1) >> 1);
   vec3 sum = vec3(0);
   for (uint k = row.x; k < end; ++k) {
     const uvec4 pair = FETCH(stretch_links, k);
-    vec2 lambda = vec2(0);
+    vec2 lambda = vec2(0), step = vec2(0);
 #ifdef ITERATED
-    if ((push.flags & WEFT_FIRST_ITERATION) == 0) lambda = stretch_lambda[k];
+    const bool first = (push.flags & WEFT_FIRST_ITERATION) != 0;
+    if (!first) lambda = stretch_lambda[k];
 #endif
-    sum += impulse(p, pair.xy, lambda.x);
-    sum += impulse(p, pair.zw, lambda.y);
+#ifdef ACCELERATED
+    if (!first) step = stretch_steps[k];
+#endif
+    vec2 a = vec2(lambda.x, step.x), b = vec2(lambda.y, step.y);
+    sum += impulse(p, pair.xy, a);
+    sum += impulse(p, pair.zw, b);
 #ifdef ITERATED
-    stretch_lambda[k] = lambda;
+    stretch_lambda[k] = vec2(a.x, b.x);
+#endif
+#ifdef ACCELERATED
+    stretch_steps[k] = vec2(a.y, b.y);
 #endif
   }
   if (coincident > 0) atomicAdd(counters[0].coincident, coincident);
   // A neighbour that is lost must not take this particle along.
   if (!(dot(sum, sum) < 1e20)) sum = vec3(0);
-  const vec4 next = vec4(p.xyz + (push.relaxation * share) * sum, p.w);
+  const vec4 next = vec4(p.xyz + share * sum, p.w);
 #ifdef SETTLE
   settle(i, next);
 #else

@@ -44,14 +44,30 @@ inline Points relax_stretch(std::span<const Stretch> links, const Points& p, std
     }
     const Vector gradient = stretch_gradient(p[link.a], p[link.b]);
     const double weight = copies.weight(link.a) + copies.weight(link.b);   // gradients are of unit length
-    double next = lambda[e] + change_of_multiplier(stretch_value(link, p[link.a], p[link.b]), lambda[e], weight, link.compliance, h);
+    double next = lambda[e] + omega * change_of_multiplier(stretch_value(link, p[link.a], p[link.b]), lambda[e], weight, link.compliance, h);
     if (link.only_pulls) next = std::min(next, 0.0);
     const double change = next - lambda[e];
     lambda[e] = next;
     copies.push(link.a, change * gradient);
     copies.push(link.b, -change * gradient);
   }
-  return copies.meet(p, omega);
+  return copies.meet(p);
+}
+
+/// A sweep of Gauss-Seidel: one link after another, in their order, moves its ends. `lambda`: one a link, renewed.
+inline void sweep_stretch(std::span<const Stretch> links, Points& p, std::span<const double> inverse_masses, std::span<double> lambda, double h,
+                          double omega) {
+  for (std::size_t e = 0; e < links.size(); ++e) {
+    const Stretch& link = links[e];
+    const double weight_a = inverse_masses[link.a], weight_b = inverse_masses[link.b];
+    if ((p[link.a] - p[link.b]).norm() <= kCoincident) continue;
+    const Vector gradient = stretch_gradient(p[link.a], p[link.b]);
+    double next = lambda[e] + omega * change_of_multiplier(stretch_value(link, p[link.a], p[link.b]), lambda[e], weight_a + weight_b, link.compliance, h);
+    if (link.only_pulls) next = std::min(next, 0.0);
+    p[link.a] += weight_a * (next - lambda[e]) * gradient;
+    p[link.b] -= weight_b * (next - lambda[e]) * gradient;
+    lambda[e] = next;
+  }
 }
 
 }  // namespace weft::reference

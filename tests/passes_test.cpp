@@ -11,12 +11,28 @@
 namespace weft {
 namespace {
 
-constexpr std::uint32_t kAll = feature::kAnchors | feature::kBending | feature::kTethers | feature::kColliders | feature::kIterated |
-                               feature::kContacts;
+// What the method jacobi can have.
+constexpr std::uint32_t kLinks = feature::kAnchors | feature::kBending | feature::kTethers | feature::kColliders | feature::kIterated | feature::kContacts;
+
+// Every combination that a scene can call for (scene_method.cpp).
+std::vector<std::uint32_t> combinations() {
+  using namespace feature;
+  std::vector<std::uint32_t> found;
+  for (std::uint32_t features = 0; features <= kLinks; ++features) {
+    found.push_back(features);
+    found.push_back(features | kGaussSeidel);
+    if ((features & (kIterated | kContacts)) == kIterated) found.push_back(features | kChebyshev);
+    if ((features & (kIterated | kBending)) != 0) continue;   // links and bends: not of the method implicit
+    found.push_back(features | kSprings);
+    found.push_back(features | kImplicit);
+    found.push_back(features | kImplicit | kRelaxed);
+  }
+  return found;
+}
 
 template <class Body>
 void for_every_plan(Body body) {
-  for (std::uint32_t features = 0; features <= kAll; ++features)
+  for (const std::uint32_t features : combinations())
     for (const bool gather_storage : {false, true}) {
       SCOPED_TRACE("features " + std::to_string(features) + (gather_storage ? ", storage" : ", texels"));
       const auto plan = make_plan(features, gather_storage);
@@ -92,7 +108,7 @@ TEST(Plan, whatever_a_pass_writes_for_others_is_read) {
 }
 
 TEST(Plan, both_variants_touch_the_same_buffers_in_the_same_way) {
-  for (std::uint32_t features = 0; features <= kAll; ++features) {
+  for (const std::uint32_t features : combinations()) {
     const auto texels = make_plan(features, false), storage = make_plan(features, true);
     ASSERT_TRUE(texels && storage);
     ASSERT_EQ(texels->passes.size(), storage->passes.size());
@@ -118,15 +134,28 @@ TEST(Plan, no_pass_of_a_feature_that_is_off_is_in_it_and_every_row_of_the_table_
 
 TEST(Plan, every_buffer_of_a_feature_is_there_with_it_and_absent_without) {
   for_every_plan([](const Plan& plan, std::uint32_t features, bool) {
-    const bool bending = features & feature::kBending, iterated = features & feature::kIterated;
+    const bool implicit = features & feature::kImplicit, relaxed = features & feature::kRelaxed;
+    const bool bending = !implicit && (features & feature::kBending), iterated = !implicit && (features & feature::kIterated);
     EXPECT_EQ(has(plan, gpu::anchors), (features & feature::kAnchors) != 0);
     EXPECT_EQ(has(plan, gpu::tethers), (features & feature::kTethers) != 0);
     EXPECT_EQ(has(plan, gpu::colliders), (features & feature::kColliders) != 0);
-    EXPECT_EQ(has(plan, gpu::stretch_lambda), iterated);
+    const bool explicit_springs = features & feature::kSprings, coloured = features & feature::kGaussSeidel, accelerated = features & feature::kChebyshev;
+    EXPECT_EQ(has(plan, gpu::stretch_lambda), iterated && !coloured);
+    EXPECT_EQ(has(plan, gpu::coloured_links), coloured);
+    EXPECT_EQ(has(plan, gpu::coloured_lambda), coloured && iterated);
+    for (const gpu::Binding steps : {gpu::stretch_steps, gpu::iterates, gpu::acceleration}) EXPECT_EQ(has(plan, steps), accelerated) << steps;
+    EXPECT_EQ(has(plan, gpu::bend_steps), accelerated && bending);
     for (const gpu::Binding once : {gpu::bend_rows, gpu::bend_entries}) EXPECT_EQ(has(plan, once), bending && !iterated) << once;
     for (const gpu::Binding often : {gpu::bends, gpu::bend_lambda, gpu::bend_impulses, gpu::bend_uses, gpu::bend_use_rows})
       EXPECT_EQ(has(plan, often), bending && iterated) << often;
-    for (const gpu::Binding always : {gpu::positions, gpu::velocities, gpu::predicted, gpu::relaxed, gpu::stretch_rows, gpu::stretch_links, gpu::materials,
+    for (const gpu::Binding links : {gpu::stretch_rows, gpu::stretch_links}) EXPECT_EQ(has(plan, links), !implicit && !explicit_springs && !coloured) << links;
+    for (const gpu::Binding springs : {gpu::spring_rows, gpu::spring_ends, gpu::springs}) EXPECT_EQ(has(plan, springs), implicit || explicit_springs) << springs;
+    for (const gpu::Binding springs : {gpu::spring_blocks, gpu::inverses, gpu::exchanged, gpu::krylov,
+                                       gpu::partial_sums, gpu::linear, gpu::free_cloths})
+      EXPECT_EQ(has(plan, springs), implicit) << springs;
+    EXPECT_EQ(std::any_of(plan.passes.begin(), plan.passes.end(), [](const PlannedPass& p) { return p.label == "implicit_relax"; }), implicit && relaxed);
+    EXPECT_EQ(std::any_of(plan.passes.begin(), plan.passes.end(), [](const PlannedPass& p) { return p.label == "implicit_multiply"; }), implicit && !relaxed);
+    for (const gpu::Binding always : {gpu::positions, gpu::velocities, gpu::predicted, gpu::relaxed, gpu::materials,
                                       gpu::surface_rows, gpu::corners, gpu::vertex_positions, gpu::vertex_normals, gpu::counters})
       EXPECT_TRUE(has(plan, always)) << always;
   });
@@ -137,12 +166,20 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   using Labels = std::vector<std::string>;
   EXPECT_EQ(labels(kPlain), (Labels{"predict", "stretch+settle", "surface"}));
   EXPECT_EQ(labels(kBending | kTethers), (Labels{"predict", "stretch", "bend+tether+settle", "surface"}));
-  EXPECT_EQ(labels(kAll & ~kIterated & ~kContacts), (Labels{"predict", "anchor", "stretch", "bend+tether+collide+settle", "surface"}));
+  EXPECT_EQ(labels(kLinks & ~kIterated & ~kContacts), (Labels{"predict", "anchor", "stretch", "bend+tether+collide+settle", "surface"}));
+  EXPECT_EQ(labels(kImplicit | kTethers), (Labels{"predict", "implicit_assemble", "implicit_multiply", "implicit_advance", "implicit_drift", "implicit_step+tether+settle",
+                                                  "surface"}));
+  EXPECT_EQ(labels(kImplicit | kRelaxed), (Labels{"predict", "implicit_assemble", "implicit_relax", "implicit_drift", "implicit_step+settle", "surface"}));
   EXPECT_EQ(labels(kColliders | kIterated), (Labels{"predict", "stretch+collide+settle", "surface"}));
-  EXPECT_EQ(labels(kAll & ~kContacts), (Labels{"predict", "anchor", "stretch", "bend_lambda", "bend_gather+tether+collide+settle", "surface"}));
+  EXPECT_EQ(labels(kLinks & ~kContacts), (Labels{"predict", "anchor", "stretch", "bend_lambda", "bend_gather+tether+collide+settle", "surface"}));
+  EXPECT_EQ(labels(kSprings | kTethers), (Labels{"predict", "spring", "hold+tether+settle", "surface"}));
+  EXPECT_EQ(labels(kGaussSeidel), (Labels{"predict", "stretch", "hold+settle", "surface"}));
+  EXPECT_EQ(labels(kGaussSeidel | kBending), (Labels{"predict", "stretch", "bend+settle", "surface"}));
+  EXPECT_EQ(labels(kChebyshev | kIterated | kBending | kTethers),
+            (Labels{"predict", "stretch", "bend_lambda", "bend_gather", "accelerate+tether+settle", "surface"}));
   EXPECT_EQ(labels(kContacts), (Labels{"predict+watch", "detect_arm", "detect_path", "grid_count", "grid_total", "grid_scan", "grid_fill", "search_faces", "search_edges",
                                        "search_arm", "pair_faces", "pair_edges", "contact_arm", "contact_prepare", "stretch", "contact_solve", "contact_apply", "contact_limit", "settle", "surface"}));
-  EXPECT_EQ(labels(kAll & ~kIterated),
+  EXPECT_EQ(labels(kLinks & ~kIterated),
             (Labels{"predict+watch", "anchor+watch", "detect_arm", "detect_path", "grid_count", "grid_total", "grid_scan", "grid_fill", "search_faces", "search_edges",
                     "search_arm", "pair_faces", "pair_edges", "contact_arm", "contact_prepare", "stretch", "bend+tether+collide", "contact_solve", "contact_apply+collide", "contact_limit", "settle", "surface"}));
 }
@@ -181,6 +218,11 @@ Subject subject(std::uint32_t features) {
   if (features & feature::kColliders) made.scene.colliders.resize(3);
   made.scene.contacts.enabled = features & feature::kContacts;
   made.scene.solver.iterations = features & feature::kIterated ? 2 : 1;
+  made.scene.solver.method = features & feature::kImplicit ? Method::implicit : Method::jacobi;
+  made.scene.solver.linear = features & feature::kRelaxed ? Linear::jacobi : Linear::cg;
+  if (features & feature::kGaussSeidel) made.scene.solver.method = Method::gauss_seidel;
+  if (features & feature::kSprings) made.scene.solver.method = Method::mass_spring;
+  if (features & feature::kChebyshev) made.scene.solver.method = Method::chebyshev;
   const auto meshes = make_meshes(made.scene);
   auto fabric = cook(made.scene, *meshes);
   EXPECT_TRUE(fabric) << fabric.error();
@@ -189,7 +231,7 @@ Subject subject(std::uint32_t features) {
 }
 
 TEST(Features, a_scene_calls_for_what_it_has) {
-  for (std::uint32_t features = 0; features <= kAll; ++features) {
+  for (const std::uint32_t features : combinations()) {
     // Tethers need an anchor to hold on to.
     if ((features & feature::kTethers) && !(features & feature::kAnchors)) continue;
     const Subject s = subject(features);
@@ -200,7 +242,7 @@ TEST(Features, a_scene_calls_for_what_it_has) {
 }
 
 TEST(BufferNeeds, every_buffer_of_the_plan_has_bytes_and_no_other_is_listed) {
-  for (std::uint32_t features = 0; features <= kAll; ++features) {
+  for (const std::uint32_t features : combinations()) {
     const Subject s = subject(features);
     const auto plan = make_plan(features_of(s.scene, s.fabric), false);
     ASSERT_TRUE(plan) << plan.error();
@@ -215,8 +257,8 @@ TEST(BufferNeeds, every_buffer_of_the_plan_has_bytes_and_no_other_is_listed) {
 }
 
 TEST(BufferNeeds, sizes_are_those_of_the_cooked_arrays) {
-  const Subject s = subject(kAll);
-  const auto plan = make_plan(kAll, false);
+  const Subject s = subject(kLinks);
+  const auto plan = make_plan(kLinks, false);
   ASSERT_TRUE(plan) << plan.error();
   const auto bytes = [&](gpu::Binding binding) {
     for (const BufferNeed& need : buffer_needs(*plan, s.scene, s.fabric, contact_sizes(s.scene, s.fabric)))
@@ -238,7 +280,7 @@ TEST(BufferNeeds, sizes_are_those_of_the_cooked_arrays) {
 }
 
 TEST(DomainSize, threads_are_counted_by_domain) {
-  const Subject s = subject(kAll);
+  const Subject s = subject(kLinks);
   const ContactSizes sizes = contact_sizes(s.scene, s.fabric);
   EXPECT_EQ(domain_size(Domain::particles, s.fabric, sizes), 30u);
   EXPECT_EQ(domain_size(Domain::anchors, s.fabric, sizes), 6u);

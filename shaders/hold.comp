@@ -1,0 +1,26 @@
+// hold: ends an iteration that nothing else ends: one whose last relaxing pass cannot settle its particles, because other threads
+// still read what settling changes (settle.glsl). It always settles something.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+GATHER(predicted)
+WRITE(vec4, relaxed)
+READ_WRITE(Counters, counters)
+
+layout(push_constant, scalar) uniform Constants { Push push; };
+
+#ifdef SETTLE
+#include "settle.glsl"
+#endif
+
+void main() {
+  const uint i = gl_GlobalInvocationID.x;
+  if (i >= push.count) return;
+  const vec4 p = FETCH(predicted, i);
+#ifdef SETTLE
+  settle(i, p);
+#else
+  relaxed[i] = p;
+#endif
+}

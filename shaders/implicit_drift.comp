@@ -1,0 +1,29 @@
+// implicit_drift: the velocity that a solve, stopped before its end, gave to the centre of mass of a cloth that nothing holds.
+// Springs cannot move it, so implicit_step takes it off again. A workgroup a cloth.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+GATHER(inverses)
+READ(vec4, partial_sums)
+READ(Linear, linear)
+READ_WRITE(FreeCloth, free_cloths)
+
+layout(push_constant, scalar) uniform Constants { Push push; };
+
+#define SUMS
+#include "implicit.glsl"
+#include "implicit_jacobi.glsl"
+#include "implicit_change.glsl"
+
+void main() {
+  const Linear state = solved();
+  const FreeCloth cloth = free_cloths[gl_WorkGroupID.x];
+  vec4 sum = vec4(0);
+  for (uint k = gl_LocalInvocationID.x; k < cloth.particles; k += gl_WorkGroupSize.x) {
+    const float mass = FETCH(inverses, 2 * (cloth.first + k)).w;
+    sum += mass * vec4(change_of(cloth.first + k, state, push.count), 1);
+  }
+  sum = sum_of_group(sum);
+  if (gl_LocalInvocationID.x == 0) free_cloths[gl_WorkGroupID.x].drift = sum.w > 0 ? sum.xyz / sum.w : vec3(0);
+}
