@@ -54,6 +54,16 @@ struct AccuracyOptions {
 };
 Exit accuracy(const AccuracyOptions& options);
 
+struct ContactOptions {
+  std::filesystem::path file;
+  std::filesystem::path out = "out/contacts";
+  std::uint32_t frames = 120;
+  bool quick = false;           // two small sizes only
+  std::string device;
+  std::vector<Assignment> assignments;
+};
+Exit contacts(const ContactOptions& options);
+
 Exit info();
 Exit check(const std::filesystem::path& file);
 

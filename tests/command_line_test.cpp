@@ -252,6 +252,19 @@ TEST_F(CommandLine, time_leaves_a_trace_that_names_every_pass) {
   }
 }
 
+TEST_F(CommandLine, contacts_tells_what_a_search_costs_at_several_sizes_and_cells) {
+  const std::string hung = WEFT_SOURCE_DIR "/assets/scenes/hung.json";
+  const Outcome outcome = weft({"contacts", hung, "--quick", "--frames", "4", "--out", out()});
+  EXPECT_EQ(outcome.exit, 0) << outcome.error;
+  for (const char* word : {"search_edges", "a search grows with n^", "the automatic choice takes "}) EXPECT_NE(outcome.out.find(word), std::string::npos) << outcome.out;
+  EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 2 + 2 + 2 + 7 + 2) << outcome.out;
+  for (const char* name : {"contacts.csv", "cells.csv", "cells.svg", "cells.png"}) EXPECT_FALSE(read(folder / "out" / name).empty()) << name;
+
+  const Outcome refused = weft({"contacts", write("sheet.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "--out", out()});
+  EXPECT_EQ(refused.exit, 2);
+  EXPECT_NE(refused.error.find("sizes are compared on grids only"), std::string::npos) << refused.error;
+}
+
 TEST_F(CommandLine, info_lists_a_device) {
   const Outcome outcome = weft({"info"});
   EXPECT_EQ(outcome.exit, 0);
