@@ -25,8 +25,11 @@ constexpr Pass kPasses[] = {
     {"grid_total",     "grid_total",       Stage::detect,        Domain::slots,               kContacts,             kPlain,                 false,  false},
     {"grid_scan",      "grid_scan",        Stage::detect,        Domain::slots,               kContacts,             kPlain,                 false,  false},
     {"grid_fill",      "grid_fill",        Stage::detect,        Domain::primitives,          kContacts,             kPlain,                 false,  false},
-    {"pair_faces",     "pair_faces",       Stage::detect,        Domain::detected_particles,  kContacts,             kPlain,                 false,  false},
-    {"pair_edges",     "pair_edges",       Stage::detect,        Domain::primitives,          kContacts,             kPlain,                 false,  false},
+    {"search_faces",   "search_faces",     Stage::detect,        Domain::detected_particles,  kContacts,             kPlain,                 false,  false},
+    {"search_edges",   "search_edges",     Stage::detect,        Domain::primitives,          kContacts,             kPlain,                 false,  false},
+    {"search_arm",     "search_arm",       Stage::detect,        Domain::once,                kContacts,             kPlain,                 false,  false},
+    {"pair_faces",     "pair_faces",       Stage::detect,        Domain::near_faces,          kContacts,             kPlain,                 false,  false},
+    {"pair_edges",     "pair_edges",       Stage::detect,        Domain::near_edges,          kContacts,             kPlain,                 false,  false},
     {"contact_arm",    "contact_arm",      Stage::detect,        Domain::once,                kContacts,             kPlain,                 false,  false},
     {"contact_prepare","contact_prepare",  Stage::detect,        Domain::candidates,          kContacts,             kPlain,                 false,  false},
     {"implicit_assemble","implicit_assemble",Stage::assemble,    Domain::particles,           kImplicit,             kPlain,                 false,  false},
@@ -54,7 +57,7 @@ constexpr Pass kPasses[] = {
     {"contact_solve",  "contact_solve",    Stage::contact,       Domain::candidates,          kContacts,             kPlain,                 false,  false},
     {"contact_apply",  "contact_apply",    Stage::contact,       Domain::touched_particles,   kContacts,             kColliders,             false,  false},
     {"contact_apply",  "contact_apply",    Stage::contact,       Domain::touched_particles,   kContacts | kColliders, kPlain,                false,  false, "+collide"},
-    {"contact_limit",  "contact_limit",    Stage::substep_end,   Domain::candidates,          kContacts,             kPlain,                 false,  false, "", 4},
+    {"contact_limit",  "contact_limit",    Stage::substep_end,   Domain::candidates,          kContacts,             kPlain,                 false,  false, "", WEFT_ROUNDS},
     {"settle",         "settle",           Stage::substep_end,   Domain::particles,           kContacts,             kPlain,                 false,  false},
     {"surface",        "surface",          Stage::frame_end,     Domain::vertices,            kPlain,                kPlain,                 false,  false},
 };
@@ -152,6 +155,7 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
   const std::uint64_t stretch_pairs = fabric.stretch.pairs.size(), bends = fabric.bends.size();
   const std::uint64_t triangles = fabric.triangles.size(), edges = fabric.edges.size();
   const std::uint64_t fours = fabric.spring_rows.ends.size();
+  const std::uint64_t links = std::max<std::uint64_t>(1, fabric.coloured_links.size());   // none where all are held
   const bool relaxed = scene.solver.linear == Linear::jacobi;
   const std::uint64_t counts[] = {particles, particles, particles, particles, particles, stretch_pairs, stretch_pairs, particles,
                                   fabric.bend.pairs.size(), bends, bends, bends, fabric.bend_uses.pairs.size(), fabric.tethers.size() / 2,
@@ -160,12 +164,12 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
                                   // Contacts: from `triangles` on. A block is at least 8 slots.
                                   triangles, edges, particles, particles, particles, particles, contacts.slots, contacts.slots + 1ull,
                                   contacts.slots / 8 + 1ull, 3 * (triangles + edges), 1, contacts.capacity, contacts.capacity, contacts.capacity,
-                                  particles, particles, particles,
+                                  particles, particles, 2 * particles,
                                   // Springs, and the system of the method implicit.
                                   particles, fours, 4 * fours, 4 * fours, 2 * particles, (relaxed ? 3 : 1) * particles, (relaxed ? 1 : 5) * particles,
                                   2 * particles, 2, fabric.materials.size(),
                                   // Gauss-Seidel; Chebyshev.
-                                  fabric.coloured_links.size(), fabric.coloured_links.size(), stretch_pairs, bends, 3 * particles, 1};
+                                  links, links, stretch_pairs, bends, 3 * particles, 1};
   constexpr auto grows = [](gpu::Binding binding) {
     return binding == gpu::candidates || binding == gpu::contact_normals || binding == gpu::contact_weights;
   };
@@ -194,6 +198,8 @@ std::uint32_t domain_size(Domain domain, const CookedFabric& fabric, const Conta
     case Domain::vertices: return static_cast<std::uint32_t>(fabric.surface_rows.size());
     case Domain::primitives: return static_cast<std::uint32_t>(fabric.triangles.size() + fabric.edges.size());
     case Domain::slots: return contacts.slots;
+    case Domain::near_faces:
+    case Domain::near_edges: return WEFT_NEAR * contacts.capacity;
     case Domain::candidates: return contacts.capacity;
   }
   return 0;
@@ -208,6 +214,8 @@ std::optional<std::uint32_t> indirect_offset(Domain domain) {
     case Domain::detected_particles: return offsetof(gpu::Detection, particles);
     case Domain::primitives: return offsetof(gpu::Detection, primitives);
     case Domain::slots: return offsetof(gpu::Detection, blocks);
+    case Domain::near_faces: return offsetof(gpu::Detection, near_faces);
+    case Domain::near_edges: return offsetof(gpu::Detection, near_edges);
     case Domain::candidates: return offsetof(gpu::Detection, contacts);
     case Domain::touched_particles: return offsetof(gpu::Detection, touched);
     default: return std::nullopt;

@@ -43,7 +43,8 @@ enum class Domain {
   particles, anchors, bends, vertices, once,
   cloths,                                         // a workgroup, not a thread, per
   coloured,                                       // links of one colour, a dispatch a colour
-  detected_particles, primitives, slots,   // where a detection is due
+  detected_particles, primitives, slots,          // where a detection is due
+  near_faces, near_edges,                         // where it found pairs that are near each other
   candidates, touched_particles                   // where the last detection found something
 };
 

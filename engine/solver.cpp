@@ -120,7 +120,7 @@ Result<void> Solver::create_buffers(const Scene& scene, const CookedFabric& fabr
   detection[0].due = 1;
   const std::size_t particles = has(gpu::candidates) ? fabric.positions.size() : 0;
   const std::uint32_t whole = std::bit_cast<std::uint32_t>(1.0f);
-  const std::vector<gpu::uvec4> fractions(particles, {whole, whole, whole, whole});
+  const std::vector<gpu::uvec4> fractions(2 * particles, {whole, whole, whole, whole});
   const std::vector<gpu::ivec4> sums(particles);
   const std::vector<gpu::vec4> nowhere(particles);
   const std::vector<std::uint32_t> zeros(std::max<std::size_t>(particles, contacts_.slots));
@@ -208,13 +208,16 @@ Result<void> Solver::write_sets() {
 }
 
 Result<void> Solver::grow(std::uint32_t candidates) {
-  if ((candidates + workgroup_ - 1) / workgroup_ > device_->limits().max_workgroups_x)
+  if ((std::uint64_t(WEFT_NEAR) * candidates + workgroup_ - 1) / workgroup_ > device_->limits().max_workgroups_x)
     return fail(candidates, " contact candidates need more workgroups than the device's ", device_->limits().max_workgroups_x);
   const auto set_room = [&](std::uint32_t capacity) {
     for (BufferNeed& need : needs_)
       if (need.grows) need.bytes = need.bytes / contacts_.capacity * capacity;
-    for (std::size_t k = 0; k < counts_.size(); ++k)
-      if (plan_.passes[k].pass->domain == Domain::candidates) counts_[k] = capacity;
+    for (std::size_t k = 0; k < counts_.size(); ++k) {
+      const Domain domain = plan_.passes[k].pass->domain;
+      if (domain == Domain::candidates) counts_[k] = capacity;
+      if (domain == Domain::near_faces || domain == Domain::near_edges) counts_[k] = WEFT_NEAR * capacity;
+    }
     contacts_.capacity = capacity;
   };
   const std::uint32_t before = contacts_.capacity;

@@ -185,15 +185,17 @@ class Layers {
 
 struct Limit {
   std::vector<double> fractions;   // of each particle's way
-  bool unsafe = false;             // three rounds were not enough: everybody keeps to its half
+  bool unsafe = false;             // the rounds were not enough: everybody keeps to its half
 };
+
+constexpr int kLastRound = 7;
 
 inline Limit limit_motion(std::span<const Pair> pairs, std::span<const Contact> contacts, const Points& x, const Points& p,
                           std::span<const double> inverse_masses) {
   Limit limit{std::vector<double>(x.size(), 1.0), false};
   std::vector<double> apart = limit.fractions;
   bool lowered = true;
-  for (int round = 0; round < 4 && lowered; ++round) {
+  for (int round = 0; round <= kLastRound && lowered; ++round) {
     std::vector<double> next = limit.fractions;
     lowered = false;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
@@ -205,12 +207,12 @@ inline Limit limit_motion(std::span<const Pair> pairs, std::span<const Contact> 
       } else {
         const Layers layers(pairs[k], contacts[k].normal, x, p, inverse_masses);
         crosses = layers.crosses(before);
-        after = round == 3 ? layers.keep_apart() : crosses ? layers.yield(before) : before;
+        after = round == kLastRound ? layers.keep_apart() : crosses ? layers.yield(before) : before;
       }
       for (std::size_t j = 0; j < 4; ++j) {
-        double& fraction = (round == 3 ? apart : next)[pairs[k].particle[j]];
+        double& fraction = (round == kLastRound ? apart : next)[pairs[k].particle[j]];
         const bool less = after[j] < before[j];
-        if (round == 3) limit.unsafe = limit.unsafe || (crosses && less);
+        if (round == kLastRound) limit.unsafe = limit.unsafe || (crosses && less);
         else lowered = lowered || less;
         fraction = std::min(fraction, after[j]);
       }

@@ -16,7 +16,7 @@ void main() {
   const uint found = detection[0].candidates, kept = min(found, push.capacity);
   detection[0].contacts = groups_of(kept);
   detection[0].touched = groups_of(kept > 0 ? push.count : 0);
-  for (uint round = 0; round < 3; ++round) detection[0].lowered[round] = 0;
+  for (uint round = 0; round < WEFT_ROUNDS - 1; ++round) detection[0].lowered[round] = 0;
   detection[0].unsafe = 0;
   if (detection[0].age > 0) return;
   counters[0].contacts_most = max(counters[0].contacts_most, found);

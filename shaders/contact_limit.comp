@@ -10,7 +10,7 @@
 //
 // What goes along with its neighbours is not held back: only pairs that would end closer than a margin are, and of those
 // only a side that comes nearer. That may bring the next pair into trouble, hence rounds: each takes the fractions of the
-// rounds before it for granted and lowers its own, so that the order of threads does not matter. The fourth looks whether three
+// rounds before it for granted and lowers its own, so that the order of threads does not matter. The last looks whether those
 // were enough, and gives every particle the fraction that keeps it on its side of a plane that its pair does not move at
 // all; settle uses that one if some pair was not safe.
 //
@@ -31,7 +31,7 @@ layout(push_constant, scalar) uniform Constants { Push push; };
 
 #include "contact.glsl"
 
-const uint kLastRound = 3;
+const uint kLastRound = WEFT_ROUNDS - 1;
 // In the place of a height (contact_prepare.comp): whoever stops where, this pair does not cross in this substep.
 const float kSafe = 1e30;
 
@@ -48,7 +48,7 @@ float largest(vec3 v) { return max(abs(v.x), max(abs(v.y), abs(v.z))); }
 // Of what particle i may go by the rounds before this one.
 float fraction_before(uint i, uint round) {
   uint least = 0x3f800000u;   // 1.0; positive floats are ordered like their bits
-  for (uint r = 0; r < round; ++r) least = min(least, fractions[i][r]);
+  for (uint r = 0; r < round; ++r) least = min(least, fractions[2 * i + r / 4][r % 4]);
   return uintBitsToFloat(least);
 }
 
@@ -127,7 +127,7 @@ vec4 fractions_to(Sides sides, vec2 least) {
 
 void lower(Candidate pair, uint round, vec4 t, vec4 before) {
   for (int j = 0; j < 4; ++j)
-    if (t[j] < before[j]) atomicMin(fractions[pair.particle[j]][round], floatBitsToUint(t[j]));
+    if (t[j] < before[j]) atomicMin(fractions[2 * pair.particle[j] + round / 4][round % 4], floatBitsToUint(t[j]));
   if (round < kLastRound && any(lessThan(t, before))) atomicOr(detection[0].lowered[round], 1);
 }
 

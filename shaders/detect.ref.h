@@ -39,21 +39,6 @@ inline Eigen::AlignedBox3d box_of(const Tracks& t, std::span<const std::uint32_t
   return {box.min() - margin, box.max() + margin};
 }
 
-/// How far apart two edges stay on their ways, at least, along the line between the middles of their boxes (m). On its way an edge does not
-/// get further from where it was, shifted to the middle of its box, than its particles do.
-inline double apart_between_middles(const Tracks& t, std::span<const std::uint32_t> edge_a, std::span<const std::uint32_t> edge_b) {
-  const Vector between = box_of(t, edge_b).center() - box_of(t, edge_a).center();
-  const Vector n = between.norm() > 0 ? Vector(between.normalized()) : Vector::UnitX();
-  double apart = between.norm();
-  for (const auto& edge : {edge_a, edge_b}) {
-    const Vector &start = t.references[edge[0]], &end = t.references[edge[1]], half = (end - start) / 2;
-    const Vector shift = box_of(t, edge).center() - (start + end) / 2;
-    const double strays = std::max({shift.norm(), (t.paths[edge[0]] - shift).norm(), (t.paths[edge[1]] - shift).norm()});
-    apart -= std::abs(n.dot(half)) + strays + t.reach + t.thickness[edge[0]] / 2;
-  }
-  return apart;
-}
-
 /// Whether a pair is one at all: it has no particle twice, and something moves. The first `a` particles are side A.
 inline bool can_be_pair(const Tracks& t, const Particles& p, int a) {
   for (int i = 0; i < a; ++i)
@@ -74,7 +59,6 @@ inline double spare_distance(const Tracks& t, const Particles& p, int a) {
   const std::span<const std::uint32_t> all(p), side_a = all.first(static_cast<std::size_t>(a)), side_b = all.subspan(static_cast<std::size_t>(a));
   const auto box_a = box_of(t, side_a), box_b = box_of(t, side_b);
   double apart = std::max((box_b.min() - box_a.max()).maxCoeff(), (box_a.min() - box_b.max()).maxCoeff());
-  if (a == 2) apart = std::max(apart, apart_between_middles(t, side_a, side_b));
   if (apart > 0) return apart;
   double relative = 0, step = 0;
   for (const std::uint32_t i : side_a)

@@ -35,6 +35,7 @@ void begin_detection(bool calm) {
   detection[0].calm = uint(calm);
   detection[0].age = 0;
   detection[0].candidates = 0;
+  for (uint kind = 0; kind < 2; ++kind) detection[0].near[kind] = detection[0].levels[kind] = 0;
   for (uint k = 0; k < 2 * WEFT_LEVELS; ++k) detection[0].extents[k] = 0;
   detection[0].particles = groups_of(push.count);
   detection[0].primitives = groups_of(push.triangles + push.edges);

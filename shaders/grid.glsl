@@ -85,15 +85,16 @@ uint level_of(float half_side) {
 // Clamped far outside of any scene, where a cell's number would no longer be an integer of 32 bits.
 ivec3 cell_at(vec3 x, uint level) {
   precise const float inverse = (1.0 / push.cell) * uintBitsToFloat((127 - level) << 23);   // 2^-level
-  precise const vec3 scaled = x * inverse;
+  precise const vec3 scaled = x * (inverse * vec3(4, 1, 1));
   return ivec3(clamp(floor(scaled), -1e9, 1e9));
 }
 
-// Neighbouring cells must not meet in one slot more often than chance has it, whatever the number of slots.
+// Cells that follow each other along x have slots that do too (the last is followed by the first), so that a row of cells is one
+// run of entries. Rows next to each other must not overlap more often than chance has it, whatever the number of slots.
 uint slot_of(ivec3 cell, uint level, uint kind) {
-  uint hash = uint(cell.x) * 73856093u + uint(cell.y) * 19349663u + uint(cell.z) * 83492791u + (2 * level + kind) * 2654435761u;
+  uint hash = uint(cell.y) * 19349663u + uint(cell.z) * 83492791u + (2 * level + kind) * 2654435761u;
   hash = (hash ^ (hash >> 15)) * 739982445u;
-  return (hash ^ (hash >> 13)) & (push.slots - 1);
+  return ((hash ^ (hash >> 13)) + uint(cell.x)) & (push.slots - 1);
 }
 
 // An entry's number: the primitive, and its level in the top four bits. Bit 27 is never set, so these are never a NaN's bits.

@@ -18,6 +18,8 @@ void main() {
   atomicAdd(grid_counts[place.slot], 1u);
   // Bits of floats that are not negative order like integers. Most boxes are no longer than what is already known.
   const uint bits = floatBitsToUint(place.half_side);
-  if (detection[0].extents[place.kind * WEFT_LEVELS + place.level] < bits)
+  if (detection[0].extents[place.kind * WEFT_LEVELS + place.level] < bits) {
     atomicMax(detection[0].extents[place.kind * WEFT_LEVELS + place.level], bits);
+    atomicOr(detection[0].levels[place.kind], 1u << place.level);
+  }
 }

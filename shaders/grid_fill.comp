@@ -21,6 +21,9 @@ void main() {
   const uint left = atomicAdd(grid_counts[place.slot], 0xffffffffu);
   const uint entry = 3 * (FETCH_UINT(grid_starts, place.slot) + left - 1);
   grid_entries[entry] = vec4(place.middle, uintBitsToFloat(i | place.level << level_shift));
-  grid_entries[entry + 1] = vec4(place.half_sides, 0);
-  if (i >= push.triangles) grid_entries[entry + 2] = rod_of(i - push.triangles, place.middle);
+  Outline outline;
+  if (i < push.triangles) outline = outline_of_triangle(i);
+  else outline = outline_of_edge(i - push.triangles);
+  grid_entries[entry + 1] = vec4(outline.half_sides, outline.away);
+  grid_entries[entry + 2] = vec4(outline.path, outline.step);
 }

@@ -20,16 +20,35 @@ Sweep sweep_of_primitive(uint primitive) {
   return sweep_of(track_of(face.x), track_of(face.y), track_of(face.z), FETCH(rest, face.x).w);
 }
 
-// An edge on its way: half of it at the detection, about the middle of its box, and how far its particles can get from those two
-// places, the distance that it keeps included (m).
-vec4 rod_of(uint edge, vec3 middle) {
+// A primitive where it was at the detection, and the path that all of it is on. What is not so is in `away`: how far a particle
+// may be from there, and half the distance that the primitive keeps.
+struct Outline {
+  vec3 half_sides;   // m: half of an edge; half of a triangle's box
+  float away;        // m
+  vec3 path;         // m
+  float step;        // m: what its fastest particle goes in a substep
+};
+
+Outline outline_of(vec3 half_size, vec3 middle, vec3 path, float strays, float thickness, Sweep sweep) {
+  // Who looks for it takes it to be half its path behind the middle of its box.
+  return Outline(half_size, distance(middle_of(sweep), middle + 0.5 * path) + strays + sweep.clearance + 0.5 * thickness, path, sweep.step);
+}
+
+Outline outline_of_edge(uint edge) {
   const uvec2 e = FETCH_UINT2(edges, edge);
   const Track a = track_of(e.x), b = track_of(e.y);
   const float thickness = FETCH(rest, e.x).w;
-  const vec3 half_edge = 0.5 * (b.at - a.at);
-  const vec3 low = middle - half_edge, high = middle + half_edge;
-  const float away = max(max(distance(a.at, low), distance(end_of(a), low)), max(distance(b.at, high), distance(end_of(b), high)));
-  return vec4(half_edge, away + sweep_of(a, b, thickness).clearance + 0.5 * thickness);
+  return outline_of(0.5 * (b.at - a.at), 0.5 * (a.at + b.at), 0.5 * (a.path + b.path), 0.5 * distance(a.path, b.path), thickness, sweep_of(a, b, thickness));
+}
+
+Outline outline_of_triangle(uint triangle) {
+  const uvec4 t = FETCH(triangles, triangle);
+  const Track a = track_of(t.x), b = track_of(t.y), c = track_of(t.z);
+  const vec3 low = min(min(a.at, b.at), c.at), high = max(max(a.at, b.at), c.at);
+  const vec3 path = (a.path + b.path + c.path) / 3;
+  const float thickness = FETCH(rest, t.x).w;
+  return outline_of(0.5 * (high - low), 0.5 * (low + high), path, max(max(distance(a.path, path), distance(b.path, path)), distance(c.path, path)), thickness,
+                    sweep_of(a, b, c, thickness));
 }
 
 Place place_of(uint primitive) {

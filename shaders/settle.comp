@@ -22,10 +22,10 @@ const uint kWhole = 0x3f800000u;   // 1.0
 
 // Of its way that particle i may go. Its entries are made ready for the next substep.
 float fraction_of(uint i) {
-  const uvec4 rounds = fractions[i];
-  uint least = min(rounds.x, min(rounds.y, rounds.z));
-  if (detection[0].unsafe != 0) least = min(least, rounds.w);
-  if (rounds != uvec4(kWhole)) fractions[i] = uvec4(kWhole);
+  const uvec4 first = fractions[2 * i], then = fractions[2 * i + 1], rounds = min(first, then);
+  uint least = min(min(rounds.x, rounds.y), min(rounds.z, first.w));
+  if (detection[0].unsafe != 0) least = min(least, then.w);
+  if (rounds != uvec4(kWhole)) fractions[2 * i] = fractions[2 * i + 1] = uvec4(kWhole);
   if (contact_counts[i] != 0) contact_counts[i] = 0;
   return uintBitsToFloat(least);
 }

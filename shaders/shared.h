@@ -42,14 +42,16 @@
   X(30, grid_starts,    uint)     /* slots + 1      first entry */                                                       \
   X(31, grid_totals,    uint)     /* blocks         entries of a workgroup's slots */                                    \
   X(32, grid_entries,   vec4)     /* 3 x primitives xyz middle of its box (m), w bits: level << 28, and triangle or triangles + edge; \
-                                                    xyz half its sides (m); of an edge, xyz half of it, w how far it leaves that (m) */ \
+                                                    xyz half sides, w away; xyz path, w step: its Outline (primitive.glsl) */ \
   X(33, detection,      Detection) /* 1             what detection and contacts tell each other */                       \
   X(34, candidates,     uvec4)    /* capacity       pairs that may meet before the next detection (pack_candidate) */    \
-  X(35, contact_normals, vec4)    /* capacity       xyz from side B to side A, w distance to keep (m); w < 0: none (contact_prepare) */ \
-  X(36, contact_weights, vec4)    /* capacity       barycentric, side A's above 0 and side B's below */                  \
+  X(35, contact_normals, vec4)    /* capacity       xyz from side B to side A, w distance to keep (m); w < 0: none (contact_prepare). \
+                                                    During a detection near_edges: uvec2, two edges near each other */   \
+  X(36, contact_weights, vec4)    /* capacity       barycentric, side A's above 0 and side B's below. \
+                                                    During a detection near_faces: uvec2, particle and triangle */       \
   X(37, contact_counts, uint)     /* particles      contacts of this substep; 0 between substeps */                      \
   X(38, contact_sums,   ivec4)    /* particles      xyz sum of corrections in units of `quantum`, w unused; 0 between iterations */ \
-  X(39, fractions,      uvec4)    /* particles      bits of the fraction of its way it may go, lowered round by round; 1.0 between substeps */ \
+  X(39, fractions,      uvec4)    /* 2 x particles  bits of the fraction of its way it may go, a round each; 1.0 between substeps */ \
   X(40, spring_rows,    uvec2)    /* particles      first four of springs, number of fours */                            \
   X(41, spring_ends,    uvec4)    /* fours          other particles of four springs; its own number where there is none */ \
   X(42, springs,        vec4)     /* 4 x fours      rest length (m), stiffness (N/m), damping (N s/m), 1 if it only pulls */ \
@@ -101,6 +103,8 @@ WEFT_BUFFERS(WEFT_BINDING)
 
 #define WEFT_BUFFER(access, element, name) \
   layout(set = WEFT_STORAGE_SET, binding = name##_binding, scalar) restrict access buffer name##_block { element name[]; };
+// Pairs that a search found near each other lie where the contacts will (two in a place, of each kind) until those are prepared.
+const uint near_edges_binding = contact_normals_binding, near_faces_binding = contact_weights_binding;
 #define READ(element, name) WEFT_BUFFER(readonly, element, name)
 #define WRITE(element, name) WEFT_BUFFER(writeonly, element, name)
 #define READ_WRITE(element, name) WEFT_BUFFER(, element, name)
@@ -240,23 +244,29 @@ struct Groups {
 // A box goes to the level of the grid whose cells are at least as long as it: cell * 2^level.
 #define WEFT_LEVELS 16
 
+#define WEFT_HORIZON 10u   // substeps
+#define WEFT_ROUNDS 8u     // of contact_limit, two times four fractions a particle
+
 // Detection looks for pairs that can come within their distance while every particle stays on a leash about the straight path
 // that it was on when they were detected (detect_path.comp says why that loses nothing). The group counts let the GPU itself
 // decide whether there is anything to do.
 struct Detection {
   Groups particles, primitives, blocks;   // of the detection's passes; no groups where none is due
+  Groups near_faces, near_edges;          // a thread a pair that a search found near
   Groups contacts;    // a thread a candidate
   Groups touched;     // a thread a particle, where there are candidates
   uint due;           // the next substep begins with a detection
   uint age;           // substeps since the last one, at most WEFT_HORIZON
   uint candidates;    // that it found; more than push.capacity: the rest were lost
   float reach;        // m, the leashes' length
-  uint lowered[3];    // some particle's fraction was lowered in this round (contact_limit.comp)
+  uint lowered[WEFT_ROUNDS - 1];   // some particle's fraction was lowered in this round (contact_limit.comp)
   uint unsafe;        // ... and the last round still found a pair to cross: the static planes hold
   uint calm;          // the last detection found the particles at the end of paths that nobody had left
+  uint near[2];       // pairs that the search found: of particles and triangles, then of edges
+  uint levels[2];     // a bit for each level that has boxes, of triangles, then of edges
   uint extents[2 * WEFT_LEVELS];   // bits of the longest half side of a box (m) at each level, of triangles, then of edges
 };
-#define WEFT_HORIZON 10u
+#define WEFT_NEAR 2u   // pairs of each kind that may be near each other, for each candidate that there is room for
 
 /// What every pass is told. 96 of the 128 bytes that every device has.
 struct Push {
@@ -286,8 +296,8 @@ struct Push {
 #define WEFT_LAST_ITERATION 1u  // of the substep: velocities follow
 #define WEFT_LAST_SUBSTEP 2u    // of the frame: no further prediction
 #define WEFT_FIRST_ITERATION 4u // of the substep: multipliers start at zero
-#define WEFT_ROUND_SHIFT 8u      // bits 8 and 9: which round of a pass that runs in several
-#define WEFT_TURN_SHIFT 10u      // bits 10 and 11: substeps modulo 3
+#define WEFT_ROUND_SHIFT 8u      // bits 8 to 10: which round of a pass that runs in several
+#define WEFT_TURN_SHIFT 16u      // bits 16 and 17: substeps modulo 3
 #define WEFT_ANCHORS_MOVE 8u    // in this frame: each anchor's next place is known to the anchor pass alone
 
 
@@ -381,7 +391,7 @@ inline uvec2 pack_link(const Link& link) {
 }
 
 static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 40 && sizeof(Push) == 96 && sizeof(Linear) == 28 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 224);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 40 && sizeof(Push) == 96 && sizeof(Linear) == 28 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 280);
 static_assert(sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include "tests/single_pass.h"
@@ -79,15 +80,15 @@ class Passes : public SinglePass {
     return contacts;
   }
   void limit() {
-    for (int round = 0; round < 4; ++round) run("contact_limit", round);
+    for (int round = 0; round < static_cast<int>(WEFT_ROUNDS); ++round) run("contact_limit", round);
   }
   gpu::Detection detection() const { return get<gpu::Detection>(gpu::detection, 1).front(); }
   /// By the rounds, and by the static planes if those are called for.
   std::vector<double> fractions() const {
     std::vector<double> least;
     const bool unsafe = detection().unsafe != 0;
-    for (const gpu::uvec4& f : get<gpu::uvec4>(gpu::fractions, t_.x.size()))
-      least.push_back(std::bit_cast<float>(std::min({f.x, f.y, f.z, unsafe ? f.w : f.x})));
+    const auto rounds = get<std::array<std::uint32_t, WEFT_ROUNDS>>(gpu::fractions, t_.x.size());
+    for (const auto& f : rounds) least.push_back(std::bit_cast<float>(*std::min_element(f.begin(), f.end() - (unsafe ? 0 : 1))));
     return least;
   }
 

@@ -177,16 +177,16 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   EXPECT_EQ(labels(kGaussSeidel | kBending), (Labels{"predict", "stretch", "bend+settle", "surface"}));
   EXPECT_EQ(labels(kChebyshev | kIterated | kBending | kTethers),
             (Labels{"predict", "stretch", "bend_lambda", "bend_gather", "accelerate+tether+settle", "surface"}));
-  EXPECT_EQ(labels(kContacts), (Labels{"predict+watch", "detect_arm", "detect_path", "grid_count", "grid_total", "grid_scan", "grid_fill", "pair_faces", "pair_edges",
-                                       "contact_arm", "contact_prepare", "stretch", "contact_solve", "contact_apply", "contact_limit", "settle", "surface"}));
+  EXPECT_EQ(labels(kContacts), (Labels{"predict+watch", "detect_arm", "detect_path", "grid_count", "grid_total", "grid_scan", "grid_fill", "search_faces", "search_edges",
+                                       "search_arm", "pair_faces", "pair_edges", "contact_arm", "contact_prepare", "stretch", "contact_solve", "contact_apply", "contact_limit", "settle", "surface"}));
   EXPECT_EQ(labels(kLinks & ~kIterated),
-            (Labels{"predict+watch", "anchor+watch", "detect_arm", "detect_path", "grid_count", "grid_total", "grid_scan", "grid_fill", "pair_faces", "pair_edges",
-                    "contact_arm", "contact_prepare", "stretch", "bend+tether+collide", "contact_solve", "contact_apply+collide", "contact_limit", "settle", "surface"}));
+            (Labels{"predict+watch", "anchor+watch", "detect_arm", "detect_path", "grid_count", "grid_total", "grid_scan", "grid_fill", "search_faces", "search_edges",
+                    "search_arm", "pair_faces", "pair_edges", "contact_arm", "contact_prepare", "stretch", "bend+tether+collide", "contact_solve", "contact_apply+collide", "contact_limit", "settle", "surface"}));
 }
 
 TEST(Plan, every_shader_of_the_table_exists_in_both_variants) {
   constexpr const char* kFused[] = {"+settle", "+tether+settle", "+collide+settle", "+tether+collide+settle", "", "+tether", "+collide", "+tether+collide"};
-  const std::set<std::string> no_gathers = {"anchor", "detect_arm", "grid_total", "grid_scan", "contact_arm"};
+  const std::set<std::string> no_gathers = {"anchor", "detect_arm", "grid_total", "grid_scan", "search_arm", "contact_arm"};
   const auto expect = [&](const std::string& name) {
     EXPECT_FALSE(shader(name).empty()) << name;
     // What does not gather has one variant that is right for both.
