@@ -154,7 +154,7 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
   const std::uint64_t particles = fabric.positions.size(), vertices = fabric.surface_rows.size();
   const std::uint64_t stretch_pairs = fabric.stretch.pairs.size(), bends = fabric.bends.size();
   const std::uint64_t triangles = fabric.triangles.size(), edges = fabric.edges.size();
-  const std::uint64_t fours = fabric.spring_rows.ends.size();
+  const std::uint64_t fours = std::max<std::uint64_t>(1, fabric.spring_rows.ends.size());
   const std::uint64_t links = std::max<std::uint64_t>(1, fabric.coloured_links.size());   // none where all are held
   const bool relaxed = scene.solver.linear == Linear::jacobi;
   const std::uint64_t counts[] = {particles, particles, particles, particles, particles, stretch_pairs, stretch_pairs, particles,
