@@ -154,7 +154,8 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
   const std::uint64_t particles = fabric.positions.size(), vertices = fabric.surface_rows.size();
   const std::uint64_t stretch_pairs = fabric.stretch.pairs.size(), bends = fabric.bends.size();
   const std::uint64_t triangles = fabric.triangles.size(), edges = fabric.edges.size();
-  const std::uint64_t fours = fabric.spring_rows.ends.size();
+  const std::uint64_t fours = std::max<std::uint64_t>(1, fabric.spring_rows.ends.size());
+  const std::uint64_t links = std::max<std::uint64_t>(1, fabric.coloured_links.size());   // none where all are held
   const bool relaxed = scene.solver.linear == Linear::jacobi;
   const std::uint64_t counts[] = {particles, particles, particles, particles, particles, stretch_pairs, stretch_pairs, particles,
                                   fabric.bend.pairs.size(), bends, bends, bends, fabric.bend_uses.pairs.size(), fabric.tethers.size() / 2,
@@ -168,7 +169,7 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
                                   particles, fours, 4 * fours, 4 * fours, 2 * particles, (relaxed ? 3 : 1) * particles, (relaxed ? 1 : 5) * particles,
                                   2 * particles, 2, fabric.materials.size(),
                                   // Gauss-Seidel; Chebyshev.
-                                  fabric.coloured_links.size(), fabric.coloured_links.size(), stretch_pairs, bends, 3 * particles, 1};
+                                  links, links, stretch_pairs, bends, 3 * particles, 1};
   constexpr auto grows = [](gpu::Binding binding) {
     return binding == gpu::candidates || binding == gpu::contact_normals || binding == gpu::contact_weights;
   };

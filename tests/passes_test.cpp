@@ -21,7 +21,7 @@ std::vector<std::uint32_t> combinations() {
   for (std::uint32_t features = 0; features <= kLinks; ++features) {
     found.push_back(features);
     found.push_back(features | kGaussSeidel);
-    if ((features & (kIterated | kContacts)) == kIterated) found.push_back(features | kChebyshev);
+    if ((features & (kIterated | kContacts | kTethers)) == kIterated) found.push_back(features | kChebyshev);
     if ((features & (kIterated | kBending)) != 0) continue;   // links and bends: not of the method implicit
     found.push_back(features | kSprings);
     found.push_back(features | kImplicit);
@@ -175,8 +175,8 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   EXPECT_EQ(labels(kSprings | kTethers), (Labels{"predict", "spring", "hold+tether+settle", "surface"}));
   EXPECT_EQ(labels(kGaussSeidel), (Labels{"predict", "stretch", "hold+settle", "surface"}));
   EXPECT_EQ(labels(kGaussSeidel | kBending), (Labels{"predict", "stretch", "bend+settle", "surface"}));
-  EXPECT_EQ(labels(kChebyshev | kIterated | kBending | kTethers),
-            (Labels{"predict", "stretch", "bend_lambda", "bend_gather", "accelerate+tether+settle", "surface"}));
+  EXPECT_EQ(labels(kChebyshev | kIterated | kBending | kColliders),
+            (Labels{"predict", "stretch", "bend_lambda", "bend_gather", "accelerate+collide+settle", "surface"}));
   EXPECT_EQ(labels(kContacts), (Labels{"predict+watch", "detect_arm", "detect_path", "grid_count", "grid_total", "grid_scan", "grid_fill", "search_faces", "search_edges",
                                        "search_arm", "pair_faces", "pair_edges", "contact_arm", "contact_prepare", "stretch", "contact_solve", "contact_apply", "contact_limit", "settle", "surface"}));
   EXPECT_EQ(labels(kLinks & ~kIterated),

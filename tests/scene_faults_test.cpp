@@ -66,6 +66,7 @@ TEST(BrokenScene, wrong_keys_types_and_figures_are_told_with_path_value_and_limi
       Broken{R"({"solver": {"relaxation": 2}})", "solver.relaxation: 2 is not below 2"},
       Broken{R"({"solver": {"method": "chebyshev"}})", "solver.method: \"chebyshev\" accelerates iterations, and solver.iterations is 1"},
       Broken{R"({"solver": {"method": "chebyshev", "iterations": 2}, "contacts": true})", "solver.method: \"chebyshev\" does not go with contacts"},
+      Broken{R"({"solver": {"method": "chebyshev", "iterations": 2}, "cloths": [{"grid": {}, "anchors": [{"top": 0}]}]})", "set cloths[0].tethers to false"},
       Broken{R"({"solver": {"rho": 1}})", "solver.rho: 1 is not below 1"},
       Broken{R"({"solver": {"method": "jakobi"}})", "(did you mean \"jacobi\"?)"},
       Broken{R"({"solver": {"method": "mass_spring", "iterations": 2}})", "solver.method: \"mass_spring\" evaluates its forces once a substep, and solver.iterations is 2"},
