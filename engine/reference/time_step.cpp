@@ -26,11 +26,14 @@ TimeStep::TimeStep(Energies energies) : energies_(std::move(energies)), masses_(
   for (Eigen::Index i = 0; i < masses_.size(); ++i) masses_[i] = energies_.inverse_masses[i] > 0 ? 1 / energies_.inverse_masses[i] : 1;
   now_.u = Positions::Zero(3, masses_.size());
   now_.lambda = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(energies_.links.size()));
+  before_ = now_;
 }
 
-void TimeStep::begin(const Positions& free_motion, const Positions& guess) {
+void TimeStep::begin(const Positions& free_motion) {
   y_ = free_motion;
-  now_.u = guess;
+  State guess{2 * now_.u - before_.u, 2 * now_.lambda - before_.lambda};
+  before_ = std::move(now_);
+  now_ = std::move(guess);
 }
 
 // l of a bend and the size of what it is summed up from; from differences: the same wherever the cloth is.

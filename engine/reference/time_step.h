@@ -28,8 +28,8 @@ class TimeStep {
  public:
   explicit TimeStep(Energies energies);
 
-  /// From here on: the free motion y (m), the guess u (m). The multipliers of the step before are the guess for this one's.
-  void begin(const Positions& free_motion, const Positions& guess);
+  /// The next step, from the free motion y (m). Displacements and multipliers are guessed to go on changing as in the two steps before.
+  void begin(const Positions& free_motion);
   /// Newton, until what is left over is at most `tolerance` times `scale` (m) or times the largest displacement. False: it is more.
   bool solve(double tolerance, double scale, std::uint32_t most_steps);
 
@@ -69,7 +69,7 @@ class TimeStep {
   Energies energies_;
   Eigen::VectorXd masses_;               // kg; held particles 1, with no force on them
   Positions y_;
-  State now_;
+  State now_, before_;                   // this step's, and the end of the one before
   std::vector<Eigen::Triplet<double>> entries_;
   Eigen::SparseMatrix<double> matrix_;
   Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor_;
