@@ -20,8 +20,8 @@ constexpr double kForcing = 1e-3;
 constexpr std::uint32_t kPatience = 40;
 constexpr std::uint32_t kMostGradients = 1000;
 
-// Pairs of particles that the factor knows of.
-std::vector<std::pair<std::uint32_t, std::uint32_t>> near_pairs(const Energies& energies) {
+// Pairs of particles that have a block in the factor.
+std::vector<std::pair<std::uint32_t, std::uint32_t>> factored_pairs(const Energies& energies) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
   for (const LinkEnergy& link : energies.links)
     if (link.part == Preconditioned::whole) pairs.emplace_back(link.a, link.b);
@@ -35,7 +35,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> near_pairs(const Energies& 
 }  // namespace
 
 TimeStep::TimeStep(Energies energies)
-    : energies_(std::move(energies)), masses_(energies_.inverse_masses.size()), factor_(static_cast<std::uint32_t>(masses_.size()), near_pairs(energies_)) {
+    : energies_(std::move(energies)), masses_(energies_.inverse_masses.size()), factor_(static_cast<std::uint32_t>(masses_.size()), factored_pairs(energies_)) {
   for (Eigen::Index i = 0; i < masses_.size(); ++i) masses_[i] = energies_.inverse_masses[i] > 0 ? 1 / energies_.inverse_masses[i] : 1;
   now_.u = Positions::Zero(3, masses_.size());
   now_.lambda = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(energies_.links.size()));
@@ -161,7 +161,6 @@ bool TimeStep::solve_linear(const Residual& at, const Eigen::VectorXd& lambda, c
   du = Positions::Zero(3, rhs.cols());
   Positions r = rhs, z = factor_.solve(r), p = z;
   double rho = dot(r, z);
-  
   for (gradients_ = 0; gradients_ < kMostGradients && size(r) > enough; ++gradients_) {
     const Positions q = apply(at, lambda, p, projected);
     const double curvature = dot(p, q);
@@ -185,6 +184,7 @@ bool TimeStep::solve(double tolerance, double scale, std::uint32_t most_steps) {
     if (step == most_steps || !std::isfinite(at.size)) return false;
     ++newton_steps_;
     if (!factorised_ || gradients_ > kPatience) factorise(at, now_.lambda);
+    if (!factorised_) return false;
 
     Positions rhs = -at.force;
     for (std::size_t e = 0; e < energies_.links.size(); ++e) {
