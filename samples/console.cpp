@@ -27,7 +27,7 @@ void complain(std::string_view sentences) {
 void listen_for_interrupts() { std::signal(SIGINT, on_interrupt); }
 bool interrupted() { return g_interrupted != 0; }
 
-Progress::Progress(std::string_view what, std::uint32_t total) : what_(what), total_(total), terminal_(isatty(STDERR_FILENO) != 0) {
+Progress::Progress(std::string_view what, std::uint32_t total, std::string_view unit) : what_(what), unit_(unit), total_(total), terminal_(isatty(STDERR_FILENO) != 0) {
   if (terminal_) draw();
 }
 
@@ -44,7 +44,7 @@ void Progress::step() {
     if (Clock::now() - drawn_ >= kPause) draw();
   } else if (total_ > 0 && std::uint64_t{done_} * 4 / total_ > quarters_) {
     quarters_ = static_cast<std::uint32_t>(std::uint64_t{done_} * 4 / total_);
-    std::fprintf(stderr, "%s: %u of %u frames\n", what_.c_str(), done_, total_);
+    std::fprintf(stderr, "%s: %u of %u %s\n", what_.c_str(), done_, total_, unit_.c_str());
   }
 }
 

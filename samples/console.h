@@ -18,7 +18,7 @@ bool interrupted();
 /// A bar on stderr where that is a terminal, and a few plain lines where it is not.
 class Progress {
  public:
-  Progress(std::string_view what, std::uint32_t total);
+  Progress(std::string_view what, std::uint32_t total, std::string_view unit = "frames");
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -29,7 +29,7 @@ class Progress {
   void draw();
 
   using Clock = std::chrono::steady_clock;
-  std::string what_;
+  std::string what_, unit_;
   std::uint32_t total_, done_ = 0, quarters_ = 0;
   bool terminal_;
   Clock::time_point start_ = Clock::now(), drawn_ = start_;
