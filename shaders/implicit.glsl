@@ -25,23 +25,15 @@ vec3 preconditioned(Inverse c, vec3 r) {
 // ---- sums
 
 shared vec4 values[gl_WorkGroupSize.x];
-shared vec4 leaders[16];
 
-// Of all threads of a workgroup, which must all call it. For the first thread alone.
+// Of all threads of a workgroup, which must all call it. For the first thread, which adds up alone: a barrier more, for others to help
+// it, costs the software driver more than that.
 vec4 sum_of_group(vec4 value) {
-  const uint thread = gl_LocalInvocationID.x, count = min(16, gl_WorkGroupSize.x);
-  values[thread] = value;
+  values[gl_LocalInvocationID.x] = value;
   barrier();
-  if (thread < count) {
-    vec4 sum = vec4(0);
-    for (uint k = thread; k < gl_WorkGroupSize.x; k += count) sum += values[k];
-    leaders[thread] = sum;
-  }
-  barrier();
-  vec4 sum = vec4(0);
-  if (thread == 0)
-    for (uint k = 0; k < count; ++k) sum += leaders[k];
-  return sum;
+  if (gl_LocalInvocationID.x == 0)
+    for (uint k = 1; k < gl_WorkGroupSize.x; ++k) value += values[k];
+  return value;
 }
 
 #ifdef SUMS
