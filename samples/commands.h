@@ -63,6 +63,12 @@ struct ContactOptions {
   std::vector<Assignment> assignments;
 };
 Exit contacts(const ContactOptions& options);
+struct ImplicitOptions {
+  std::filesystem::path out = "out";
+  bool quick = false;           // four rows a processor instead of 56
+  std::string device;
+};
+Exit implicit(const ImplicitOptions& options);
 
 Exit info();
 Exit check(const std::filesystem::path& file);

@@ -101,6 +101,12 @@ int main(int count, char** arguments) {
   add_set(*accuracy_command, sets);
   accuracy_command->add_option("--device", accuracy_options.device, "Index or part of the name; weft info lists them");
 
+  ImplicitOptions implicit_options;
+  CLI::App* implicit_command = app.add_subcommand("implicit", "Tabulate speed and error of the implicit method, on the processor and on the device");
+  implicit_command->add_flag("--quick", implicit_options.quick, "Only 100 and 900 particles, 10 and 30 iterations");
+  implicit_command->add_option("--out", implicit_options.out, "Where implicit.csv goes")->type_name("DIR")->capture_default_str();
+  implicit_command->add_option("--device", implicit_options.device, "Index or part of the name; weft info lists them");
+
   CLI::App* info_command = app.add_subcommand("info", "List Vulkan devices and what they support");
   CLI::App* check_command = app.add_subcommand("check", "Name everything that is wrong with a scene or a mesh");
   check_command->add_option("file", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ)")->required()->type_name("FILE");
@@ -119,6 +125,7 @@ int main(int count, char** arguments) {
     return kBadInput;
   }
   if (*info_command) return info();
+  if (*implicit_command) return implicit(implicit_options);
   if (*check_command) return check(file);
   if (*time_command) {
     time_options.file = file;
