@@ -33,7 +33,11 @@ constexpr std::size_t kLeastTimed = 5, kMostTimed = 100;
 
 Scene sheet(std::uint32_t side, Linear linear, std::uint32_t iterations) {
   Scene scene;
-  scene.solver = {.rate = 1 / kStep, .substeps = 1, .iterations = iterations, .method = Method::implicit, .linear = linear};
+  scene.solver.rate = 1 / kStep;
+  scene.solver.substeps = 1;
+  scene.solver.iterations = iterations;
+  scene.solver.method = Method::implicit;
+  scene.solver.linear = linear;
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{{1, 1}, side - 1, side - 1, Topology::diagonal, false};
   cloth.springs = Springs{{500, 0.01}, {500, 0.01}, {5, 0.001}};
