@@ -64,7 +64,7 @@ inline Points relax_bend(std::span<const Bend> bends, const Points& p, std::span
     double weight = 0;
     for (int j = 0; j < 4; ++j) weight += copies.weight(bend.particle[j]) * bend.k[j] * bend.k[j];
     const Vector l = bend_value(bend.k, {p[bend.particle[0]], p[bend.particle[1]], p[bend.particle[2]], p[bend.particle[3]]});
-    const Vector change = omega * change_of_multiplier<Vector>(l, lambda[e], weight, bend.compliance, h);
+    const Vector change = change_of_multiplier<Vector>(l, lambda[e], weight / omega, bend.compliance, h);
     lambda[e] += change;
     for (int j = 0; j < 4; ++j) copies.push(bend.particle[j], bend.k[j] * change);
   }

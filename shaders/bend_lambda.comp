@@ -1,6 +1,6 @@
 // bend_lambda: the multiplier of every bending stencil, for scenes with more than one iteration a substep.
 // XPBD on the linear constraint l = sum K_j p_j = 0 (Bergou et al. 2006; Macklin et al. 2016, eq. 18):
-// dlambda = -(l + alpha lambda / h^2) / (sum n_j w_j K_j^2 + alpha / h^2). bend_gather hands it out.
+// dlambda = -(l + alpha lambda / h^2) / (sum n_j w_j K_j^2 / omega + alpha / h^2). bend_gather hands it out.
 //
 //        2
 //       / \       The edge (0, 1) and its opposite vertices. K_0 + K_1 + K_2 + K_3 = 0, so l needs only differences.
@@ -32,7 +32,7 @@ vec3 change_of_lambda(Bend bend, vec3 lambda) {
                  bend.k[2] * (FETCH(predicted, bend.particle[2]).xyz - origin) +
                  bend.k[3] * (FETCH(predicted, bend.particle[3]).xyz - origin);
   const float alpha = bend.compliance * push.inverse_h2;
-  const vec3 change = -omega * (l + alpha * lambda) / max(bend.split_weight + alpha, 1e-20);
+  const vec3 change = -omega * (l + alpha * lambda) / max(bend.split_weight + omega * alpha, 1e-20);
   return dot(change, change) < 1e20 ? change : vec3(0);
 }
 

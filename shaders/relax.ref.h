@@ -5,8 +5,8 @@
 // This work is based on: Macklin, Mueller, Chentanez 2016, "XPBD", eq. 18; Tonge, Benevolenski, Voroshilov 2012, "Mass
 // splitting for jitter-free parallel rigid body simulation". A particle in n constraints is cut into n copies of mass m / n,
 // each constraint moves its own copies, and the particle goes to the mean of its copies. Count-averaging lets every
-// constraint move a copy of the full mass instead, so what one end gains the other does not lose. Over-relaxation (omega) changes
-// multipliers by more than was asked for, and the particles with them, so that it does not change what iterations converge to.
+// constraint move a copy of the full mass instead, so what one end gains the other does not lose. Over-relaxation is for
+// the masses that are split: copies show a constraint 1 / omega of their inverse mass, and the constraint's compliance stays what it is.
 #pragma once
 
 #include <Eigen/Core>

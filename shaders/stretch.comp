@@ -3,7 +3,7 @@
 // write to one place. Both ends of a link compute the same multiplier.
 //
 // Masses are split (Tonge et al. 2012): particle i, in n_i links, shows each of them the inverse mass W_i = n_i w_i and takes
-// the mean of what they ask for: dlambda = -(C + a lambda) / (W_a + W_b + a), dp_i = omega (W_i / n_i) sum grad C dlambda.
+// the mean of what they ask for: dlambda = -(C + a lambda) / ((W_a + W_b) / omega + a), dp_i = (W_i / n_i) sum grad C dlambda.
 // With W_i = w_i instead the same lines are plain count-averaging, which does not conserve momentum.
 //
 // An iterate's w is what the particle takes of the sum: W_i, from which the multipliers follow too, with several iterations a
@@ -56,7 +56,7 @@ vec3 impulse(vec4 p, uvec2 packed, inout vec2 multiplier) {
   const float len = sqrt(squared + 1e-20);   // not max(): its care for NaN costs the software driver 5 %
 #ifdef ITERATED
   const float alpha = link.response * push.inverse_h2;
-  float change = omega * (link.rest - len - alpha * multiplier.x) / max(p.w + q.w + alpha, 1e-20);
+  float change = omega * (link.rest - len - alpha * multiplier.x) / max(p.w + q.w + omega * alpha, 1e-20);
   if (link.only_pulls) change = min(change, -multiplier.x);
   multiplier = advanced(multiplier, change, link.only_pulls);
   return (change / len) * d;

@@ -44,7 +44,7 @@ inline Points relax_stretch(std::span<const Stretch> links, const Points& p, std
     }
     const Vector gradient = stretch_gradient(p[link.a], p[link.b]);
     const double weight = copies.weight(link.a) + copies.weight(link.b);   // gradients are of unit length
-    double next = lambda[e] + omega * change_of_multiplier(stretch_value(link, p[link.a], p[link.b]), lambda[e], weight, link.compliance, h);
+    double next = lambda[e] + change_of_multiplier(stretch_value(link, p[link.a], p[link.b]), lambda[e], weight / omega, link.compliance, h);
     if (link.only_pulls) next = std::min(next, 0.0);
     const double change = next - lambda[e];
     lambda[e] = next;
@@ -62,7 +62,7 @@ inline void sweep_stretch(std::span<const Stretch> links, Points& p, std::span<c
     const double weight_a = inverse_masses[link.a], weight_b = inverse_masses[link.b];
     if ((p[link.a] - p[link.b]).norm() <= kCoincident) continue;
     const Vector gradient = stretch_gradient(p[link.a], p[link.b]);
-    double next = lambda[e] + omega * change_of_multiplier(stretch_value(link, p[link.a], p[link.b]), lambda[e], weight_a + weight_b, link.compliance, h);
+    double next = lambda[e] + change_of_multiplier(stretch_value(link, p[link.a], p[link.b]), lambda[e], (weight_a + weight_b) / omega, link.compliance, h);
     if (link.only_pulls) next = std::min(next, 0.0);
     p[link.a] += weight_a * (next - lambda[e]) * gradient;
     p[link.b] -= weight_b * (next - lambda[e]) * gradient;

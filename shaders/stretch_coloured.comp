@@ -1,6 +1,6 @@
 // stretch_coloured: distance constraints C = |p_a - p_b| - L by XPBD (Macklin, Mueller, Chentanez 2016, eq. 18) and Gauss-Seidel:
 // a dispatch projects the links of one colour, no two of which share a particle, in place, and the next colour sees the result:
-//     dlambda = -omega (C + a lambda) / (w_a + w_b + a),   dp = +- w grad C dlambda,   a = alpha / h^2.
+//     dlambda = -(C + a lambda) / ((w_a + w_b) / omega + a),   dp = +- w grad C dlambda,   a = alpha / h^2.
 //
 // A link moves both of its ends by opposite impulses along itself, so that linear and angular momentum are kept to rounding. Colouring
 // particles instead, each moved with its neighbours standing still, needs half of the dispatches and does not: a free, unevenly stretched
@@ -22,7 +22,7 @@ layout(push_constant, scalar) uniform Constants { Push push; };
 // The change of a link's multiplier, which is renewed.
 float change_of(ColouredLink link, float len, float weight, inout float lambda) {
   const float alpha = link.compliance * push.inverse_h2;
-  float change = push.relaxation * (link.rest - len - alpha * lambda) / max(weight + alpha, 1e-20);
+  float change = push.relaxation * (link.rest - len - alpha * lambda) / max(weight + push.relaxation * alpha, 1e-20);
   if (link.only_pulls) change = min(change, -lambda);
   lambda += change;
   return change;

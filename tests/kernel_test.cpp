@@ -47,13 +47,13 @@ std::vector<StretchLink> random_links(Random& random, std::uint32_t particles, s
   return links;
 }
 
-// With one iteration a substep the GPU has 1 / (W_a + W_b + alpha / h^2) in 8 bits of mantissa; the twin gets the compliance that
+// With one iteration a substep the GPU has 1 / (W_a + W_b + omega alpha / h^2) in 8 bits of mantissa; the twin gets the compliance that
 // makes it so. That those bits are right is for links_test and fabric_test to say.
-std::vector<reference::Stretch> twins_of(const CookedFabric& fabric) {
+std::vector<reference::Stretch> twins_of(const Scene& scene, const CookedFabric& fabric) {
   std::vector<reference::Stretch> links;
   for (const StretchLink& link : fabric.links) {
     const double weight = double(fabric.split_weights[link.a]) + fabric.split_weights[link.b];
-    const double compliance = link.gain > 0 ? fabric.h * fabric.h * (1.0 / link.gain - weight) : link.compliance;
+    const double compliance = link.gain > 0 ? fabric.h * fabric.h * (1.0 / link.gain - weight) / scene.solver.relaxation : link.compliance;
     links.push_back({link.a, link.b, link.rest, compliance, link.only_pulls});
   }
   return links;
@@ -70,7 +70,7 @@ Outcome compare_stretch(const compute::Device& device, const Scene& scene, const
   passes.put_iterate(fabric.positions);
   passes.begin(frame_of(1));
   reference::Points twin = points(fabric.positions);
-  const auto links = twins_of(fabric);
+  const auto links = twins_of(scene, fabric);
   const auto masses = inverse_masses(fabric);
   std::vector<double> lambda(links.size());
   int skipped_ends = 0;
@@ -170,13 +170,11 @@ Crumpled crumpled(std::uint64_t seed, Averaging averaging, std::uint32_t iterati
   return c;
 }
 
-// With one iteration a substep over-relaxation is for the masses alone (fabric.cpp): compliances are larger by it.
-std::vector<reference::Bend> bends_of(const Scene& scene, const CookedFabric& fabric) {
-  const double softer = scene.solver.iterations == 1 ? scene.solver.relaxation : 1;
+std::vector<reference::Bend> bends_of(const CookedFabric& fabric) {
   std::vector<reference::Bend> bends;
   for (const gpu::Bend& bend : fabric.bends)
     bends.push_back({{bend.particle[0], bend.particle[1], bend.particle[2], bend.particle[3]},
-                     {bend.k[0], bend.k[1], bend.k[2], bend.k[3]}, softer * bend.compliance});
+                     {bend.k[0], bend.k[1], bend.k[2], bend.k[3]}, bend.compliance});
   return bends;
 }
 
@@ -185,7 +183,7 @@ double compare_bend(const compute::Device& device, const Crumpled& c, bool gathe
   passes.put_iterate(c.pose);
   passes.begin(frame_of(1));
   reference::Points twin = points(c.pose);
-  const auto bends = bends_of(c.scene, c.fabric);
+  const auto bends = bends_of(c.fabric);
   std::vector<reference::Vector> lambda(bends.size(), reference::Vector::Zero());
   const auto masses = inverse_masses(c.fabric);
   for (std::uint32_t k = 0; k < c.scene.solver.iterations; ++k) {
@@ -234,8 +232,8 @@ TEST_F(Kernel, stretch_does_what_its_twin_does_on_a_sheet_that_bends_too) {
 
 // A frame as physics.md has it, by the twins alone. Colliders stand still.
 void twin_frame(const Scene& scene, const CookedFabric& fabric, reference::Points& x, reference::Points& v) {
-  const auto links = twins_of(fabric);
-  const auto bends = bends_of(scene, fabric);
+  const auto links = twins_of(scene, fabric);
+  const auto bends = bends_of(fabric);
   const auto masses = inverse_masses(fabric);
   const auto& material = scene.cloths[0].fabric;
   const reference::Vector gravity(scene.gravity.x, scene.gravity.y, scene.gravity.z);
