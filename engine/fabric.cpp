@@ -43,7 +43,7 @@ std::vector<double> point_masses(const Mesh& mesh, double area_density) {
 
 class Cook {
  public:
-  explicit Cook(const Scene& scene) : scene_(scene), inverse_h2_(1 / (substep() * substep())) { fabric_.h = substep(); }
+  explicit Cook(const Scene& scene) : scene_(scene), softening_(relaxation_of(scene.solver) / (substep() * substep())) { fabric_.h = substep(); }
 
   Result<void> add(std::uint32_t index, const Mesh& mesh) {
     const Cloth& cloth = scene_.cloths[index];
@@ -197,7 +197,7 @@ class Cook {
     std::vector<std::vector<gpu::uvec2>> lists(fabric_.positions.size());
     for (StretchLink& link : fabric_.links) {
       const double weight = double(fabric_.split_weights[link.a]) + fabric_.split_weights[link.b];
-      const double gain = weight > 0 ? 1 / (weight + link.compliance * inverse_h2_) : 0;
+      const double gain = weight > 0 ? 1 / (weight + link.compliance * softening_) : 0;
       const float response = iterated ? link.compliance : static_cast<float>(gain);
       const gpu::uvec2 to_b = gpu::pack_link({link.b, link.rest, response, link.only_pulls});
       lists[link.a].push_back(to_b);
@@ -245,7 +245,7 @@ class Cook {
       row.clear();
       for (const auto& [e, share] : shares[i]) {
         const gpu::Bend& bend = fabric_.bends[e];
-        const double scale = std::bit_cast<float>(share) / (bend.split_weight + bend.compliance * inverse_h2_);
+        const double scale = std::bit_cast<float>(share) / (bend.split_weight + bend.compliance * softening_);
         for (int j = 0; j < 4; ++j)
           if (bend.particle[j] != i) row.emplace_back(bend.particle[j], scale * bend.k[j]);
       }
@@ -272,7 +272,7 @@ class Cook {
       return fail("solver.method: the springs and masses of this scene are stable up to substeps of ", fabric_.largest_step, " s; that makes ", substeps,
                   " a frame, more than ", kMostParts, ": take softer springs, heavier particles, a coarser mesh or a higher solver.rate");
     fabric_.h = wanted / parts;
-    inverse_h2_ = 1 / (fabric_.h * fabric_.h);
+    softening_ = relaxation_of(scene_.solver) / (fabric_.h * fabric_.h);
     for (std::size_t k = 0; k < scene_.cloths.size(); ++k)
       fabric_.materials[k].keep = static_cast<float>(std::exp(-scene_.cloths[k].fabric.damping * fabric_.h));
     fabric_.notes.push_back(fail("solver: a substep of ", 1e3 * wanted, " ms is longer than ", 1e3 * fabric_.largest_step,
@@ -304,7 +304,9 @@ class Cook {
   }
 
   const Scene& scene_;
-  double inverse_h2_;
+  // With one iteration a substep a pass moves particles by omega / (W + s) of what a constraint asks for. Over-relaxation is meant for
+  // the masses that Jacobi splits, W, and not for the cloth's compliance: omega / (W + s) = 1 / (W / omega + alpha / h^2).
+  double softening_;   // 1/s^2: s / alpha, omega / h^2
   CookedFabric fabric_;
   std::vector<std::uint32_t> particle_of_;             // of the cloth at hand: point -> particle
   std::vector<std::vector<gpu::Tether>> tethers_;

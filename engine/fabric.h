@@ -22,7 +22,7 @@ struct StretchLink {
   float rest;        // m, as the GPU has it
   float compliance;  // m/N
   bool only_pulls;
-  float gain = 0;    // kg: 1 / (W_a + W_b + compliance / h^2) as the GPU has it, with one Jacobi iteration a substep; 0 if neither end gives way
+  float gain = 0;    // kg: 1 / (W_a + W_b + omega compliance / h^2) as the GPU has it, with one Jacobi iteration a substep; 0 if neither end gives way
 };
 
 /// A spring of the methods on springs, once a pair: a link with its stiffness, a spring of Cloth::springs, or, linear with rest 0 and of

@@ -40,6 +40,20 @@ struct TimeOptions {
 };
 Exit time(const TimeOptions& options);
 
+struct AccuracyOptions {
+  std::filesystem::path file;
+  std::filesystem::path out = "out/accuracy";
+  bool quick = false;           // a sweep of under a minute
+  std::optional<std::uint32_t> frames;   // none: chosen
+  std::optional<std::uint32_t> reference_cells;
+  std::optional<double> budget_ms;   // print the best setting that fits
+  bool fresh = false;           // do not go on with what is in `out`
+  bool save = false;            // keep the curve for scenes whose solver is "auto"
+  std::string device;
+  std::vector<Assignment> assignments;
+};
+Exit accuracy(const AccuracyOptions& options);
+
 Exit info();
 Exit check(const std::filesystem::path& file);
 

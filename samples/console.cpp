@@ -27,7 +27,8 @@ void complain(std::string_view sentences) {
 void listen_for_interrupts() { std::signal(SIGINT, on_interrupt); }
 bool interrupted() { return g_interrupted != 0; }
 
-Progress::Progress(std::string_view what, std::uint32_t total) : what_(what), total_(total), terminal_(isatty(STDERR_FILENO) != 0) {
+Progress::Progress(std::string_view what, std::uint32_t total, std::string_view unit)
+    : what_(what), unit_(unit), total_(total), terminal_(isatty(STDERR_FILENO) != 0) {
   if (terminal_) draw();
 }
 
@@ -37,14 +38,14 @@ Progress::~Progress() {
   std::fputc('\n', stderr);
 }
 
-void Progress::step() {
-  ++done_;
+void Progress::step(std::uint32_t by) {
+  done_ += by;
   if (terminal_) {
     constexpr auto kPause = std::chrono::milliseconds(100);
     if (Clock::now() - drawn_ >= kPause) draw();
   } else if (total_ > 0 && std::uint64_t{done_} * 4 / total_ > quarters_) {
     quarters_ = static_cast<std::uint32_t>(std::uint64_t{done_} * 4 / total_);
-    std::fprintf(stderr, "%s: %u of %u frames\n", what_.c_str(), done_, total_);
+    std::fprintf(stderr, "%s: %u of %u %s\n", what_.c_str(), done_, total_, unit_.c_str());
   }
 }
 

@@ -15,21 +15,21 @@ void complain(std::string_view sentences);
 void listen_for_interrupts();
 bool interrupted();
 
-/// A bar on stderr where that is a terminal, and a few plain lines where it is not.
+/// A bar on stderr where that is a terminal, and a few plain lines where it is not. The time left is told from what is done.
 class Progress {
  public:
-  Progress(std::string_view what, std::uint32_t total);
+  Progress(std::string_view what, std::uint32_t total, std::string_view unit = "frames");
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void step();
+  void step(std::uint32_t by = 1);
 
  private:
   void draw();
 
   using Clock = std::chrono::steady_clock;
-  std::string what_;
+  std::string what_, unit_;
   std::uint32_t total_, done_ = 0, quarters_ = 0;
   bool terminal_;
   Clock::time_point start_ = Clock::now(), drawn_ = start_;

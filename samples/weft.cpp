@@ -1,5 +1,7 @@
 // The command line of Weft: flags to options, and nothing else.
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
 #include <cstdio>
 
 #include "samples/commands.h"
@@ -18,6 +20,15 @@ std::string split(const std::vector<std::string>& texts, std::vector<Assignment>
     assignments.push_back({text.substr(0, equals), text.substr(equals + 1)});
   }
   return "";
+}
+
+// "2ms", "2 ms" or "2".
+std::optional<double> milliseconds(const std::string& text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const std::string_view unit(end, static_cast<std::size_t>(text.data() + text.size() - end));
+  if (error != std::errc() || !(value > 0) || !std::isfinite(value) || !(unit.empty() || unit == "ms" || unit == " ms")) return std::nullopt;
+  return value;
 }
 
 // One value a flag, as often as wanted: "--set a=1 b=2" must not swallow what follows.
@@ -63,6 +74,24 @@ int main(int count, char** arguments) {
   add_set(*time_command, sets);
   time_command->add_option("--device", time_options.device, "Index or part of the name; weft info lists them");
 
+  AccuracyOptions accuracy_options;
+  std::uint32_t accuracy_frames = 0, reference_cells = 0;
+  std::string budget;
+  CLI::App* accuracy_command = app.add_subcommand("accuracy", "Measure error over milliseconds for solvers, substeps, iterations and resolutions");
+  accuracy_command->add_option("scene", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ)")->required()->type_name("SCENE|MESH");
+  accuracy_command->add_flag("--quick", accuracy_options.quick, "A coarse sweep of under a minute");
+  CLI::Option* accuracy_frames_option = accuracy_command->add_option("--frames", accuracy_frames, "Frames that each setting is run for: 48, quick 24");
+  accuracy_frames_option->check(CLI::Range(4u, kMostFrames));
+  CLI::Option* reference_option = accuracy_command->add_option(
+      "--reference-cells", reference_cells, "Cells along the longest side up to which runs are compared with a reference: 32, quick 16; 0: with none");
+  reference_option->check(CLI::Range(0u, 2048u));
+  CLI::Option* budget_option = accuracy_command->add_option("--budget", budget, "Print the best setting that takes no longer than this a frame: --budget 2ms");
+  accuracy_command->add_flag("--fresh", accuracy_options.fresh, "Begin anew, whatever is in the folder already");
+  accuracy_command->add_flag("--save", accuracy_options.save, "Keep the curve where scenes with \"method\": \"auto\" find it");
+  accuracy_command->add_option("--out", accuracy_options.out, "Where files go, and where a sweep that was interrupted goes on")->type_name("DIR")->capture_default_str();
+  add_set(*accuracy_command, sets);
+  accuracy_command->add_option("--device", accuracy_options.device, "Index or part of the name; weft info lists them");
+
   CLI::App* info_command = app.add_subcommand("info", "List Vulkan devices and what they support");
   CLI::App* check_command = app.add_subcommand("check", "Name everything that is wrong with a scene or a mesh");
   check_command->add_option("file", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ)")->required()->type_name("FILE");
@@ -86,6 +115,20 @@ int main(int count, char** arguments) {
     time_options.file = file;
     time_options.assignments = std::move(assignments);
     return time(time_options);
+  }
+  if (*accuracy_command) {
+    accuracy_options.file = file;
+    accuracy_options.assignments = std::move(assignments);
+    if (*accuracy_frames_option) accuracy_options.frames = accuracy_frames;
+    if (*reference_option) accuracy_options.reference_cells = reference_cells;
+    if (*budget_option) {
+      accuracy_options.budget_ms = milliseconds(budget);
+      if (!accuracy_options.budget_ms) {
+        complain("--budget " + budget + ": is not a time above 0 such as 2ms");
+        return kBadInput;
+      }
+    }
+    return accuracy(accuracy_options);
   }
   run_options.file = file;
   run_options.assignments = std::move(assignments);

@@ -9,10 +9,10 @@
 
 #include "engine/export.h"
 #include "engine/reference/intersections.h"
-#include "engine/shading/shading.h"
 #include "samples/commands.h"
 #include "samples/console.h"
 #include "samples/files.h"
+#include "samples/painter.h"
 #include "samples/report.h"
 #include "samples/subject.h"
 
@@ -26,36 +26,6 @@ Exit failed(const std::string& sentence) {
   complain(sentence);
   return kFailed;
 }
-
-// Draws a simulation's frames; without a picture to draw it does nothing.
-class Painter {
- public:
-  Exit create(compute::Device& device, const Simulation& simulation) {
-    const Scene& scene = simulation.scene();
-    std::vector<ShadedCloth> cloths;
-    for (std::size_t i = 0; i < scene.cloths.size(); ++i)
-      cloths.push_back({&simulation.meshes()[i].render, &scene.cloths[i].appearance});
-    for (std::size_t i = scene.cloths.size(); i < simulation.meshes().size(); ++i) cloths.push_back({&simulation.meshes()[i].render, nullptr});
-    auto shading = Shading::create(device, scene, cloths, kPictureSize);
-    if (shading) {
-      shading_ = std::move(*shading);
-      return kDone;
-    }
-    const std::vector<std::string> faults = file_faults(scene);
-    for (const std::string& fault : faults) complain(fault);
-    return faults.empty() ? failed(shading.error()) : kBadInput;
-  }
-
-  Result<void> draw(const Simulation& simulation, const std::filesystem::path& file) {
-    if (!shading_) return {};
-    const Result<Image> image = shading_->draw({simulation.positions(), simulation.normals(), simulation.colliders()});
-    if (!image) return fail(image.error());
-    return write_png(file, *image);
-  }
-
- private:
-  std::unique_ptr<Shading> shading_;
-};
 
 std::string frame_name(std::uint32_t frame) {
   char name[32];
@@ -157,7 +127,7 @@ Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& f
   Simulation& simulation = *started.simulation;
   Painter painter;
   if (options.picture)
-    if (const Exit exit = painter.create(**device, simulation); exit != kDone) return exit;
+    if (const Exit exit = painter.create(**device, simulation, kPictureSize); exit != kDone) return exit;
 
   const CookedFabric& fabric = simulation.fabric();
   std::printf("%s: %zu particles, %zu edges, %zu bends, %llu tethers on %s\n", scene.name.c_str(), std::size_t(cloth_particles(fabric)), fabric.links.size(),

@@ -16,7 +16,7 @@ READ_WRITE(Counters, counters)
 layout(push_constant, scalar) uniform Constants { Push push; };
 
 const uint too_soon = 3;   // substeps
-const float grow = 1.5, shrink = 0.9;
+const float grow = 1.5, shrink = 0.9, cheaply = 2;
 
 Groups groups_of(uint threads) { return Groups((threads + gl_WorkGroupSize.x - 1) / gl_WorkGroupSize.x, 1, 1); }
 
@@ -24,9 +24,10 @@ Groups groups_of(uint threads) { return Groups((threads + gl_WorkGroupSize.x - 1
 float reach_after(float reach, uint old) {
   if (reach <= 0) return push.reach_low;
   const bool cheap = detection[0].candidates < push.count / 4;
-  if (old < too_soon || cheap) return min(grow * reach, push.reach_high);
-  if (old >= WEFT_HORIZON) return max(shrink * reach, push.reach_low);
-  return reach;
+  if (cheap) return min(grow * reach, cheaply * push.reach_high);
+  if (old < too_soon) return min(grow * reach, push.reach_high);
+  if (old >= WEFT_HORIZON) return min(max(shrink * reach, push.reach_low), push.reach_high);
+  return min(reach, push.reach_high);
 }
 
 void begin_detection(bool calm) {

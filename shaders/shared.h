@@ -297,7 +297,7 @@ struct Push {
 #define WEFT_LAST_SUBSTEP 2u    // of the frame: no further prediction
 #define WEFT_FIRST_ITERATION 4u // of the substep: multipliers start at zero
 #define WEFT_ROUND_SHIFT 8u      // bits 8 to 10: which round of a pass that runs in several
-#define WEFT_TURN_SHIFT 16u      // bits 16 and 17: substeps modulo 3
+#define WEFT_TURN_SHIFT 12u      // bits 12 and 13: substeps modulo 3
 #define WEFT_ANCHORS_MOVE 8u    // in this frame: each anchor's next place is known to the anchor pass alone
 
 
@@ -307,8 +307,8 @@ struct Push {
 // A link of the stretch pass in eight bytes: 24 bits of index, a rest length with 16 bits of mantissa (relative error up to
 // 2^-17), a response with 7 (below 0.4 %), and one bit for links that only pull.
 //
-// With one iteration a substep nothing in an XPBD multiplier changes but C, so the response is the gain 1 / (W_a + W_b + alpha/h^2)
-// (kg), worked out when cooking: the pass neither adds masses nor divides by them. Both ends have the same bits of it, so
+// With one iteration a substep nothing in an XPBD multiplier changes but C, so the response is the gain 1 / (W_a + W_b + omega alpha/h^2)
+// (kg; fabric.cpp says why omega), worked out when cooking: the pass neither adds masses nor divides by them. Both ends have the same bits of it, so
 // momentum is conserved. With several iterations the response is the compliance alpha (m/N).
 //
 //   x: [31..24] response exponent   [23..0] index

@@ -105,7 +105,9 @@ TEST_F(DetectArm, detect_arm_detects_when_due_and_adapts_the_reach_to_how_often_
   EXPECT_FLOAT_EQ(due_at_age(0.9f * high, 0), high);
   EXPECT_FLOAT_EQ(due_at_age(1.05f * low, 10), low);
   EXPECT_FLOAT_EQ(due_at_age(2 * low, 8, 1), 3 * low) << "so few pairs cost nothing";
-  EXPECT_EQ(passes.counters().detections, 9u);
+  EXPECT_FLOAT_EQ(due_at_age(1.9f * high, 8, 1), 2 * high);
+  EXPECT_FLOAT_EQ(due_at_age(1.9f * high, 8), high) << "but now they do";
+  EXPECT_EQ(passes.counters().detections, 11u);
   // Once at the end of paths that nobody left, if there are many pairs; and then not again.
   gpu::Detection state = detected.detection();
   state.age = WEFT_HORIZON;
@@ -118,7 +120,7 @@ TEST_F(DetectArm, detect_arm_detects_when_due_and_adapts_the_reach_to_how_often_
   passes.put(gpu::detection, std::vector{state});
   passes.run("detect_arm");
   EXPECT_EQ(detected.detection().age, WEFT_HORIZON);
-  EXPECT_EQ(passes.counters().detections, 10u);
+  EXPECT_EQ(passes.counters().detections, 12u);
 }
 
 TEST_F(DetectArm, search_arm_dispatches_a_thread_a_near_pair_after_a_search_and_none_without) {

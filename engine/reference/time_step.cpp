@@ -1,0 +1,221 @@
+#include "engine/reference/time_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace weft::reference {
+namespace {
+
+// What is left over of a sum counts as nothing when it is less than the rounding of the terms, a few operations each.
+constexpr double kRounded = 4 * std::numeric_limits<double>::epsilon();
+
+// Ends closer than this (m) have no direction; the engine leaves such a link out too.
+constexpr double kCoincident = 1e-10;
+
+// A Newton step need not solve its system better than the next one can use.
+constexpr double kForcing = 1e-3;
+
+// More conjugate gradients than this and the kept factor is too old. A new one costs as much as a few dozen of them.
+constexpr std::uint32_t kPatience = 40;
+constexpr std::uint32_t kMostGradients = 1000;
+
+}  // namespace
+
+TimeStep::TimeStep(Energies energies) : energies_(std::move(energies)), masses_(energies_.inverse_masses.size()) {
+  for (Eigen::Index i = 0; i < masses_.size(); ++i) masses_[i] = energies_.inverse_masses[i] > 0 ? 1 / energies_.inverse_masses[i] : 1;
+  now_.u = Positions::Zero(3, masses_.size());
+  now_.lambda = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(energies_.links.size()));
+}
+
+void TimeStep::begin(const Positions& free_motion, const Positions& guess) {
+  y_ = free_motion;
+  now_.u = guess;
+}
+
+// l of a bend and the size of what it is summed up from; from differences: the same wherever the cloth is.
+TimeStep::Curl TimeStep::curl(const BendEnergy& bend, const Positions& u) const {
+  Curl curl{Eigen::Vector3d::Zero(), 0};
+  const std::uint32_t first = bend.particle[0];
+  for (int j = 1; j < 4; ++j) {
+    const Eigen::Vector3d d = (y_.col(bend.particle[j]) - y_.col(first)) + (u.col(bend.particle[j]) - u.col(first));
+    curl.l += bend.k[j] * d;
+    curl.terms += std::abs(bend.k[j]) * d.norm();
+  }
+  return curl;
+}
+
+// Also lets go of the multipliers of slack links.
+TimeStep::Residual TimeStep::evaluate(State& state) const {
+  Residual residual;
+  residual.frames.reserve(energies_.links.size());
+  residual.force = state.u * masses_.asDiagonal();
+  residual.potential = 0.5 * residual.force.cwiseProduct(state.u).sum();
+  Eigen::VectorXd terms = Eigen::VectorXd::Zero(masses_.size());   // kg m, what a particle's force is summed up from
+  double asked = 0;                                                // m, by links
+  for (std::size_t e = 0; e < energies_.links.size(); ++e) {
+    const LinkEnergy& link = energies_.links[e];
+    double& lambda = state.lambda[static_cast<Eigen::Index>(e)];
+    // y does not change during a step, so its rounding does not either.
+    const Eigen::Vector3d d = (y_.col(link.a) - y_.col(link.b)) + (state.u.col(link.a) - state.u.col(link.b));
+    const double length = d.norm(), c = length - link.rest;
+    const double value = c + link.softness * lambda;
+    const bool pulls = !link.only_pulls || lambda - value / (link.weight + link.softness) < 0;
+    const bool active = pulls && length > kCoincident;
+    if (!active) lambda = 0;
+    const Eigen::Vector3d normal = active ? Eigen::Vector3d(d / length) : Eigen::Vector3d::Zero();
+    residual.frames.push_back({normal, length, active ? value : 0, active});
+    residual.force.col(link.a) -= lambda * normal;
+    residual.force.col(link.b) += lambda * normal;
+    terms[link.a] += std::abs(lambda);
+    terms[link.b] += std::abs(lambda);
+    if (active && !(link.only_pulls && c < 0)) residual.potential += c * c / (2 * link.softness);
+    if (active && std::abs(value) > kRounded * link.rest) asked = std::max(asked, std::abs(value) * link.weight / (link.weight + link.softness));
+    else residual.frames.back().value = 0;
+  }
+  for (const BendEnergy& bend : energies_.bends) {
+    const auto [l, size] = curl(bend, state.u);
+    residual.potential += 0.5 * bend.stiffness * l.squaredNorm();
+    for (int j = 0; j < 4; ++j) {
+      residual.force.col(bend.particle[j]) += bend.stiffness * bend.k[j] * l;
+      terms[bend.particle[j]] += bend.stiffness * std::abs(bend.k[j]) * size;
+    }
+  }
+  residual.size = asked;
+  for (Eigen::Index i = 0; i < masses_.size(); ++i) {
+    if (energies_.inverse_masses[i] == 0) residual.force.col(i).setZero();
+    const double force = residual.force.col(i).norm();
+    if (force > kRounded * terms[i]) residual.size = std::max(residual.size, force / masses_[i]);
+  }
+  return residual;
+}
+
+// The matrix of a Newton step times p. `projected` leaves out what makes it indefinite: links under compression buckle.
+Positions TimeStep::apply(const Residual& at, const Eigen::VectorXd& lambda, const Positions& p, bool projected) const {
+  Positions result = p * masses_.asDiagonal();
+  for (std::size_t e = 0; e < energies_.links.size(); ++e) {
+    const LinkFrame& frame = at.frames[e];
+    if (!frame.active) continue;
+    const LinkEnergy& link = energies_.links[e];
+    const double pull = -lambda[static_cast<Eigen::Index>(e)] / frame.length;   // of the geometric part, kg
+    const double across = projected ? std::max(pull, 0.0) : pull;
+    const Eigen::Vector3d d = p.col(link.a) - p.col(link.b);
+    const Eigen::Vector3d product = ((1 / link.softness - across) * frame.normal.dot(d)) * frame.normal + across * d;
+    result.col(link.a) += product;
+    result.col(link.b) -= product;
+  }
+  for (const BendEnergy& bend : energies_.bends) {
+    const auto [p0, p1, p2, p3] = bend.particle;
+    const Eigen::Vector3d l = bend.k[1] * (p.col(p1) - p.col(p0)) + bend.k[2] * (p.col(p2) - p.col(p0)) + bend.k[3] * (p.col(p3) - p.col(p0));
+    for (int j = 0; j < 4; ++j) result.col(bend.particle[j]) += bend.stiffness * bend.k[j] * l;
+  }
+  for (Eigen::Index i = 0; i < masses_.size(); ++i)
+    if (energies_.inverse_masses[i] == 0) result.col(i) = p.col(i);
+  return result;
+}
+
+// The projected matrix without links of several edges. Slack links stand in it with zeros, so that the pattern never changes.
+void TimeStep::factorise(const Residual& at, const Eigen::VectorXd& lambda) {
+  entries_.clear();
+  const auto add = [&](std::uint32_t row, std::uint32_t column, const Eigen::Matrix3d& block) {
+    if (row < column || energies_.inverse_masses[row] == 0 || energies_.inverse_masses[column] == 0) return;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < (row == column ? i + 1 : 3); ++j) entries_.emplace_back(3 * row + i, 3 * column + j, block(i, j));
+  };
+  const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
+  for (Eigen::Index i = 0; i < masses_.size(); ++i)
+    for (int k = 0; k < 3; ++k) entries_.emplace_back(3 * i + k, 3 * i + k, masses_[i]);
+  for (std::size_t e = 0; e < energies_.links.size(); ++e) {
+    const LinkEnergy& link = energies_.links[e];
+    if (!link.near) continue;
+    const LinkFrame& frame = at.frames[e];
+    Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
+    if (frame.active) {
+      const double across = std::max(-lambda[static_cast<Eigen::Index>(e)] / frame.length, 0.0);
+      block = (1 / link.softness - across) * frame.normal * frame.normal.transpose() + across * identity;
+    }
+    add(link.a, link.a, block);
+    add(link.b, link.b, block);
+    add(std::max(link.a, link.b), std::min(link.a, link.b), -block);
+  }
+  for (const BendEnergy& bend : energies_.bends)
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j) add(bend.particle[i], bend.particle[j], bend.stiffness * bend.k[i] * bend.k[j] * identity);
+  matrix_.resize(3 * masses_.size(), 3 * masses_.size());
+  matrix_.setFromTriplets(entries_.begin(), entries_.end());
+  if (!analysed_) factor_.analyzePattern(matrix_);
+  analysed_ = true;
+  factor_.factorize(matrix_);
+}
+
+bool TimeStep::solve_linear(const Residual& at, const Eigen::VectorXd& lambda, const Positions& rhs, bool projected, double enough, Positions& du) {
+  const auto dot = [](const Positions& a, const Positions& b) { return a.cwiseProduct(b).sum(); };
+  const auto size = [&](const Positions& r) { return (r.colwise().norm().transpose().array() / masses_.array()).maxCoeff(); };
+  const auto precondition = [&](const Positions& r) -> Positions {
+    const Eigen::VectorXd z = factor_.solve(Eigen::Map<const Eigen::VectorXd>(r.data(), r.size()));
+    return Eigen::Map<const Positions>(z.data(), 3, r.cols());
+  };
+  du = Positions::Zero(3, rhs.cols());
+  Positions r = rhs, z = precondition(r), p = z;
+  double rho = dot(r, z);
+  
+  for (gradients_ = 0; gradients_ < kMostGradients && size(r) > enough; ++gradients_) {
+    const Positions q = apply(at, lambda, p, projected);
+    const double curvature = dot(p, q);
+    if (!(curvature > 0)) return false;
+    const double step = rho / curvature;
+    du += step * p;
+    r -= step * q;
+    z = precondition(r);
+    const double next = dot(r, z);
+    p = z + (next / rho) * p;
+    rho = next;
+  }
+  return true;
+}
+
+bool TimeStep::solve(double tolerance, double scale, std::uint32_t most_steps) {
+  Residual at = evaluate(now_);
+  for (std::uint32_t step = 0;; ++step) {
+    const double target = tolerance * std::max(scale, now_.u.colwise().norm().maxCoeff());
+    if (at.size <= target) return true;
+    if (step == most_steps || !std::isfinite(at.size)) return false;
+    ++newton_steps_;
+    if (!analysed_ || gradients_ > kPatience) factorise(at, now_.lambda);
+
+    Positions rhs = -at.force;
+    for (std::size_t e = 0; e < energies_.links.size(); ++e) {
+      const LinkEnergy& link = energies_.links[e];
+      const Eigen::Vector3d pull = at.frames[e].value / link.softness * at.frames[e].normal;
+      rhs.col(link.a) -= pull;
+      rhs.col(link.b) += pull;
+    }
+    for (Eigen::Index i = 0; i < masses_.size(); ++i)
+      if (energies_.inverse_masses[i] == 0) rhs.col(i).setZero();
+    Positions du;
+    const double enough = std::max(kForcing * at.size, 0.1 * target);
+    if (!solve_linear(at, now_.lambda, rhs, false, enough, du)) solve_linear(at, now_.lambda, rhs, true, enough, du);
+    Eigen::VectorXd dlambda = Eigen::VectorXd::Zero(now_.lambda.size());
+    for (std::size_t e = 0; e < energies_.links.size(); ++e) {
+      const LinkEnergy& link = energies_.links[e];
+      const LinkFrame& frame = at.frames[e];
+      if (frame.active) dlambda[static_cast<Eigen::Index>(e)] = -(frame.value + frame.normal.dot(du.col(link.a) - du.col(link.b))) / link.softness;
+    }
+
+    // A whole step overshoots the potential of a stiff link by its curvature though it is nearer to the solution (Maratos
+    // effect), so either measure may fall.
+    double length = 1;
+    for (int halvings = 0;; ++halvings, length *= 0.5) {
+      State next{now_.u + length * du, now_.lambda + length * dlambda};
+      Residual there = evaluate(next);
+      if (there.size < at.size || there.potential < at.potential) {
+        now_ = std::move(next);
+        at = std::move(there);
+        break;
+      }
+      if (halvings == 20) return false;
+    }
+  }
+}
+
+}  // namespace weft::reference

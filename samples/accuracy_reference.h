@@ -1,0 +1,28 @@
+// References for an accuracy sweep: the same scene solved by Newton's method in double precision (engine/reference/trajectory.h),
+// kept on disk, since they cost more than all that is compared with them.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "engine/reference/trajectory.h"
+#include "engine/scene.h"
+
+namespace weft::command {
+
+/// FNV-1a over bytes, to tell scenes and what was cooked from them apart; in 16 hexadecimal digits.
+class Fingerprint {
+ public:
+  Fingerprint& add(const void* bytes, std::size_t count);
+  Fingerprint& add(std::string_view text) { return add(text.data(), text.size()); }
+  std::string text() const;
+
+ private:
+  std::uint64_t hash_ = 0xcbf29ce484222325u;
+};
+
+/// The scene's run of `frames` frames in time steps of 1 / (rate substeps). Taken from `folder` if it was kept there, and kept there
+/// otherwise; the name tells the scene, what was cooked from it, the frames and the step. Errors: those of integrate_newton, and "stopped" after ctrl-C.
+Result<reference::Trajectory> reference_run(Scene scene, std::uint32_t substeps, std::uint32_t frames, const std::filesystem::path& folder);
+
+}  // namespace weft::command
