@@ -167,7 +167,7 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
                                   particles, particles, 2 * particles,
                                   // Springs, and the system of the method implicit.
                                   particles, fours, 4 * fours, 4 * fours, 2 * particles, (relaxed ? 3 : 1) * particles, (relaxed ? 1 : 5) * particles,
-                                  2 * particles, 2, fabric.materials.size(),
+                                  particles, 1, fabric.materials.size(),
                                   // Gauss-Seidel; Chebyshev.
                                   links, links, stretch_pairs, bends, 3 * particles, 1};
   constexpr auto grows = [](gpu::Binding binding) {

@@ -125,7 +125,8 @@ struct Collider {
 };
 
 /// How a substep is solved; the README's section on solvers tells them apart.
-enum class Method { jacobi, gauss_seidel, chebyshev, mass_spring, verlet, implicit };
+/// `automatic`, in JSON "auto", is replaced by what SolverSettings::budget_ms buys when a simulation is created (reference/choice.h).
+enum class Method { jacobi, gauss_seidel, chebyshev, mass_spring, verlet, implicit, automatic };
 
 /// How the method implicit solves its equations: conjugate gradients, or damped block Jacobi, both preconditioned by 3x3 blocks.
 enum class Linear { cg, jacobi };
@@ -137,6 +138,7 @@ struct SolverSettings {
   std::uint32_t substeps = 0;   // 0: the default that the README gives its reasons for
   std::uint32_t iterations = 1; // 1 ... 1000
   Method method = Method::jacobi;
+  std::optional<double> budget_ms;   // of a frame; method automatic only
   Linear linear = Linear::cg;   // method implicit only
   Averaging averaging = Averaging::mass_split;
   double relaxation = 0;        // over-relaxation omega, below most_relaxation; 0: relaxation_of

@@ -51,7 +51,7 @@ using Names = std::span<const std::string_view>;
 inline constexpr std::array<std::string_view, 2> kTopologies = {"diagonal", "centre"};
 inline constexpr std::array<std::string_view, 4> kCorners = {"low_low", "high_low", "low_high", "high_high"};
 inline constexpr std::array<std::string_view, 5> kShapes = {"plane", "sphere", "capsule", "box", "mesh"};
-inline constexpr std::array<std::string_view, 6> kMethods = {"jacobi", "gauss_seidel", "chebyshev", "mass_spring", "verlet", "implicit"};
+inline constexpr std::array<std::string_view, 7> kMethods = {"jacobi", "gauss_seidel", "chebyshev", "mass_spring", "verlet", "implicit", "auto"};
 inline constexpr std::array<std::string_view, 2> kLinears = {"cg", "jacobi"};
 inline constexpr std::array<std::string_view, 2> kAveragings = {"mass_split", "count"};
 inline constexpr std::array<std::string_view, 3> kMeshEndings = {".gltf", ".glb", ".obj"};
@@ -196,6 +196,7 @@ void fields(V& v, SolverSettings& solver) {
   v.whole("substeps", solver.substeps, between(0, 1000));
   v.whole("iterations", solver.iterations, between(1, 1000));
   v.choice("method", solver.method, kMethods);
+  v.optional_number("budget_ms", solver.budget_ms, above(0, 1e4, "ms"));
   v.choice("linear", solver.linear, kLinears);
   v.choice("averaging", solver.averaging, kAveragings);
   v.number("relaxation", solver.relaxation, below(0, 2));

@@ -45,6 +45,11 @@ std::string relaxation_fault(const Scene& scene) {
 std::string method_fault(const Scene& scene) {
   const std::string named = '"' + std::string(scene_fields::kMethods[static_cast<std::size_t>(scene.solver.method)]) + '"';
   const Method method = scene.solver.method;
+  const bool automatic = method == Method::automatic;
+  if (automatic && !scene.solver.budget_ms) return named + " needs solver.budget_ms, the milliseconds that a frame may take";
+  if (!automatic && scene.solver.budget_ms) return named + " takes the time it takes, and solver.budget_ms is there: \"auto\" chooses by it";
+  if (automatic && (scene.solver.substeps != 0 || scene.solver.iterations != 1))
+    return named + " chooses substeps and iterations, and solver has some: leave them away";
   for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
     const Cloth& cloth = scene.cloths[i];
     const std::string path = "cloths[" + std::to_string(i) + "].";

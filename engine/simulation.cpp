@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/reference/choice.h"
 #include "engine/simulation_state.h"
 
 namespace weft {
@@ -25,8 +26,14 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
   return create(device, scene, std::move(*meshes), options);
 }
 
-Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& device, const Scene& scene, std::vector<Mesh> meshes,
+Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& device, const Scene& described, std::vector<Mesh> meshes,
                                                        const SimulationOptions& options) {
+  std::string chosen_by;
+  std::uint64_t points = 0;
+  for (std::size_t k = 0; k < std::min(described.cloths.size(), meshes.size()); ++k) points += meshes[k].points.size();
+  const auto chosen = with_choice(described, points, options.curve ? *options.curve : builtin_curve(), chosen_by);
+  if (!chosen) return fail(chosen.error());
+  const Scene& scene = *chosen;
   auto state = std::make_unique<State>();
   state->device = &device;
   state->scene = scene;
@@ -35,6 +42,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
   auto fabric = cook(scene, meshes);
   if (!fabric) return fabric.take_error();
   state->fabric = std::move(*fabric);
+  if (!chosen_by.empty()) state->fabric.notes.push_back(chosen_by);
   state->meshes = std::move(meshes);
   auto cache = compute::PipelineCache::create(device, options.pipeline_cache);
   if (!cache) return cache.take_error();

@@ -43,6 +43,8 @@
 
 namespace weft {
 
+struct Curve;
+
 struct SimulationOptions {
   /// A timestamp pair around every pass. Costs time: whole-frame times are taken without.
   bool timings = false;
@@ -52,6 +54,8 @@ struct SimulationOptions {
   std::filesystem::path pipeline_cache;
   /// Gather through storage buffers instead of texel buffers (shared.h says what that is for).
   bool gather_storage = false;
+  /// What "method": "auto" chooses from (reference/choice.h); null: the curve that is built in. Read in create only.
+  const Curve* curve = nullptr;
   /// Threads a workgroup; 0 chooses for the device.
   std::uint32_t workgroup = 0;
 };

@@ -129,6 +129,7 @@ Result<void> Solver::create_buffers(const Scene& scene, const CookedFabric& fabr
   std::vector<gpu::uvec4> triangles;
   if (has(gpu::triangles))
     for (const auto& [a, b, c] : fabric.triangles) triangles.push_back({a, b, c, 0});
+  const std::vector<gpu::Linear> linear(1);
   std::vector<gpu::FreeCloth> free_cloths(fabric.materials.size());
   for (std::size_t k = 0; k < fabric.cloths.size(); ++k)
     if (fabric.cloths[k].anchors == 0) free_cloths[k] = {fabric.cloths[k].first_particle, fabric.cloths[k].particles, {0, 0, 0}};
@@ -151,6 +152,7 @@ Result<void> Solver::create_buffers(const Scene& scene, const CookedFabric& fabr
       {gpu::acceleration, bytes_of(acceleration)},         {gpu::contact_sums, bytes_of(sums)},                 {gpu::fractions, bytes_of(fractions)},
       {gpu::spring_rows, bytes_of(fabric.spring_rows.rows)}, {gpu::spring_ends, bytes_of(fabric.spring_rows.ends)},
       {gpu::springs, bytes_of(fabric.spring_rows.springs)}, {gpu::free_cloths, bytes_of(free_cloths)},
+      {gpu::linear, bytes_of(linear)},
   };
   std::vector<compute::Upload> uploads;
   for (const auto& [binding, bytes] : contents)

@@ -54,6 +54,22 @@ struct AccuracyOptions {
 };
 Exit accuracy(const AccuracyOptions& options);
 
+struct ContactOptions {
+  std::filesystem::path file;
+  std::filesystem::path out = "out/contacts";
+  std::uint32_t frames = 120;
+  bool quick = false;           // two small sizes only
+  std::string device;
+  std::vector<Assignment> assignments;
+};
+Exit contacts(const ContactOptions& options);
+struct ImplicitOptions {
+  std::filesystem::path out = "out";
+  bool quick = false;           // four rows a processor instead of 56
+  std::string device;
+};
+Exit implicit(const ImplicitOptions& options);
+
 Exit info();
 Exit check(const std::filesystem::path& file);
 

@@ -32,15 +32,23 @@ Result<void> make_folder(const std::filesystem::path& folder) {
   return {};
 }
 
-std::filesystem::path pipeline_cache() {
+namespace {
+
+// A file among those that can be made again; empty where no home is known.
+std::filesystem::path cached(const std::string& name) {
   const auto in = [](const char* variable, const char* rest) {
     const char* value = std::getenv(variable);
     return value && *value ? std::filesystem::path(value) / rest : std::filesystem::path();
   };
-  std::filesystem::path file = in("XDG_CACHE_HOME", "weft/pipelines");
-  if (file.empty()) file = in("HOME", ".cache/weft/pipelines");
-  return file;
+  std::filesystem::path folder = in("XDG_CACHE_HOME", "weft");
+  if (folder.empty()) folder = in("HOME", ".cache/weft");
+  return folder.empty() ? folder : folder / name;
 }
+
+}  // namespace
+
+std::filesystem::path pipeline_cache() { return cached("pipelines"); }
+std::filesystem::path curve_file(std::string_view device) { return cached("curve-" + file_name(device) + ".csv"); }
 
 std::string file_name(std::string_view name) {
   std::string plain(name.substr(0, 100));

@@ -15,6 +15,9 @@ Result<void> write_text(const std::filesystem::path& file, std::string_view text
 /// Makes the folder and those above it.
 Result<void> make_folder(const std::filesystem::path& folder);
 
+/// Where `weft accuracy --save` keeps a device's curve, and "method": "auto" looks for it; empty where no home is known.
+std::filesystem::path curve_file(std::string_view device);
+
 /// Where compiled pipelines are kept between runs; empty where no home is known.
 std::filesystem::path pipeline_cache();
 

@@ -72,6 +72,7 @@ Result<Figures> figures_of(const Simulation& simulation) {
   figures.tethers = fabric.tether_count;
   figures.contacts = contacts_on(simulation.scene());
   figures.chebyshev = simulation.scene().solver.method == Method::chebyshev;
+  figures.implicit = simulation.scene().solver.method == Method::implicit;
   figures.mesh_colliders = !fabric.collider_meshes.empty();
   figures.buffers = simulation.buffers();
   figures.strain = measure_strain(fabric, *positions);
@@ -123,6 +124,8 @@ std::string report_json(const Figures& figures, const PassTimes& times) {
   if (const Counts& counts = figures.counts; figures.contacts)
     report["contacts"] = {{"max", counts.contacts_most}, {"lost", counts.contacts_lost}, {"truncated", counts.truncated}, {"detections", counts.detections}};
   if (figures.chebyshev) report["unaccelerated"] = figures.counts.unaccelerated;
+  if (const Counts& counts = figures.counts; figures.implicit)
+    report["linear"] = {{"residual", counts.residual}, {"unconverged", counts.unconverged}, {"stopped", counts.stopped}};
   report["clamped_seconds"] = figures.clamped_seconds;
   report["hash"] = hash;
   constexpr int kIndent = 2;

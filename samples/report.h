@@ -53,7 +53,7 @@ struct Figures {
   bool timed_on_cpu = false;     // no timestamps on this device
   std::size_t particles = 0, edges = 0, bends = 0;   // of cloth
   std::uint64_t tethers = 0;
-  bool contacts = false, mesh_colliders = false, chebyshev = false;   // whether the scene has them
+  bool contacts = false, mesh_colliders = false, chebyshev = false, implicit = false;   // whether the scene has them
   std::vector<BufferUse> buffers;
   std::optional<Spread> frame;   // ms, whole frames without timestamps; none when no frame was timed
   Strain strain;

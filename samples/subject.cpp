@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <fstream>
+#include <iterator>
 
+#include "engine/reference/choice.h"
 #include "engine/shading/image.h"
 #include "samples/console.h"
 #include "samples/files.h"
@@ -52,13 +55,33 @@ std::vector<std::string> file_faults(const Scene& scene) {
   return faults;
 }
 
+namespace {
+
+// The device's own curve, for scenes that choose by one; nothing where none was saved.
+Result<std::optional<Curve>> saved_curve(const compute::Device& device, const Scene& scene) {
+  const std::filesystem::path file = curve_file(device.name());
+  if (scene.solver.method != Method::automatic || !std::filesystem::exists(file)) return std::optional<Curve>();
+  std::ifstream stream(file, std::ios::binary);
+  auto curve = parse_curve(std::string{std::istreambuf_iterator<char>(stream), {}});
+  if (!curve) return fail(file.string(), ": ", curve.error(), "; weft accuracy --save writes a new one");
+  return std::optional<Curve>(std::move(*curve));
+}
+
+}  // namespace
+
 Started start(const compute::Device& device, const Scene& scene, bool timings) {
   Result<std::vector<Mesh>> meshes = make_meshes(scene);
   if (!meshes) {
     complain(meshes.error());
     return {nullptr, kBadInput};
   }
+  const auto curve = saved_curve(device, scene);
+  if (!curve) {
+    complain(curve.error());
+    return {nullptr, kBadInput};
+  }
   SimulationOptions options;
+  options.curve = *curve ? &**curve : nullptr;
   options.timings = timings;
   options.pipeline_cache = pipeline_cache();
   auto simulation = Simulation::create(device, scene, *meshes, options);

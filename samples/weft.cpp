@@ -74,6 +74,15 @@ int main(int count, char** arguments) {
   add_set(*time_command, sets);
   time_command->add_option("--device", time_options.device, "Index or part of the name; weft info lists them");
 
+  ContactOptions contact_options;
+  CLI::App* contacts_command = app.add_subcommand("contacts", "Measure what contacts cost over the size of a sheet and of the hash's cells");
+  contacts_command->add_option("scene", file, "A scene (JSON) whose cloths are grids")->required()->type_name("SCENE");
+  contacts_command->add_option("--frames", contact_options.frames, "Frames of each size")->check(CLI::Range(4u, kMostFrames))->capture_default_str();
+  contacts_command->add_flag("--quick", contact_options.quick, "Two small sizes only");
+  contacts_command->add_option("--out", contact_options.out, "Where files go")->type_name("DIR")->capture_default_str();
+  add_set(*contacts_command, sets);
+  contacts_command->add_option("--device", contact_options.device, "Index or part of the name; weft info lists them");
+
   AccuracyOptions accuracy_options;
   std::uint32_t accuracy_frames = 0, reference_cells = 0;
   std::string budget;
@@ -91,6 +100,12 @@ int main(int count, char** arguments) {
   accuracy_command->add_option("--out", accuracy_options.out, "Where files go, and where a sweep that was interrupted goes on")->type_name("DIR")->capture_default_str();
   add_set(*accuracy_command, sets);
   accuracy_command->add_option("--device", accuracy_options.device, "Index or part of the name; weft info lists them");
+
+  ImplicitOptions implicit_options;
+  CLI::App* implicit_command = app.add_subcommand("implicit", "Tabulate speed and error of the implicit method, on the processor and on the device");
+  implicit_command->add_flag("--quick", implicit_options.quick, "Only 100 and 900 particles, 10 and 30 iterations");
+  implicit_command->add_option("--out", implicit_options.out, "Where implicit.csv goes")->type_name("DIR")->capture_default_str();
+  implicit_command->add_option("--device", implicit_options.device, "Index or part of the name; weft info lists them");
 
   CLI::App* info_command = app.add_subcommand("info", "List Vulkan devices and what they support");
   CLI::App* check_command = app.add_subcommand("check", "Name everything that is wrong with a scene or a mesh");
@@ -110,11 +125,17 @@ int main(int count, char** arguments) {
     return kBadInput;
   }
   if (*info_command) return info();
+  if (*implicit_command) return implicit(implicit_options);
   if (*check_command) return check(file);
   if (*time_command) {
     time_options.file = file;
     time_options.assignments = std::move(assignments);
     return time(time_options);
+  }
+  if (*contacts_command) {
+    contact_options.file = file;
+    contact_options.assignments = std::move(assignments);
+    return contacts(contact_options);
   }
   if (*accuracy_command) {
     accuracy_options.file = file;

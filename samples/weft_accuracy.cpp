@@ -10,6 +10,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "engine/reference/choice.h"
 #include "samples/accuracy_page.h"
 #include "samples/accuracy_reference.h"
 #include "samples/accuracy_sweep.h"
@@ -238,6 +239,13 @@ Exit accuracy(const AccuracyOptions& options) {
   if (const Result<void> written = write_png(options.out / "curve.png", picture(drawing)); !written) return failed(written.error());
   for (const bool tethers : plan.tethers) print_front(swept.curve, tethers);
   if (options.budget_ms) print_budget(swept.curve, plan.tethers.front(), *options.budget_ms);
+  if (options.save) {
+    const std::filesystem::path file = curve_file((*device)->name());
+    if (file.empty()) return failed("--save: neither XDG_CACHE_HOME nor HOME says where");
+    if (const Result<void> made = make_folder(file.parent_path()); !made) return failed(made.error());
+    if (const Result<void> written = write_text(file, curve_csv(condensed(swept.curve))); !written) return failed(written.error());
+    std::printf("Saved for scenes whose solver is \"auto\": %s\n", file.string().c_str());
+  }
   std::printf("Written: curve.csv, curve.svg, curve.png, curve.html in %s\n", options.out.string().c_str());
   if (!interrupted()) return kDone;
   complain("Interrupted after " + std::to_string(swept.curve.points.size()) + " settings; the same command goes on from here");

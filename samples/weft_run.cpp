@@ -99,6 +99,9 @@ void print(const Figures& figures, double rate) {
   else if (found)
     std::printf("Cloth crosses %s: %llu pairs of edge and triangle in the worst frame, %llu in the last\n", what,
                 static_cast<unsigned long long>(found->max), static_cast<unsigned long long>(found->final));
+  if (const Counts& counts = figures.counts; figures.implicit && counts.unconverged > 0)
+    std::printf("%u substeps were solved to worse than 1 %% (the last to %.2g %%): more iterations or shorter substeps do better\n", counts.unconverged,
+                100 * counts.residual);
   if (const Counts& counts = figures.counts; figures.contacts) {
     std::printf("Contacts: up to %u pairs, searched for %u times; %u times a particle was stopped short\n", counts.contacts_most, counts.detections,
                 counts.truncated);

@@ -1,8 +1,8 @@
 // What the passes of an implicit substep share: the block on the diagonal, and sums over all particles.
 //
-// A sum is made in two stages, each in a fixed order, so that it has the same bits every time: a workgroup adds up its own
-// particles and writes a partial sum, and every workgroup of the next dispatch adds up all of these for itself. That costs
-// no dispatch of its own, and no atomics.
+// A sum is made in two stages, each in a fixed order, so that it has the same bits every time: every workgroup adds up its own
+// particles and leaves a partial sum, and the workgroup that happens to be the last adds these up. It alone then says how
+// the solve goes on. That costs no dispatch of its own and no atomics but a count.
 
 // ---- the block on the diagonal: D = C C^T; `inverses` has the inverse of C, lower triangular, so that D^-1 stays positive
 // whatever rounding does.
@@ -26,36 +26,34 @@ vec3 preconditioned(Inverse c, vec3 r) {
 
 shared vec4 values[gl_WorkGroupSize.x];
 
-const uint kLeaders = 16;
-
-// Of all threads of a workgroup, which must all call it. For the first thread alone.
+// Of all threads of a workgroup, which must all call it. For the first thread, which adds up alone: a barrier more, for others to help
+// it, costs the software driver more than that.
 vec4 sum_of_group(vec4 value) {
-  const uint thread = gl_LocalInvocationID.x;
-  barrier();   // the sum of an earlier call may still be read
-  values[thread] = value;
+  values[gl_LocalInvocationID.x] = value;
   barrier();
-  vec4 sum = vec4(0);
-  if (thread < kLeaders)
-    for (uint k = thread; k < gl_WorkGroupSize.x; k += kLeaders) sum += values[k];
-  barrier();
-  if (thread < kLeaders) values[thread] = sum;
-  barrier();
-  if (thread == 0)
-    for (uint k = 1; k < min(kLeaders, gl_WorkGroupSize.x); ++k) sum += values[k];
-  return sum;
+  if (gl_LocalInvocationID.x == 0)
+    for (uint k = 1; k < gl_WorkGroupSize.x; ++k) value += values[k];
+  return value;
 }
 
-uint groups() { return (push.count + gl_WorkGroupSize.x - 1) / gl_WorkGroupSize.x; }
-
 #ifdef SUMS
-// Of what all workgroups of a dispatch left in this half of partial_sums. For every thread.
-vec4 sum_of_groups(uint half_at) {
-  vec4 value = vec4(0);
-  for (uint k = gl_LocalInvocationID.x; k < groups(); k += gl_WorkGroupSize.x) value += partial_sums[half_at * groups() + k];
-  const vec4 sum = sum_of_group(value);
+shared bool last;
+
+// Of all threads of a dispatch, which must all call it. True for one thread, which then has the sum.
+bool sum_of_all(vec4 value, out vec4 sum) {
+  const uint thread = gl_LocalInvocationID.x;
+  sum = sum_of_group(value);
+  if (thread == 0) {
+    partial_sums[gl_WorkGroupID.x] = sum;
+    memoryBarrierBuffer();
+    last = atomicAdd(linear[0].arrived, 1) == gl_NumWorkGroups.x - 1;
+  }
   barrier();
-  if (gl_LocalInvocationID.x == 0) values[0] = sum;
-  barrier();
-  return values[0];
+  if (!last) return false;
+  memoryBarrierBuffer();
+  value = vec4(0);
+  for (uint k = thread; k < gl_NumWorkGroups.x; k += gl_WorkGroupSize.x) value += partial_sums[k];
+  sum = sum_of_group(value);
+  return thread == 0;
 }
 #endif

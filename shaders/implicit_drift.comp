@@ -5,19 +5,16 @@
 #include "shared.h"
 
 GATHER(inverses)
-READ(vec4, partial_sums)
 READ(Linear, linear)
 READ_WRITE(FreeCloth, free_cloths)
 
 layout(push_constant, scalar) uniform Constants { Push push; };
 
-#define SUMS
 #include "implicit.glsl"
-#include "implicit_jacobi.glsl"
 #include "implicit_change.glsl"
 
 void main() {
-  const Linear state = solved();
+  const Linear state = linear[0];
   const FreeCloth cloth = free_cloths[gl_WorkGroupID.x];
   vec4 sum = vec4(0);
   for (uint k = gl_LocalInvocationID.x; k < cloth.particles; k += gl_WorkGroupSize.x) {

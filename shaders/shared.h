@@ -59,8 +59,8 @@
   X(44, inverses,       vec4)     /* 2 x particles  inverse Cholesky factor of the diagonal block: xx yy zz, mass (kg; 0: held); yx zx zy, unused */ \
   X(45, exchanged,      vec4)     /* particles x 1 or 3  what particles tell each other in a solve: preconditioned residuals, or Jacobi's last iterates (m/s) */ \
   X(46, krylov,         vec4)     /* particles x 5 or 1  residual (kg m/s); of conjugate gradients also change (m/s), product, search direction, its image */ \
-  X(47, partial_sums,   vec4)     /* 2 x particles  sums of workgroups (implicit.glsl) */                                \
-  X(48, linear,         Linear)   /* 2              where the solve is: written and read by turns */                     \
+  X(47, partial_sums,   vec4)     /* particles      sums of workgroups (implicit.glsl) */                                \
+  X(48, linear,         Linear)   /* 1              where the solve is */                                                \
   X(49, free_cloths,    FreeCloth) /* cloths        whose momentum a solve must not change */           \
   X(50, coloured_links, uvec4)    /* links          colour after colour (pack_coloured) */                               \
   X(51, coloured_lambda, uint)    /* links          bits of their multipliers */                                           \
@@ -108,6 +108,7 @@ const uint near_edges_binding = contact_normals_binding, near_faces_binding = co
 #define READ(element, name) WEFT_BUFFER(readonly, element, name)
 #define WRITE(element, name) WEFT_BUFFER(writeonly, element, name)
 #define READ_WRITE(element, name) WEFT_BUFFER(, element, name)
+#define SHARE(element, name) WEFT_BUFFER(coherent, element, name)   // workgroups of one dispatch read what others wrote
 
 // A gather reads through texel buffers, which the software driver fetches twice as fast as it loads from storage buffers;
 // that holds for the thread's own elements too. GATHER_STORAGE builds the other variant, for devices that prefer it or whose
@@ -231,9 +232,10 @@ struct Linear {
   float squared;      // ... before the last iteration
   float gamma;        // r . z of the last iteration
   float step;         // how far it went along its direction
-  float next;         // how much of the direction goes over into the next one; Jacobi: what its iterate is to be multiplied by
+  float next;         // how much of the direction before goes over into this one; Jacobi: what its iterate is to be multiplied by
   uint iterate;       // Jacobi: which of the three is the best so far
   uint done;          // 1: nothing more to gain, 2: broken off
+  uint arrived;       // workgroups of the dispatch at hand that have summed up; 0 between dispatches
 };
 
 /// Arguments of an indirect dispatch.
@@ -297,7 +299,7 @@ struct Push {
 #define WEFT_LAST_SUBSTEP 2u    // of the frame: no further prediction
 #define WEFT_FIRST_ITERATION 4u // of the substep: multipliers start at zero
 #define WEFT_ROUND_SHIFT 8u      // bits 8 to 10: which round of a pass that runs in several
-#define WEFT_TURN_SHIFT 12u      // bits 12 and 13: substeps modulo 3
+#define WEFT_TURN_SHIFT 16u      // bits 16 and 17: substeps modulo 3
 #define WEFT_ANCHORS_MOVE 8u    // in this frame: each anchor's next place is known to the anchor pass alone
 
 
@@ -391,7 +393,7 @@ inline uvec2 pack_link(const Link& link) {
 }
 
 static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 40 && sizeof(Push) == 96 && sizeof(Linear) == 28 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 280);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 40 && sizeof(Push) == 96 && sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 280);
 static_assert(sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);
 

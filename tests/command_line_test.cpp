@@ -220,12 +220,36 @@ TEST_F(CommandLine, a_run_over_a_mesh_reports_its_contacts_and_exports_cloth_alo
 
 TEST_F(CommandLine, two_processes_end_in_the_same_bits) {
   const std::string sheet = write("sheet.json", kSheet);
-  std::string hashes[2];
-  for (std::string& hash : hashes) {
-    ASSERT_EQ(weft({"run", sheet, "--frames", "20", "--no-picture", "--out", out()}).exit, 0);
-    hash = json::parse(read(folder / "out/report.json"), nullptr, false)["hash"];
+  for (const char* solver : {R"(solver={})", R"(solver={"method": "implicit", "iterations": 9})", R"(solver={"method": "implicit", "iterations": 9, "linear": "jacobi"})"}) {
+    std::string hashes[2];
+    for (std::string& hash : hashes) {
+      ASSERT_EQ(weft({"run", sheet, "--frames", "20", "--no-picture", "--out", out(), "--set", solver}).exit, 0);
+      hash = json::parse(read(folder / "out/report.json"), nullptr, false)["hash"];
+    }
+    EXPECT_EQ(hashes[0], hashes[1]) << solver;
   }
-  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST_F(CommandLine, implicit_leaves_a_table_in_which_nothing_is_lost_and_both_processors_err_alike) {
+  const Outcome outcome = weft({"implicit", "--quick", "--out", out()});
+  ASSERT_EQ(outcome.exit, 0) << outcome.error;
+  EXPECT_NE(outcome.out.find("Not finite: 0\n"), std::string::npos) << outcome.out;
+  std::istringstream table(read(folder / "out/implicit.csv"));
+  std::string line;
+  std::getline(table, line);
+  EXPECT_EQ(line, "particles,linear,iterations,processor,frames_per_second,residual,rms_distance_m,stopped,non_finite");
+  int rows = 0;
+  for (double errors[2]; std::getline(table, line); ++rows) {
+    for (char& c : line) c = c == ',' ? ' ' : c;
+    std::istringstream fields(line);
+    std::string particles, linear, iterations, processor;
+    double speed = 0;
+    fields >> particles >> linear >> iterations >> processor >> speed >> errors[rows % 2];
+    EXPECT_GT(speed, 0) << line;
+    // Floats: what velocities are rounded to when they are read back (implicit_step) is a ten-thousandth of the right side.
+    if (rows % 2 == 1) { EXPECT_NEAR(errors[1], errors[0], 1e-2 * errors[0] + 1e-3) << line; }
+  }
+  EXPECT_EQ(rows, 16);
 }
 
 TEST_F(CommandLine, a_bare_mesh_runs_and_can_be_changed) {
@@ -252,6 +276,19 @@ TEST_F(CommandLine, time_leaves_a_trace_that_names_every_pass) {
   }
 }
 
+TEST_F(CommandLine, contacts_tells_what_a_search_costs_at_several_sizes_and_cells) {
+  const std::string hung = WEFT_SOURCE_DIR "/assets/scenes/hung.json";
+  const Outcome outcome = weft({"contacts", hung, "--quick", "--frames", "4", "--out", out()});
+  EXPECT_EQ(outcome.exit, 0) << outcome.error;
+  for (const char* word : {"search_edges", "a search grows with n^", "the automatic choice takes "}) EXPECT_NE(outcome.out.find(word), std::string::npos) << outcome.out;
+  EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 2 + 2 + 2 + 7 + 2) << outcome.out;
+  for (const char* name : {"contacts.csv", "cells.csv", "cells.svg", "cells.png"}) EXPECT_FALSE(read(folder / "out" / name).empty()) << name;
+
+  const Outcome refused = weft({"contacts", write("sheet.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "--out", out()});
+  EXPECT_EQ(refused.exit, 2);
+  EXPECT_NE(refused.error.find("sizes are compared on grids only"), std::string::npos) << refused.error;
+}
+
 TEST_F(CommandLine, info_lists_a_device) {
   const Outcome outcome = weft({"info"});
   EXPECT_EQ(outcome.exit, 0);
@@ -271,4 +308,53 @@ TEST_F(CommandLine, an_interrupt_ends_the_frame_writes_what_there_is_and_exits_w
   ASSERT_TRUE(report.is_object());
   EXPECT_EQ(report["interrupted"], true);
   EXPECT_LT(report["frames"], 1000000);
+}
+
+// The sheet without its floor, for which there is no reference.
+constexpr const char* kHung = R"({"name": "sheet", "cloths": [{"grid": {"cells": [6, 6], "upright": true}, "anchors": [{"corners": ["low_high"]}]}]})";
+
+TEST_F(CommandLine, an_accuracy_sweep_goes_on_where_it_was_interrupted_and_leaves_a_page_that_stands_alone) {
+  const std::vector<std::string> call = {"accuracy", write("sheet.json", kHung), "--quick", "--frames", "4", "--budget", "1000ms", "--out", out()};
+  const pid_t child = spawn(call);
+  const fs::path csv = folder / "out/curve.csv";
+  for (int tries = 0; tries < 600 && !fs::exists(csv); ++tries) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  kill(child, SIGINT);
+  EXPECT_EQ(wait(child).exit, 130);
+  const std::string begun = read(csv);
+  const auto lines = std::count(begun.begin(), begun.end(), '\n');
+  ASSERT_GT(lines, 7) << "six facts, the header and a point\n" << begun;
+
+  const Outcome outcome = weft(call);
+  ASSERT_EQ(outcome.exit, 0) << outcome.error;
+  EXPECT_NE(outcome.out.find(std::to_string(lines - 7) + " are in "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("Within 1000 ms: "), std::string::npos) << outcome.out;
+  const std::string whole = read(csv), page = read(folder / "out/curve.html");
+  EXPECT_EQ(whole.rfind(begun, 0), 0u) << "what was measured stays";
+  EXPECT_GT(std::count(whole.begin(), whole.end(), '\n'), lines);
+  EXPECT_NE(page.find("<svg"), std::string::npos);
+  EXPECT_NE(page.find("data:image/png;base64,iVBOR"), std::string::npos);
+  for (const char* elsewhere : {"src=\"http", "href=\"http", "<script", "@import"}) EXPECT_EQ(page.find(elsewhere), std::string::npos) << elsewhere;
+  EXPECT_EQ(read(folder / "out/curve.svg").rfind("<svg", 0), 0u);
+  EXPECT_EQ(read(folder / "out/curve.png").substr(1, 3), "PNG");
+
+  const Outcome other = weft({"accuracy", (folder / "sheet.json").string(), "--quick", "--frames", "5", "--out", out()});
+  EXPECT_EQ(other.exit, 2) << "points of different sweeps make no curve";
+  EXPECT_NE(other.error.find("--fresh"), std::string::npos) << other.error;
+}
+
+TEST_F(CommandLine, a_budget_chooses_by_the_curve_that_was_saved_for_the_device) {
+  ASSERT_EQ(setenv("XDG_CACHE_HOME", (folder / "cache").c_str(), 1), 0);
+  const std::string sheet = write("sheet.json", kHung);
+  const std::vector<std::string> call = {"run", sheet, "--frames", "1", "--no-picture", "--out", out(), "--set", "solver.method=auto", "--set", "solver.budget_ms=5"};
+  const Outcome built_in = weft(call);
+  EXPECT_EQ(built_in.exit, 0) << built_in.error;
+  EXPECT_NE(built_in.out.find("by the curve of hung on llvmpipe"), std::string::npos) << built_in.out;
+
+  ASSERT_EQ(weft({"accuracy", sheet, "--quick", "--frames", "4", "--reference-cells", "0", "--save", "--out", out()}).exit, 0);
+  const Outcome saved = weft(call);
+  EXPECT_NE(saved.out.find("by the curve of sheet on "), std::string::npos) << saved.out;
+  for (const auto& entry : fs::directory_iterator(folder / "cache/weft"))
+    if (entry.path().extension() == ".csv") std::ofstream(entry.path()) << "no curve";
+  EXPECT_EQ(weft(call).exit, 2);
+  unsetenv("XDG_CACHE_HOME");
 }

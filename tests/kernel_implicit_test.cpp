@@ -93,7 +93,7 @@ TEST_F(KernelImplicit, assemble_makes_the_equations_of_its_twin) {
 TEST_F(KernelImplicit, multiply_is_the_product_with_the_twins_matrix) {
   for (const bool links : {false, true})
     for (const bool gather_storage : {false, true})
-      for (const std::uint32_t workgroup : {8u, 24u, 64u, 128u}) {
+      for (const std::uint32_t workgroup : {24u, 64u}) {
         const Crumpled sheet(Linear::cg, 1, links, 3);
         SinglePass passes = sheet.passes(device(), gather_storage, workgroup);
         Random random(7);
@@ -152,7 +152,7 @@ TEST_F(KernelImplicit, a_solve_goes_where_its_twin_goes) {
   for (const Linear linear : {Linear::cg, Linear::jacobi})
     for (const bool links : {false, true})
       for (const bool gather_storage : {false, true})
-        for (const std::uint32_t iterations : {2u, 3u, 4u, 5u, 12u, 40u}) {
+        for (const std::uint32_t iterations : {2u, 3u, 5u, 40u}) {
           const Crumpled sheet(linear, iterations, links, 4);
           const Solved solved = solve(device(), sheet, gather_storage);
           EXPECT_LT((solved.got - solved.wanted).norm(), 1e-3 * solved.wanted.norm())

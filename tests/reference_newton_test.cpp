@@ -1,4 +1,5 @@
 // The reference as a program: it converges, keeps anchors, and refuses what it has no energies for.
+#include "engine/reference/block_factor.h"
 #include "engine/reference/energies.h"
 #include "tests/reference_scenes.h"
 
@@ -78,6 +79,33 @@ TEST(Reference, one_sided_links_let_go) {
   tethered.fabric.tethers_per_particle = 2;
   const Trajectory same = run(tethered.scene, tethered.fabric, 30, h);
   EXPECT_EQ((fall.poses.back() - same.poses.back()).norm(), 0);
+}
+
+// A chain of stiff blocks, ordered by itself: its factor is in single precision, which is the error of what it gives back.
+TEST(Reference, its_factor_solves_a_system_of_blocks) {
+  constexpr std::uint32_t kCount = 40;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  for (std::uint32_t i = 1; i < kCount; ++i) pairs.emplace_back(i, (i * 7) % i);
+  BlockFactor factor(kCount, pairs);
+  std::srand(1);   // Eigen's Random
+  const Positions x = Positions::Random(3, kCount);
+  for (const double scale : {1.0, 100.0}) {   // twice, so that nothing is left of the first
+    Positions r = x;
+    factor.clear();
+    for (std::uint32_t i = 0; i < kCount; ++i) factor.add(i, i, Eigen::Matrix3d::Identity());
+    for (const auto& [a, b] : pairs) {
+      const Eigen::Vector3d direction = Eigen::Vector3d::Random();
+      const Eigen::Matrix3d block = scale * direction * direction.transpose();
+      factor.add(a, a, block);
+      factor.add(b, b, block);
+      factor.add(a, b, -block);
+      const Eigen::Vector3d pull = block * (x.col(a) - x.col(b));
+      r.col(a) += pull;
+      r.col(b) -= pull;
+    }
+    ASSERT_TRUE(factor.factorise());
+    EXPECT_LT((factor.solve(r) - x).norm(), 1e-6 * std::sqrt(3 * scale) * x.norm());
+  }
 }
 
 }  // namespace

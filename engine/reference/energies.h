@@ -25,19 +25,24 @@ namespace weft::reference {
 
 inline constexpr double kSoftening = 1e-6;
 
+/// What of an energy a preconditioner knows (time_step.h): all of a stiff one between neighbours in the mesh; of a soft one what it does
+/// to each of its particles; nothing of a stiff one between others.
+enum class Preconditioned { whole, diagonal, left_out };
+
 struct LinkEnergy {
   std::uint32_t a, b;
   double rest;         // m
   double softness;     // 1/kg: alpha / h^2, never 0
   double weight;       // 1/kg: w_a + w_b, above 0
   bool only_pulls;
-  bool near;           // between neighbours in the mesh, or to a held particle
+  Preconditioned part;
 };
 
 struct BendEnergy {
   std::array<std::uint32_t, 4> particle;
   std::array<double, 4> k;   // sums to 0
   double stiffness;          // kg: h^2 B q
+  Preconditioned part;
 };
 
 struct Energies {

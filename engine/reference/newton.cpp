@@ -34,7 +34,7 @@ Result<Trajectory> integrate_newton(const Scene& scene, const CookedFabric& fabr
   const double h = settings.h;
   const Eigen::Vector3d gravity(scene.gravity.x, scene.gravity.y, scene.gravity.z);
   TimeStep problem(energies_of(fabric, h));
-  Positions x(3, particles), v = Positions::Zero(3, particles), u = Positions::Zero(3, particles);
+  Positions x(3, particles), v = Positions::Zero(3, particles);
   Eigen::VectorXd keep(particles);
   for (const ClothRange& cloth : fabric.cloths)
     keep.segment(cloth.first_particle, cloth.particles).setConstant(std::exp(-scene.cloths[static_cast<std::size_t>(&cloth - fabric.cloths.data())].fabric.damping * h));
@@ -54,9 +54,9 @@ Result<Trajectory> integrate_newton(const Scene& scene, const CookedFabric& fabr
       Positions y = x + h * v;
       const double fraction = static_cast<double>(step + 1) / *steps;
       for (Eigen::Index k = 0; k < from.cols(); ++k) y.col(fabric.anchors[static_cast<std::size_t>(k)].particle) = from.col(k) + fraction * (to.col(k) - from.col(k));
-      problem.begin(y, u);
+      problem.begin(y);
       trajectory.not_converged += !problem.solve(settings.tolerance, h * h * gravity.norm(), settings.most_steps);
-      u = problem.displacement();
+      const Positions& u = problem.displacement();
       x = y + u;
       // Not (x' - x) / h, whose rounding would enter the velocity.
       v += u / h;

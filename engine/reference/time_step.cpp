@@ -20,17 +20,34 @@ constexpr double kForcing = 1e-3;
 constexpr std::uint32_t kPatience = 40;
 constexpr std::uint32_t kMostGradients = 1000;
 
+// Pairs of particles that have a block in the factor.
+std::vector<std::pair<std::uint32_t, std::uint32_t>> factored_pairs(const Energies& energies) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  for (const LinkEnergy& link : energies.links)
+    if (link.part == Preconditioned::whole) pairs.emplace_back(link.a, link.b);
+  for (const BendEnergy& bend : energies.bends)
+    for (int i = 1; i < 4; ++i)
+      for (int j = 0; j < i; ++j)
+        if (bend.part == Preconditioned::whole && bend.particle[i] != bend.particle[j]) pairs.emplace_back(bend.particle[i], bend.particle[j]);
+  return pairs;
+}
+
 }  // namespace
 
-TimeStep::TimeStep(Energies energies) : energies_(std::move(energies)), masses_(energies_.inverse_masses.size()) {
+TimeStep::TimeStep(Energies energies)
+    : energies_(std::move(energies)), masses_(energies_.inverse_masses.size()), factor_(static_cast<std::uint32_t>(masses_.size()), factored_pairs(energies_)) {
   for (Eigen::Index i = 0; i < masses_.size(); ++i) masses_[i] = energies_.inverse_masses[i] > 0 ? 1 / energies_.inverse_masses[i] : 1;
   now_.u = Positions::Zero(3, masses_.size());
   now_.lambda = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(energies_.links.size()));
+  before_ = now_;
 }
 
-void TimeStep::begin(const Positions& free_motion, const Positions& guess) {
+void TimeStep::begin(const Positions& free_motion) {
   y_ = free_motion;
-  now_.u = guess;
+  State same = now_, further{2 * now_.u - before_.u, 2 * now_.lambda - before_.lambda};
+  before_ = std::move(now_);
+  // Long steps overshoot, and a link turned over by a guess would stay so: that has more of a potential.
+  now_ = evaluate(further).potential < evaluate(same).potential ? std::move(further) : std::move(same);
 }
 
 // l of a bend and the size of what it is summed up from; from differences: the same wherever the cloth is.
@@ -114,51 +131,36 @@ Positions TimeStep::apply(const Residual& at, const Eigen::VectorXd& lambda, con
   return result;
 }
 
-// The projected matrix without links of several edges. Slack links stand in it with zeros, so that the pattern never changes.
+// The projected matrix, as much of it as a preconditioner knows.
 void TimeStep::factorise(const Residual& at, const Eigen::VectorXd& lambda) {
-  entries_.clear();
-  const auto add = [&](std::uint32_t row, std::uint32_t column, const Eigen::Matrix3d& block) {
-    if (row < column || energies_.inverse_masses[row] == 0 || energies_.inverse_masses[column] == 0) return;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < (row == column ? i + 1 : 3); ++j) entries_.emplace_back(3 * row + i, 3 * column + j, block(i, j));
-  };
+  const auto held = [&](std::uint32_t i) { return energies_.inverse_masses[i] == 0; };
   const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
-  for (Eigen::Index i = 0; i < masses_.size(); ++i)
-    for (int k = 0; k < 3; ++k) entries_.emplace_back(3 * i + k, 3 * i + k, masses_[i]);
+  factor_.clear();
+  for (Eigen::Index i = 0; i < masses_.size(); ++i) factor_.add(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i), masses_[i] * identity);
   for (std::size_t e = 0; e < energies_.links.size(); ++e) {
     const LinkEnergy& link = energies_.links[e];
-    if (!link.near) continue;
     const LinkFrame& frame = at.frames[e];
-    Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
-    if (frame.active) {
-      const double across = std::max(-lambda[static_cast<Eigen::Index>(e)] / frame.length, 0.0);
-      block = (1 / link.softness - across) * frame.normal * frame.normal.transpose() + across * identity;
-    }
-    add(link.a, link.a, block);
-    add(link.b, link.b, block);
-    add(std::max(link.a, link.b), std::min(link.a, link.b), -block);
+    if (!frame.active || link.part == Preconditioned::left_out) continue;
+    const double across = std::max(-lambda[static_cast<Eigen::Index>(e)] / frame.length, 0.0);
+    const Eigen::Matrix3d block = (1 / link.softness - across) * frame.normal * frame.normal.transpose() + across * identity;
+    for (const std::uint32_t end : {link.a, link.b})
+      if (!held(end)) factor_.add(end, end, block);
+    if (link.part == Preconditioned::whole && !held(link.a) && !held(link.b)) factor_.add(link.a, link.b, -block);
   }
   for (const BendEnergy& bend : energies_.bends)
     for (int i = 0; i < 4; ++i)
-      for (int j = 0; j < 4; ++j) add(bend.particle[i], bend.particle[j], bend.stiffness * bend.k[i] * bend.k[j] * identity);
-  matrix_.resize(3 * masses_.size(), 3 * masses_.size());
-  matrix_.setFromTriplets(entries_.begin(), entries_.end());
-  if (!analysed_) factor_.analyzePattern(matrix_);
-  analysed_ = true;
-  factor_.factorize(matrix_);
+      for (int j = 0; j <= i; ++j)
+        if (const std::uint32_t a = bend.particle[i], b = bend.particle[j]; !held(a) && !held(b) && (a == b || bend.part == Preconditioned::whole))
+          factor_.add(a, b, (a == b && i != j ? 2 : 1) * bend.stiffness * bend.k[i] * bend.k[j] * identity);
+  factorised_ = factor_.factorise();
 }
 
 bool TimeStep::solve_linear(const Residual& at, const Eigen::VectorXd& lambda, const Positions& rhs, bool projected, double enough, Positions& du) {
   const auto dot = [](const Positions& a, const Positions& b) { return a.cwiseProduct(b).sum(); };
   const auto size = [&](const Positions& r) { return (r.colwise().norm().transpose().array() / masses_.array()).maxCoeff(); };
-  const auto precondition = [&](const Positions& r) -> Positions {
-    const Eigen::VectorXd z = factor_.solve(Eigen::Map<const Eigen::VectorXd>(r.data(), r.size()));
-    return Eigen::Map<const Positions>(z.data(), 3, r.cols());
-  };
   du = Positions::Zero(3, rhs.cols());
-  Positions r = rhs, z = precondition(r), p = z;
+  Positions r = rhs, z = factor_.solve(r), p = z;
   double rho = dot(r, z);
-  
   for (gradients_ = 0; gradients_ < kMostGradients && size(r) > enough; ++gradients_) {
     const Positions q = apply(at, lambda, p, projected);
     const double curvature = dot(p, q);
@@ -166,7 +168,7 @@ bool TimeStep::solve_linear(const Residual& at, const Eigen::VectorXd& lambda, c
     const double step = rho / curvature;
     du += step * p;
     r -= step * q;
-    z = precondition(r);
+    z = factor_.solve(r);
     const double next = dot(r, z);
     p = z + (next / rho) * p;
     rho = next;
@@ -181,7 +183,8 @@ bool TimeStep::solve(double tolerance, double scale, std::uint32_t most_steps) {
     if (at.size <= target) return true;
     if (step == most_steps || !std::isfinite(at.size)) return false;
     ++newton_steps_;
-    if (!analysed_ || gradients_ > kPatience) factorise(at, now_.lambda);
+    if (!factorised_ || gradients_ > kPatience) factorise(at, now_.lambda);
+    if (!factorised_) return false;
 
     Positions rhs = -at.force;
     for (std::size_t e = 0; e < energies_.links.size(); ++e) {

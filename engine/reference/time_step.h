@@ -12,14 +12,12 @@
 //
 //     (M + sum K k K^T - sum lambda grad^2 C + sum grad C (h^2 / alpha) grad C^T) du = -(what is left over),
 //
-// solved by conjugate gradients, preconditioned with the sparse Cholesky factor of the part between neighbours in the mesh.
-// Links of eight edges would fill that factor a hundredfold, and without them the condition stays small (energies.h says
-// why). The factor is kept, over time steps too, until the gradients need too long with it.
+// solved by conjugate gradients, preconditioned with the sparse Cholesky factor of its stiff part between neighbours in the mesh
+// and of the diagonal of the rest. Links of eight edges would fill that factor a hundredfold, and without them the condition stays
+// small (energies.h says why). The factor is kept, over time steps too, until the gradients need too long with it.
 #pragma once
 
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseCore>
-
+#include "engine/reference/block_factor.h"
 #include "engine/reference/energies.h"
 
 namespace weft::reference {
@@ -28,8 +26,9 @@ class TimeStep {
  public:
   explicit TimeStep(Energies energies);
 
-  /// From here on: the free motion y (m), the guess u (m). The multipliers of the step before are the guess for this one's.
-  void begin(const Positions& free_motion, const Positions& guess);
+  /// The next step, from the free motion y (m). Displacements and multipliers are guessed to be those of the step before, or to go on
+  /// changing as they did.
+  void begin(const Positions& free_motion);
   /// Newton, until what is left over is at most `tolerance` times `scale` (m) or times the largest displacement. False: it is more.
   bool solve(double tolerance, double scale, std::uint32_t most_steps);
 
@@ -69,12 +68,10 @@ class TimeStep {
   Energies energies_;
   Eigen::VectorXd masses_;               // kg; held particles 1, with no force on them
   Positions y_;
-  State now_;
-  std::vector<Eigen::Triplet<double>> entries_;
-  Eigen::SparseMatrix<double> matrix_;
-  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor_;
+  State now_, before_;                   // this step's, and the end of the one before
+  BlockFactor factor_;
   std::uint32_t gradients_ = 0;          // that the last linear solve took
-  bool analysed_ = false;
+  bool factorised_ = false;
   std::uint64_t newton_steps_ = 0;
 };
 

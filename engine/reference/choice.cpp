@@ -1,0 +1,102 @@
+// Interpolating between measured resolutions, and choosing.
+#include "engine/reference/choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <sstream>
+#include <tuple>
+
+namespace weft {
+namespace {
+
+using SettingKey = std::tuple<std::string, std::uint32_t, std::uint32_t>;
+SettingKey key_of(const CurvePoint& point) { return {point.row, point.substeps, point.iterations}; }
+
+// One setting's points by particles, ascending.
+using Samples = std::vector<CurvePoint>;
+
+CurvePoint expected(const Samples& samples, std::uint64_t particles) {
+  const auto above = std::find_if(samples.begin(), samples.end(), [&](const CurvePoint& p) { return p.particles >= particles; });
+  CurvePoint at = above == samples.begin() ? samples.front() : *(above - 1);
+  if (above != samples.end() && above != samples.begin()) {
+    const CurvePoint& low = *(above - 1);
+    const double part = std::log(double(particles) / double(low.particles)) / std::log(double(above->particles) / double(low.particles));
+    for (const CurveError figure : {&CurvePoint::ms_median, &CurvePoint::strain_rms})
+      at.*figure = std::pow(std::max(low.*figure, 1e-12), 1 - part) * std::pow(std::max((*above).*figure, 1e-12), part);
+  } else if (above == samples.end()) {
+    at.ms_median *= double(particles) / double(at.particles);
+  }
+  at.particles = particles;
+  return at;
+}
+
+std::map<SettingKey, Samples> settings_of(const Curve& curve, bool tethers) {
+  std::map<SettingKey, Samples> settings;
+  for (const CurvePoint& point : curve.points)
+    if (point.tethers == tethers && point.particles > 0 && counts(point, &CurvePoint::strain_rms)) settings[key_of(point)].push_back(point);
+  for (auto& [key, samples] : settings)
+    std::sort(samples.begin(), samples.end(), [](const CurvePoint& a, const CurvePoint& b) { return a.particles < b.particles; });
+  return settings;
+}
+
+// What a curve's assignments say, by the rules that hold for a scene's.
+Result<SolverSettings> solver_of(const CurvePoint& setting) {
+  std::vector<Assignment> assignments;
+  std::istringstream words(setting.assignments);
+  for (std::string word; words >> word;) assignments.push_back({word.substr(0, word.find('=')), word.substr(std::min(word.find('=') + 1, word.size()))});
+  assignments.push_back({"solver.substeps", std::to_string(setting.substeps)});
+  assignments.push_back({"solver.iterations", std::to_string(setting.iterations)});
+  auto scene = parse_scene(R"({"cloths": [{"grid": {}}]})", {}, assignments);
+  if (!scene) return fail("the curve's setting \"", setting.row, "\": ", scene.error());
+  return scene->solver;
+}
+
+}  // namespace
+
+Result<Choice> choose(const Curve& curve, double budget_ms, std::uint64_t particles, bool tethers) {
+  auto settings = settings_of(curve, tethers);
+  if (settings.empty()) settings = settings_of(curve, !tethers);
+  if (settings.empty()) return fail("the curve of ", curve.scene, " on ", curve.device, " has no setting to choose from");
+  std::vector<CurvePoint> points;
+  for (const auto& [key, samples] : settings) points.push_back(expected(samples, particles));
+  const auto found = best(points, &CurvePoint::strain_rms, budget_ms);
+  return Choice{points[found ? *found : front(points, &CurvePoint::strain_rms).front()], found.has_value()};
+}
+
+Result<Scene> with_choice(const Scene& scene, std::uint64_t particles, const Curve& curve, std::string& note) {
+  if (scene.solver.method != Method::automatic) return scene;
+  if (!scene.solver.budget_ms) return fail("solver.method: \"auto\" needs solver.budget_ms");
+  const bool tethers = std::any_of(scene.cloths.begin(), scene.cloths.end(), [](const Cloth& c) { return c.tethers && !c.anchors.empty(); });
+  const auto choice = choose(curve, *scene.solver.budget_ms, particles, tethers);
+  if (!choice) return fail(choice.error());
+  const CurvePoint& setting = choice->setting;
+  auto solver = solver_of(setting);
+  if (!solver) return solver.take_error();
+  solver->rate = scene.solver.rate;
+  solver->longest_advance = scene.solver.longest_advance;
+  Scene chosen = scene;
+  chosen.solver = *solver;
+  char figures[200];
+  std::snprintf(figures, sizeof figures, ", %u substeps x %u iterations: %.3g ms and %.2g %% rms strain expected for %llu particles", setting.substeps,
+                setting.iterations, setting.ms_median, 100 * setting.strain_rms, static_cast<unsigned long long>(particles));
+  note = "solver: " + setting.row + figures + " by the curve of " + curve.scene + " on " + curve.device + " of " + curve.date +
+         (choice->fits ? "." : "; nothing fits the budget.");
+  return chosen;
+}
+
+Curve condensed(const Curve& curve) {
+  std::vector<SettingKey> kept;
+  for (const CurvePoint& one : curve.points) {
+    const auto points = points_of(curve, one.cells, one.tethers);
+    for (const std::size_t i : front(points, &CurvePoint::strain_rms)) kept.push_back(key_of(points[i]));
+  }
+  std::sort(kept.begin(), kept.end());
+  Curve small = curve;
+  std::erase_if(small.points, [&](const CurvePoint& point) { return !std::binary_search(kept.begin(), kept.end(), key_of(point)); });
+  for (CurvePoint& point : small.points) point.passes.clear();
+  return small;
+}
+
+}  // namespace weft

@@ -1,0 +1,37 @@
+// "solver": {"method": "auto", "budget_ms": 2}: which settings to take, from a measured curve.
+//
+// A curve tells milliseconds and strain of settings at a few resolutions. At another number of particles both are
+// interpolated between the nearest two (as powers of it); beyond the largest, milliseconds grow with the particles and the strain stays;
+// below the smallest, both stay. The setting with the least strain among those that fit is taken, the cheapest where none does.
+//
+// Limitations: a curve is of one scene and one frame rate; contacts and colliders cost more than it knows.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "compute/result.h"
+#include "engine/reference/curve.h"
+#include "engine/scene.h"
+
+namespace weft {
+
+struct Choice {
+  CurvePoint setting;      // row, assignments, substeps and iterations; milliseconds and strain as expected here
+  bool fits = true;        // false: even this, the cheapest, takes longer
+};
+
+/// Errors: a curve without a point that counts.
+Result<Choice> choose(const Curve& curve, double budget_ms, std::uint64_t particles, bool tethers);
+
+/// The scene with the settings that its budget buys in place of "auto"; `note` says which, and from which curve. Any other
+/// scene comes back as it is. Errors: those of choose; an assignment in the curve that no scene knows.
+Result<Scene> with_choice(const Scene& scene, std::uint64_t particles, const Curve& curve, std::string& note);
+
+/// Measured on the software driver; for devices that nobody has measured. choice_table.cpp says by which command.
+Curve builtin_curve();
+
+/// What a choice needs of a curve: settings that are on a front at some resolution, without the times of passes.
+Curve condensed(const Curve& curve);
+
+}  // namespace weft

@@ -1,0 +1,135 @@
+// `weft contacts`: what contacts cost, pass by pass, over the size of a sheet; what it saves to use found pairs again; and whether
+// the automatic cell of the spatial hash is the right one.
+#include <array>
+#include <cstdio>
+
+#include "engine/shading/image.h"
+#include "samples/commands.h"
+#include "samples/console.h"
+#include "samples/contact_costs.h"
+#include "samples/files.h"
+#include "samples/plot.h"
+#include "samples/subject.h"
+
+namespace weft::command {
+
+namespace {
+
+constexpr std::uint32_t kSizes[] = {30, 50, 100, 150, 200, 300}, kQuickSizes[] = {30, 60};   // vertices along a side
+constexpr double kCells[] = {0.6, 0.8, 1, 1.25, 1.6, 2.2, 3};   // times the automatic choice
+constexpr std::uint32_t kCellSize = 100, kQuickCellSize = 50;   // vertices along a side when cells are compared
+constexpr std::uint32_t kCellFrames = 20;
+
+Exit failed(const std::string& sentence) {
+  complain(sentence);
+  return kFailed;
+}
+
+void print_heading(const ContactCosts& costs) {
+  std::printf("%5s", "n");
+  for (const PassCost& pass : costs.passes) std::printf(" %12s", pass.name.c_str());
+  std::printf(" %10s %9s %8s %8s %8s %7s %7s\n", "ms/search", "searches", "search", "contacts", "solve", "share", "saved");
+}
+
+// How much of the searching is saved: one in every substep would be the alternative.
+double saved(const ContactCosts& costs) { return costs.substeps > 0 ? 1 - static_cast<double>(costs.searches) / costs.substeps : 0; }
+double share(const ContactCosts& costs) { return (costs.search + costs.contacts) / (costs.search + costs.contacts + costs.solve); }
+
+void print_row(const ContactCosts& costs) {
+  std::printf("%5u", costs.vertices);
+  for (const PassCost& pass : costs.passes) std::printf(" %12.3f", pass.ms);
+  std::printf(" %10.2f %9u %8.2f %8.2f %8.2f %5.0f %% %5.1f %%\n", costs.per_search(), costs.searches, costs.search, costs.contacts, costs.solve, 100 * share(costs),
+              100 * saved(costs));
+  std::fflush(stdout);
+}
+
+std::string csv(const std::vector<ContactCosts>& rows) {
+  std::string text = "vertices,edge_m,cell_m,substeps,searches,pairs_most,pairs_lost,ms_per_search,search_ms_per_frame,contacts_ms_per_frame,solve_ms_per_frame";
+  if (!rows.empty())
+    for (const PassCost& pass : rows[0].passes) text.append(",").append(pass.name).append("_ms_per_search");
+  text += "\n";
+  for (const ContactCosts& row : rows) {
+    char line[256];
+    std::snprintf(line, sizeof line, "%u,%g,%g,%u,%u,%u,%u,%g,%g,%g,%g", row.vertices, row.edge, row.cell, row.substeps, row.searches, row.pairs_most, row.pairs_lost,
+                  row.per_search(), row.search, row.contacts, row.solve);
+    text += line;
+    for (const PassCost& pass : row.passes) text.append(",").append(std::to_string(pass.ms));
+    text += "\n";
+  }
+  return text;
+}
+
+// Milliseconds a search over the cell's size, in edges.
+Drawing cell_plot(const std::vector<ContactCosts>& rows, const ContactCosts& chosen) {
+  Series all{"any cell", series_colour(0), {}}, automatic{"the automatic choice", series_colour(1), {{chosen.cell / chosen.edge, chosen.per_search()}}};
+  for (const ContactCosts& row : rows) all.points.push_back({row.cell / row.edge, row.per_search()});
+  char title[64];
+  std::snprintf(title, sizeof title, "a search, %u x %u vertices", chosen.vertices, chosen.vertices);
+  return plot({{title, "cell (edges)", "ms", {all, automatic}, {}}}, 1);
+}
+
+}  // namespace
+
+Exit contacts(const ContactOptions& options) {
+  const Result<Scene> scene = load_subject(options.file, options.assignments);
+  if (!scene) {
+    complain(scene.error());
+    return kBadInput;
+  }
+  for (const Cloth& cloth : scene->cloths)
+    if (!cloth.grid) {
+      complain(options.file.string() + ": cloth '" + cloth.name + "' is a mesh: sizes are compared on grids only");
+      return kBadInput;
+    }
+  if (const Result<void> made = make_folder(options.out); !made) return failed(made.error());
+  compute::DeviceChoice choice;
+  choice.name = options.device;
+  const auto device = compute::Device::create(choice);
+  if (!device) return failed(device.error());
+  listen_for_interrupts();
+
+  std::printf("%s on %s: ms a search, pass by pass; then ms a frame\n", scene->name.c_str(), (*device)->name().c_str());
+  std::vector<ContactCosts> rows;
+  const auto sizes = options.quick ? std::span<const std::uint32_t>(kQuickSizes) : std::span<const std::uint32_t>(kSizes);
+  for (const std::uint32_t size : sizes) {
+    if (interrupted()) break;
+    auto costs = contact_costs(**device, *scene, size, options.frames, 0);
+    if (!costs) return failed(costs.error());
+    if (rows.empty()) print_heading(*costs);
+    print_row(*costs);
+    rows.push_back(std::move(*costs));
+  }
+  std::printf("a search grows with n^%.2f\n", growth(rows));
+
+  std::vector<ContactCosts> cells;
+  ContactCosts chosen;
+  const std::uint32_t size = options.quick ? kQuickCellSize : kCellSize;
+  if (!interrupted()) {
+    auto automatic = contact_costs(**device, *scene, size, kCellFrames, 0);
+    if (!automatic) return failed(automatic.error());
+    chosen = *automatic;
+  }
+  std::printf("%12s %12s %12s   %u x %u vertices\n", "cell m", "edges", "ms/search", size, size);
+  double best = chosen.per_search();
+  for (const double times : kCells) {
+    if (interrupted()) break;
+    auto costs = times == 1 ? Result<ContactCosts>(chosen) : contact_costs(**device, *scene, size, kCellFrames, times * chosen.cell);
+    if (!costs) return failed(costs.error());
+    std::printf("%12.4g %12.3g %12.3f%s\n", costs->cell, costs->cell / costs->edge, costs->per_search(), times == 1 ? "   the automatic choice" : "");
+    std::fflush(stdout);
+    best = std::min(best, costs->per_search());
+    cells.push_back(std::move(*costs));
+  }
+  if (best > 0) std::printf("the automatic choice takes %.2f times as long as the best\n", chosen.per_search() / best);
+
+  const std::pair<const char*, std::string> files[] = {{"contacts.csv", csv(rows)}, {"cells.csv", csv(cells)}, {"cells.svg", svg(cell_plot(cells, chosen))}};
+  for (const auto& [name, text] : files)
+    if (const Result<void> written = write_text(options.out / name, text); !written) return failed(written.error());
+  if (const Result<void> written = write_png(options.out / "cells.png", picture(cell_plot(cells, chosen))); !written) return failed(written.error());
+  std::printf("Written: contacts.csv, cells.csv, cells.svg, cells.png in %s\n", options.out.string().c_str());
+  if (!interrupted()) return kDone;
+  complain("Interrupted: what is written is of the sizes before");
+  return kInterrupted;
+}
+
+}  // namespace weft::command
