@@ -19,6 +19,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// A name that a CSV would change would never be found there again.
+static_assert(std::all_of(std::begin(kSolverRows), std::end(kSolverRows),
+                          [](const SolverRow& row) { return row.name.find(',') == row.name.npos && row.assignments.find(',') == row.assignments.npos; }));
+
 constexpr std::uint32_t kTimedByStamps = 12, kBeforeStamps = 3;   // frames
 constexpr double kSubmission = 4000;   // what a frame costs besides its passes, in particles of one pass
 

@@ -22,7 +22,7 @@ struct SolverRow {
 /// To add a solver to the curve is to add a line. A row that a scene refuses is left out, and the page says why.
 inline constexpr SolverRow kSolverRows[] = {
     {"jacobi", ""},
-    {"jacobi, not over-relaxed", "solver.relaxation=1"},
+    {"jacobi not over-relaxed", "solver.relaxation=1"},
     {"count-averaged", "solver.averaging=count solver.relaxation=1"},
     {"gauss_seidel", "solver.method=gauss_seidel"},
     {"chebyshev", "solver.method=chebyshev"},

@@ -28,21 +28,21 @@ struct Drawing {
   std::vector<Stroke> strokes;
 };
 
-/// Points of one colour; of `joined`, a line through them.
+/// Points of one colour.
 struct Series {
   std::string name;
   Colour colour{};
   std::vector<std::array<double, 2>> points;   // x, y, both above 0
 };
 
-/// A panel with logarithmic axes.
+/// A panel with logarithmic axes over whole decades.
 struct Panel {
   std::string title, x_label, y_label;
   std::vector<Series> series;
   std::vector<std::array<double, 2>> front;    // joined by steps: what a budget buys
 };
 
-/// Panels side by side, `across` in a row, over one legend. What lies outside of `least_y ... most_y` is drawn at the edge.
+/// Panels side by side, `across` in a row, over one legend. Errors above a hundred are drawn at the edge: something blew up.
 Drawing plot(const std::vector<Panel>& panels, std::size_t across);
 
 /// A colour for the k-th series, apart for eyes of every kind (Okabe and Ito 2008).

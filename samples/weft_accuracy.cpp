@@ -191,9 +191,9 @@ void print_budget(const Curve& curve, bool tethers, double budget) {
   const auto found = best(points, &CurvePoint::strain_rms, budget);
   if (!found) {
     const auto all = front(points, &CurvePoint::strain_rms);
-    if (all.empty()) return complain("Nothing was measured that could be compared with a budget");
-    return std::printf("No setting fits %g ms at %zu particles: the cheapest takes %.3g ms\n", budget, static_cast<std::size_t>(points[all[0]].particles),
-                       points[all[0]].ms_median), void();
+    if (all.empty()) std::printf("Nothing was measured that could be compared with a budget\n");
+    else std::printf("No setting fits %g ms: the cheapest takes %.3g ms, %s\n", budget, points[all[0]].ms_median, setting_words(points[all[0]]).c_str());
+    return;
   }
   const CurvePoint& p = points[*found];
   std::printf("Within %g ms: %s takes %.3g ms for %zu particles; strain %s rms, %s at most\nweft run SCENE %s\n", budget, setting_words(p).c_str(), p.ms_median,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <set>
 #include <sstream>
 #include <tuple>
 
@@ -87,15 +88,21 @@ Result<Scene> with_choice(const Scene& scene, std::uint64_t particles, const Cur
 }
 
 Curve condensed(const Curve& curve) {
-  std::vector<SettingKey> kept;
-  for (const CurvePoint& one : curve.points) {
-    const auto points = points_of(curve, one.cells, one.tethers);
-    for (const std::size_t i : front(points, &CurvePoint::strain_rms)) kept.push_back(key_of(points[i]));
+  std::set<std::pair<bool, SettingKey>> kept;
+  std::set<std::pair<std::uint32_t, bool>> parts;
+  for (const CurvePoint& point : curve.points) parts.insert({point.cells, point.tethers});
+  for (const auto& [cells, tethers] : parts) {
+    const auto points = points_of(curve, cells, tethers);
+    for (const std::size_t i : front(points, &CurvePoint::strain_rms)) kept.insert({tethers, key_of(points[i])});
   }
-  std::sort(kept.begin(), kept.end());
   Curve small = curve;
-  std::erase_if(small.points, [&](const CurvePoint& point) { return !std::binary_search(kept.begin(), kept.end(), key_of(point)); });
-  for (CurvePoint& point : small.points) point.passes.clear();
+  std::erase_if(small.points, [&](const CurvePoint& point) { return !kept.contains({point.tethers, key_of(point)}); });
+  for (CurvePoint& point : small.points) {
+    point.passes.clear();
+    for (const CurveError figure : {&CurvePoint::ms_p95, &CurvePoint::ms_gpu, &CurvePoint::strain_mean, &CurvePoint::strain_max, &CurvePoint::solver_error,
+                                    &CurvePoint::time_error, &CurvePoint::total_error})
+      point.*figure = CurvePoint::kUnknown;
+  }
   return small;
 }
 

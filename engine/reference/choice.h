@@ -31,7 +31,7 @@ Result<Scene> with_choice(const Scene& scene, std::uint64_t particles, const Cur
 /// Measured on the software driver; for devices that nobody has measured. choice_table.cpp says by which command.
 Curve builtin_curve();
 
-/// What a choice needs of a curve: settings that are on a front at some resolution, without the times of passes.
+/// What a choice needs of a curve: milliseconds and rms strain of the settings that are on a front at some resolution.
 Curve condensed(const Curve& curve);
 
 }  // namespace weft

@@ -35,8 +35,6 @@ struct CurvePoint {
   double total_error = kUnknown;    // of this run to the one with h / 16
   std::uint32_t non_finite = 0;     // particles that had to be put back
   std::string passes;           // milliseconds of each: "predict=0.02 stretch=1.1"
-
-  bool operator==(const CurvePoint&) const = default;
 };
 
 /// Which of a point's figures counts as its error.
