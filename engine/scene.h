@@ -138,7 +138,7 @@ struct SolverSettings {
   std::uint32_t substeps = 0;   // 0: the default that the README gives its reasons for
   std::uint32_t iterations = 1; // 1 ... 1000
   Method method = Method::jacobi;
-  std::optional<double> budget_ms;   // of a frame; method automatic only
+  std::optional<double> budget_ms = {};   // of a frame; method automatic only
   Linear linear = Linear::cg;   // method implicit only
   Averaging averaging = Averaging::mass_split;
   double relaxation = 0;        // over-relaxation omega, below most_relaxation; 0: relaxation_of
