@@ -69,18 +69,25 @@ TEST(Choice, a_scene_gets_what_its_budget_buys_and_keeps_its_rate) {
   auto scene = parse_scene(R"({"solver": {"method": "auto", "budget_ms": 5, "rate": 30}, "cloths": [{"grid": {}, "anchors": [{"top": 0}]}]})", {});
   ASSERT_TRUE(scene) << scene.error();
   Curve count = curve();
-  for (CurvePoint& p : count.points) p.assignments = "solver.averaging=count solver.relaxation=1";
+  for (CurvePoint& p : count.points) p.assignments = "solver.averaging=mass_split solver.relaxation=1";
   std::string note;
   const auto settled = with_choice(*scene, 10'000, count, note);
   ASSERT_TRUE(settled) << settled.error();
   EXPECT_EQ(settled->solver.method, Method::jacobi);
   EXPECT_EQ(settled->solver.substeps, 4u);
-  EXPECT_EQ(settled->solver.averaging, Averaging::count);
+  EXPECT_EQ(settled->solver.relaxation, 1);
   EXPECT_EQ(settled->solver.rate, 30);
   EXPECT_EQ(note, "solver: jacobi, 4 substeps x 1 iterations: 4 ms and 2.5 % rms strain expected for 10000 particles by the curve of hung on device of "
                   "2026-11-21T12:00Z.");
   count.points[0].assignments = count.points[2].assignments = count.points[4].assignments = "solver.bogus=1";
   EXPECT_FALSE(with_choice(*scene, 10'000, count, note));
+}
+
+TEST(Choice, plain_averaging_is_never_chosen) {
+  Curve averaged = curve();
+  averaged.points.push_back(point(10'000, 16, 0.5, 1e-6));
+  averaged.points.back().assignments = "solver.averaging=count solver.relaxation=1";
+  EXPECT_EQ(choose(averaged, 5, 10'000, true)->setting.substeps, 4u);
 }
 
 TEST(Choice, a_scene_that_does_not_ask_comes_back_as_it_is) {

@@ -33,10 +33,13 @@ CurvePoint expected(const Samples& samples, std::uint64_t particles) {
   return at;
 }
 
+// Plain averaging, which lets a free cloth drift, is on curves for comparison and never chosen.
+bool offered(const CurvePoint& point) { return point.assignments.find("averaging=count") == std::string::npos; }
+
 std::map<SettingKey, Samples> settings_of(const Curve& curve, bool tethers) {
   std::map<SettingKey, Samples> settings;
   for (const CurvePoint& point : curve.points)
-    if (point.tethers == tethers && point.particles > 0 && counts(point, &CurvePoint::strain_rms)) settings[key_of(point)].push_back(point);
+    if (point.tethers == tethers && point.particles > 0 && offered(point) && counts(point, &CurvePoint::strain_rms)) settings[key_of(point)].push_back(point);
   for (auto& [key, samples] : settings)
     std::sort(samples.begin(), samples.end(), [](const CurvePoint& a, const CurvePoint& b) { return a.particles < b.particles; });
   return settings;

@@ -2,7 +2,8 @@
 //
 // A curve tells milliseconds and strain of settings at a few resolutions. At another number of particles both are
 // interpolated between the nearest two (as powers of it); beyond the largest, milliseconds grow with the particles and the strain stays;
-// below the smallest, both stay. The setting with the least strain among those that fit is taken, the cheapest where none does.
+// below the smallest, both stay. The setting with the least strain among those that fit is taken, the cheapest where none does;
+// plain averaging never, because it does not conserve momentum.
 //
 // Limitations: a curve is of one scene and one frame rate; contacts and colliders cost more than it knows.
 #pragma once
