@@ -109,7 +109,8 @@ Drawing plot(const std::vector<Panel>& panels, std::size_t across) {
   const std::size_t rows = (panels.size() + across - 1) / across;
   drawing.width = kWidth * static_cast<double>(std::min(across, panels.size()));
   const auto columns = std::max<std::size_t>(1, static_cast<std::size_t>(drawing.width / kLegendColumn));
-  const std::size_t entries = named.size() + 1;   // the front has one too
+  const bool fronts = std::any_of(panels.begin(), panels.end(), [](const Panel& panel) { return !panel.front.empty(); });
+  const std::size_t entries = named.size() + (fronts ? 1 : 0);
   drawing.height = kHeight * static_cast<double>(rows) + kLegendRow * static_cast<double>((entries + columns - 1) / columns) + 10;
   for (std::size_t k = 0; k < panels.size(); ++k)
     add_panel(panels[k], kWidth * static_cast<double>(k % across), kHeight * static_cast<double>(k / across), drawing.strokes);
