@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/scene.h"
@@ -17,6 +18,9 @@ enum Exit : int {
   kBadInput = 2,       // the caller's: a scene, a mesh or a flag
   kInterrupted = 130,  // 128 + SIGINT, as shells count
 };
+
+/// Complains of what the machine has failed in.
+Exit failed(std::string_view sentence);
 
 struct RunOptions {
   std::filesystem::path file;   // scene or mesh
@@ -63,6 +67,7 @@ struct ContactOptions {
   std::vector<Assignment> assignments;
 };
 Exit contacts(const ContactOptions& options);
+
 struct ImplicitOptions {
   std::filesystem::path out = "out";
   bool quick = false;           // four rows a processor instead of 56

@@ -6,6 +6,8 @@
 #include <csignal>
 #include <cstdio>
 
+#include "samples/commands.h"
+
 namespace weft::command {
 
 namespace {
@@ -22,6 +24,11 @@ void on_interrupt(int) {
 
 void complain(std::string_view sentences) {
   std::fprintf(stderr, "%.*s\n", static_cast<int>(sentences.size()), sentences.data());
+}
+
+Exit failed(std::string_view sentence) {
+  complain(sentence);
+  return kFailed;
 }
 
 void listen_for_interrupts() { std::signal(SIGINT, on_interrupt); }

@@ -26,11 +26,6 @@ namespace {
 
 constexpr VkExtent2D kShotSize = {640, 480};
 
-Exit failed(const std::string& sentence) {
-  complain(sentence);
-  return kFailed;
-}
-
 SweepPlan plan_of(const Scene& scene, const AccuracyOptions& options) {
   SweepPlan plan;
   std::uint32_t own = 0;

@@ -22,11 +22,6 @@ constexpr int kRounds = 4;   // over all cells, so that each has its turn when o
 constexpr std::uint32_t kCellSize = 100, kQuickCellSize = 50;   // vertices along a side when cells are compared
 constexpr std::uint32_t kCellFrames = 20;
 
-Exit failed(const std::string& sentence) {
-  complain(sentence);
-  return kFailed;
-}
-
 void print_heading(const ContactCosts& costs) {
   std::printf("%5s", "n");
   for (const PassCost& pass : costs.passes) std::printf(" %12s", pass.name.c_str());

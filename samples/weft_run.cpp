@@ -22,11 +22,6 @@ namespace {
 
 constexpr VkExtent2D kPictureSize = {1280, 720};
 
-Exit failed(const std::string& sentence) {
-  complain(sentence);
-  return kFailed;
-}
-
 std::string frame_name(std::uint32_t frame) {
   char name[32];
   std::snprintf(name, sizeof name, "frame_%04u.png", frame);

@@ -21,11 +21,6 @@ constexpr std::size_t kMostTraced = 100;  // frames: a trace of more is too larg
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-Exit failed(const std::string& sentence) {
-  complain(sentence);
-  return kFailed;
-}
-
 // Calls `each` after every frame that counts, with the frame's wall time in milliseconds.
 template <class F>
 Result<void> advance_frames(Simulation& simulation, const TimeOptions& options, const char* what, F&& each) {
