@@ -58,7 +58,7 @@ inline double keep_of(const Tracks& t, const Particles& p, int a) {
 inline double spare_distance(const Tracks& t, const Particles& p, int a) {
   const std::span<const std::uint32_t> all(p), side_a = all.first(static_cast<std::size_t>(a)), side_b = all.subspan(static_cast<std::size_t>(a));
   const auto box_a = box_of(t, side_a), box_b = box_of(t, side_b);
-  double apart = std::max((box_b.min() - box_a.max()).maxCoeff(), (box_a.min() - box_b.max()).maxCoeff());
+  const double apart = std::max((box_b.min() - box_a.max()).maxCoeff(), (box_a.min() - box_b.max()).maxCoeff());
   if (apart > 0) return apart;
   double relative = 0, step = 0;
   for (const std::uint32_t i : side_a)

@@ -18,7 +18,7 @@ layout(push_constant, scalar) uniform Constants { Push push; };
 const uint too_soon = 3;   // substeps
 const float grow = 1.5, shrink = 0.9, cheaply = 2;
 
-Groups groups_of(uint threads) { return Groups((threads + gl_WorkGroupSize.x - 1) / gl_WorkGroupSize.x, 1, 1); }
+#include "groups.glsl"
 
 // `old`: substeps since the last detection.
 float reach_after(float reach, uint old) {

@@ -8,7 +8,7 @@ READ_WRITE(Counters, counters)
 
 layout(push_constant, scalar) uniform Constants { Push push; };
 
-Groups groups_of(uint threads) { return Groups((threads + gl_WorkGroupSize.x - 1) / gl_WorkGroupSize.x, 1, 1); }
+#include "groups.glsl"
 
 // push.count: particles.
 void main() {

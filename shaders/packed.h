@@ -1,0 +1,98 @@
+// What is packed into the bits of a buffer's elements: links and candidates. Part of shared.h, which includes it.
+#ifndef WEFT_PACKED_H
+#define WEFT_PACKED_H
+
+#ifdef __cplusplus
+namespace weft::gpu {
+#endif
+
+// A link of the stretch pass in eight bytes: 24 bits of index, a rest length with 16 bits of mantissa (relative error up to
+// 2^-17), a response with 7 (below 0.4 %), and one bit for links that only pull.
+//
+// With one iteration a substep nothing in an XPBD multiplier changes but C, so the response is the gain 1 / (W_a + W_b + omega alpha/h^2)
+// (kg; fabric.cpp says why omega), worked out when cooking: the pass neither adds masses nor divides by them. Both ends have the same bits of it, so
+// momentum is conserved. With several iterations the response is the compliance alpha (m/N).
+//
+//   x: [31..24] response exponent   [23..0] index
+//   y: [31..8]  rest length, a positive float's bits 30..7   [7..1] response mantissa   [0] only pulls
+struct Link {
+  uint other;
+  float rest;         // m; 0 marks padding
+  float response;     // gain (kg) or compliance (m/N)
+  bool only_pulls;
+};
+
+WEFT_INLINE Link unpack_link(uint x, uint y) {
+  Link link;
+  link.other = x & 0xffffffu;
+  link.rest = WEFT_FLOAT((y >> 8) << 7);
+  link.response = WEFT_FLOAT(((x >> 24) << 23) | ((y & 0xfeu) << 15));
+  link.only_pulls = (y & 1u) != 0u;
+  return link;
+}
+
+// A link of Gauss-Seidel in 16 bytes: two particles, rest length, and the compliance, whose sign bit marks one that only pulls.
+struct ColouredLink {
+  uint a, b;
+  float rest;         // m
+  float compliance;   // m/N
+  bool only_pulls;
+};
+
+WEFT_INLINE ColouredLink unpack_coloured(uvec4 packed) {
+  ColouredLink link;
+  link.a = packed.x;
+  link.b = packed.y;
+  link.rest = WEFT_FLOAT(packed.z);
+  link.compliance = WEFT_FLOAT(packed.w & 0x7fffffffu);
+  link.only_pulls = (packed.w & 0x80000000u) != 0u;
+  return link;
+}
+
+// A candidate in 16 bytes: four particles of 24 bits, and in their top bytes, first to last, the bits of the distance that the
+// pair keeps (m); its sign tells the kind. Vertex-triangle: the vertex is side A, the triangle side B. Edge-edge: two and two.
+struct Candidate {
+  uint particle[4];
+  float keep;         // m
+  bool edges;
+};
+
+WEFT_INLINE Candidate unpack_candidate(uvec4 packed) {
+  const uint bits = (packed.x & 0xff000000u) | ((packed.y >> 24) << 16) | ((packed.z >> 24) << 8) | (packed.w >> 24);
+  Candidate candidate;
+  candidate.particle[0] = packed.x & 0xffffffu;
+  candidate.particle[1] = packed.y & 0xffffffu;
+  candidate.particle[2] = packed.z & 0xffffffu;
+  candidate.particle[3] = packed.w & 0xffffffu;
+  candidate.keep = WEFT_FLOAT(bits & 0x7fffffffu);
+  candidate.edges = (bits & 0x80000000u) != 0u;
+  return candidate;
+}
+
+WEFT_INLINE uvec4 pack_candidate(uint a, uint b, uint c, uint d, float keep, bool edges) {
+  const uint bits = WEFT_BITS(keep) | (edges ? 0x80000000u : 0u);
+  uvec4 packed;
+  packed.x = a | (bits & 0xff000000u);
+  packed.y = b | (((bits >> 16) & 0xffu) << 24);
+  packed.z = c | (((bits >> 8) & 0xffu) << 24);
+  packed.w = d | (bits << 24);
+  return packed;
+}
+
+#ifdef __cplusplus
+
+inline uvec4 pack_coloured(const ColouredLink& link) {
+  return {link.a, link.b, WEFT_BITS(link.rest), WEFT_BITS(link.compliance) | (link.only_pulls ? 0x80000000u : 0u)};
+}
+
+inline uvec2 pack_link(const Link& link) {
+  // Rounded to nearest: half of the last kept bit is added before cutting; a carry runs into the exponent, as it should.
+  const uint rest = (WEFT_BITS(link.rest) + 0x40u) >> 7;
+  const uint response = (WEFT_BITS(link.response) + 0x8000u) & 0x7fff0000u;
+  return {(link.other & 0xffffffu) | ((response >> 23) << 24), (rest << 8) | ((response >> 15) & 0xfeu) | (link.only_pulls ? 1u : 0u)};
+}
+
+}  // namespace weft::gpu
+
+#endif
+#endif
