@@ -7,6 +7,8 @@
 namespace weft {
 namespace {
 
+bool grows_with_candidates(Domain domain) { return domain == Domain::candidates || domain == Domain::near_faces || domain == Domain::near_edges; }
+
 static_assert(static_cast<int>(ColliderShape::plane) == WEFT_PLANE && static_cast<int>(ColliderShape::sphere) == WEFT_SPHERE &&
               static_cast<int>(ColliderShape::capsule) == WEFT_CAPSULE && static_cast<int>(ColliderShape::box) == WEFT_BOX);
 
@@ -215,11 +217,8 @@ Result<void> Solver::grow(std::uint32_t candidates) {
   const auto set_room = [&](std::uint32_t capacity) {
     for (BufferNeed& need : needs_)
       if (need.grows) need.bytes = need.bytes / contacts_.capacity * capacity;
-    for (std::size_t k = 0; k < counts_.size(); ++k) {
-      const Domain domain = plan_.passes[k].pass->domain;
-      if (domain == Domain::candidates) counts_[k] = capacity;
-      if (domain == Domain::near_faces || domain == Domain::near_edges) counts_[k] = WEFT_NEAR * capacity;
-    }
+    for (std::size_t k = 0; k < counts_.size(); ++k)
+      if (grows_with_candidates(plan_.passes[k].pass->domain)) counts_[k] = counts_[k] / contacts_.capacity * capacity;
     contacts_.capacity = capacity;
   };
   const std::uint32_t before = contacts_.capacity;

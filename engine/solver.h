@@ -42,8 +42,7 @@ class Solver {
     gpu::Push push;
   };
   /// Room for this many candidates from now on; those found so far are lost, so that the next substep must detect. The GPU must be done
-  /// with this solver. Errors: no memory; a device limit; the room
-  /// then stays as it was.
+  /// with this solver. Errors: no memory; a device limit; the room then stays as it was.
   Result<void> grow(std::uint32_t candidates);
 
   /// Lists a frame's dispatches and moves the iterates' parity on: call once a frame, then record all of it.

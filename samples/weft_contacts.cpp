@@ -18,7 +18,7 @@ namespace {
 constexpr std::uint32_t kSizes[] = {30, 50, 100, 150, 200, 300}, kQuickSizes[] = {30, 60};   // vertices along a side
 constexpr double kCells[] = {0.6, 0.8, 1, 1.25, 1.6, 2.2, 3};   // times the automatic choice ...
 constexpr std::size_t kAutomatic = 2;                           // ... which is this one
-constexpr int kRounds = 4;   // over all cells, so that each has its turn when others use the machine less
+constexpr std::uint32_t kRounds = 4;   // over all cells, so that each has its turn when others use the machine less
 constexpr std::uint32_t kCellSize = 100, kQuickCellSize = 50;   // vertices along a side when cells are compared
 constexpr std::uint32_t kCellFrames = 20;
 
@@ -66,16 +66,18 @@ Drawing cell_plot(const std::vector<ContactCosts>& rows) {
   return plot({{title, "cell (edges)", "ms", {all, automatic}, {}}}, 1);
 }
 
-// The fastest search of several with each of kCells. Once is enough for who does not want to wait.
+// The fastest search of several with each of kCells; of one round, if that is interrupted.
 Result<std::vector<ContactCosts>> compare_cells(const compute::Device& device, const Scene& scene, std::uint32_t size) {
   auto automatic = contact_costs(device, scene, size, kCellFrames, 0);
   if (!automatic) return automatic.take_error();
   std::vector<ContactCosts> cells(std::size(kCells), *automatic);
-  for (int round = 0; round < kRounds && (round == 0 || !interrupted()); ++round)
+  Progress progress("comparing cells", kRounds * std::size(kCells), "runs");
+  for (std::uint32_t round = 0; round < kRounds && (round == 0 || !interrupted()); ++round)
     for (std::size_t k = 0; k < std::size(kCells); ++k) {
       auto costs = contact_costs(device, scene, size, kCellFrames, kCells[k] * automatic->cell);
       if (!costs) return costs.take_error();
       if (round == 0 || costs->per_search() < cells[k].per_search()) cells[k] = std::move(*costs);
+      progress.step();
     }
   return cells;
 }

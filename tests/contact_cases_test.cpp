@@ -187,7 +187,7 @@ TEST_P(Hanging, a_flat_sheet_stretches_as_it_does_without_contacts) {
   EXPECT_NEAR(strain[1].max / strain[0].max, 1, 0.01);
 }
 
-INSTANTIATE_TEST_SUITE_P(Sizes, Hanging, testing::Values(30u, 100u), testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Sizes, Hanging, testing::Values(30u, 100u, 200u, 300u), testing::PrintToStringParamName());
 
 // The sphere goes through, or drags along what it can; the cloth may be torn about but not through itself.
 TEST_F(ContactCase, a_collider_through_cloth_at_five_metres_a_frame_makes_it_cross_nowhere) {

@@ -102,19 +102,13 @@ Tracks random_tracks(Random& random) {
   return t;
 }
 
-// As near as the pair can be and still be left out. A motion of length `spare` may turn the axis between the middles of two edges,
-// which is then too far: half of it is tried.
+// As near as the pair can be and still be left out. No motion of length `spare` makes `spare` less than 0.
 void bring_together(Tracks& t, const Particles& all, int a) {
-  double part = 1;
-  for (int k = 0; k < 40; ++k) {
-    const double spare = part * spare_distance(t, all, a);
-    const Points before = t.references;
+  for (int k = 0; k < 8; ++k) {
+    const double spare = spare_distance(t, all, a);
     const Vector d = offset(closest({t.references[0], t.references[1], t.references[2], t.references[3]}, a).weights,
                             {t.references[0], t.references[1], t.references[2], t.references[3]});
     for (std::size_t i = 0; i < static_cast<std::size_t>(a); ++i) t.references[i] -= spare * d.normalized();
-    if (spare_distance(t, all, a) >= 0) continue;
-    t.references = before;
-    part /= 2;
   }
 }
 
