@@ -54,10 +54,11 @@ constexpr Pass kPasses[] = {
     {"bend_gather",    "bend_gather",      Stage::iteration,     Domain::particles,           kBending | kIterated,  kChebyshev,             true,   true},
     {"bend_gather",    "bend_gather",      Stage::iteration,     Domain::particles,           kBending | kChebyshev, kPlain,                 true,   false},
     {"accelerate",     "accelerate",       Stage::iteration,     Domain::particles,           kChebyshev,            kPlain,                 true,   true},
-    {"contact_solve",  "contact_solve",    Stage::contact,       Domain::candidates,          kContacts,             kPlain,                 false,  false},
+    {"contact_solve",  "contact_solve",    Stage::contact,       Domain::contacts,            kContacts,             kPlain,                 false,  false},
     {"contact_apply",  "contact_apply",    Stage::contact,       Domain::touched_particles,   kContacts,             kColliders,             false,  false},
     {"contact_apply",  "contact_apply",    Stage::contact,       Domain::touched_particles,   kContacts | kColliders, kPlain,                false,  false, "+collide"},
-    {"contact_limit",  "contact_limit",    Stage::substep_end,   Domain::candidates,          kContacts,             kPlain,                 false,  false, "", WEFT_ROUNDS},
+    {"contact_open",   "contact_open",     Stage::substep_end,   Domain::candidates,          kContacts,             kPlain,                 false,  false},
+    {"contact_limit",  "contact_limit",    Stage::substep_end,   Domain::open_candidates,     kContacts,             kPlain,                 false,  false, "", WEFT_ROUNDS},
     {"settle",         "settle",           Stage::substep_end,   Domain::particles,           kContacts,             kPlain,                 false,  false},
     {"surface",        "surface",          Stage::frame_end,     Domain::vertices,            kPlain,                kPlain,                 false,  false},
 };
@@ -169,9 +170,10 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
                                   particles, fours, 4 * fours, 4 * fours, 2 * particles, (relaxed ? 3 : 1) * particles, (relaxed ? 1 : 5) * particles,
                                   particles, 1, fabric.materials.size(),
                                   // Gauss-Seidel; Chebyshev.
-                                  links, links, stretch_pairs, bends, 3 * particles, 1};
+                                  links, links, stretch_pairs, bends, 3 * particles, 1,
+                                  contacts.capacity};
   constexpr auto grows = [](gpu::Binding binding) {
-    return binding == gpu::candidates || binding == gpu::contact_normals || binding == gpu::contact_weights;
+    return binding == gpu::candidates || binding == gpu::contact_normals || binding == gpu::contact_weights || binding == gpu::contact_list;
   };
   const BufferNeed all[] = {
 #define WEFT_NEED(number, name, element) {#name, gpu::name, counts[number] * sizeof(gpu::element), texel_of<gpu::element>(), grows(gpu::name)},
@@ -200,7 +202,9 @@ std::uint32_t domain_size(Domain domain, const CookedFabric& fabric, const Conta
     case Domain::slots: return contacts.slots;
     case Domain::near_faces:
     case Domain::near_edges: return WEFT_NEAR * contacts.capacity;
-    case Domain::candidates: return contacts.capacity;
+    case Domain::candidates:
+    case Domain::contacts:
+    case Domain::open_candidates: return contacts.capacity;
   }
   return 0;
 }
@@ -217,6 +221,8 @@ std::optional<std::uint32_t> indirect_offset(Domain domain) {
     case Domain::near_faces: return offsetof(gpu::Detection, near_faces);
     case Domain::near_edges: return offsetof(gpu::Detection, near_edges);
     case Domain::candidates: return offsetof(gpu::Detection, contacts);
+    case Domain::contacts: return offsetof(gpu::Detection, listed);
+    case Domain::open_candidates: return offsetof(gpu::Detection, listed) + WEFT_OPEN * sizeof(gpu::Groups);
     case Domain::touched_particles: return offsetof(gpu::Detection, touched);
     default: return std::nullopt;
   }

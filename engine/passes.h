@@ -45,7 +45,8 @@ enum class Domain {
   coloured,                                       // links of one colour, a dispatch a colour
   detected_particles, primitives, slots,          // where a detection is due
   near_faces, near_edges,                         // where it found pairs that are near each other
-  candidates, touched_particles                   // where the last detection found something
+  candidates, touched_particles,                  // where the last detection found something
+  contacts, open_candidates                       // those of the candidates that touch, and that could cross
 };
 
 struct Pass {

@@ -20,7 +20,7 @@ struct FrameSlot {
 /// Where a collider stands when its keys say `key`.
 ColliderPose keyed_pose(const Collider& collider, const Key& key);
 
-/// 16 bytes each, three times: what a device with a few GiB has for them.
+/// 52 bytes each: what a device with a few GiB has for them.
 inline constexpr std::uint64_t kMostCandidates = std::uint64_t(1) << 26;
 
 struct Simulation::State {

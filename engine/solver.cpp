@@ -7,7 +7,10 @@
 namespace weft {
 namespace {
 
-bool grows_with_candidates(Domain domain) { return domain == Domain::candidates || domain == Domain::near_faces || domain == Domain::near_edges; }
+bool grows_with_candidates(Domain domain) {
+  return domain == Domain::candidates || domain == Domain::contacts || domain == Domain::open_candidates || domain == Domain::near_faces ||
+         domain == Domain::near_edges;
+}
 
 static_assert(static_cast<int>(ColliderShape::plane) == WEFT_PLANE && static_cast<int>(ColliderShape::sphere) == WEFT_SPHERE &&
               static_cast<int>(ColliderShape::capsule) == WEFT_CAPSULE && static_cast<int>(ColliderShape::box) == WEFT_BOX);

@@ -6,6 +6,13 @@
 //        / : \                       |
 //       1--2--3                   2 ------ 3       side B
 //
+// Of the largest coordinate: what the heights of two particles lose at most when their places are rounded, four times over. Sides closer
+// than that are never passed over.
+const float kFloor = 1.0 / 1048576;   // 2^-20
+// Of the distance to keep. That much remains at a substep's end, or all that there is if it is less: a part of the gap would shrink
+// from substep to substep, until rounding has the rest.
+const float kMargin = 0.1;
+
 // Four values of the particles, one each, are a vec4; their places are a matrix of four columns, relative to particle 0's place
 // at the substep's start, so that the distance from the origin costs no precision.
 

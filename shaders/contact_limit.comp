@@ -23,7 +23,8 @@
 GATHER(positions)
 GATHER(predicted)
 GATHER_UINT4(candidates)
-GATHER_WRITE(contact_normals)
+GATHER(contact_normals)
+GATHER_UINT(contact_list)
 READ_WRITE(uvec4, fractions)
 READ_WRITE(Detection, detection)
 
@@ -32,14 +33,6 @@ layout(push_constant, scalar) uniform Constants { Push push; };
 #include "contact.glsl"
 
 const uint kLastRound = WEFT_ROUNDS - 1;
-// In the place of a height (contact_prepare.comp): whoever stops where, this pair does not cross in this substep.
-const float kSafe = 1e30;
-
-// Of the largest coordinate: what the heights of two particles lose at most when settle rounds their places, four times over.
-const float kFloor = 1.0 / 1048576;   // 2^-20
-// Of the distance to keep. That much remains, or all that there is if it is less: a part of the gap would shrink from substep to
-// substep, until rounding has the rest.
-const float kMargin = 0.1;
 // Of a gap that may not shrink: so little is no motion.
 const float kNothing = 1e-4;
 
@@ -131,27 +124,6 @@ void lower(Candidate pair, uint round, vec4 t, vec4 before) {
   if (round < kLastRound && any(lessThan(t, before))) atomicOr(detection[0].lowered[round], 1);
 }
 
-// Where particles end if nobody stops.
-struct Ends {
-  vec3 first;
-  mat4x3 from_first;
-  float margin;   // m, no less than that of Sides
-};
-
-Ends ends_of(Candidate pair) {
-  const vec3 p[4] = vec3[4](FETCH(predicted, pair.particle[0]).xyz, FETCH(predicted, pair.particle[1]).xyz, FETCH(predicted, pair.particle[2]).xyz,
-                            FETCH(predicted, pair.particle[3]).xyz);
-  const float squared = dot(p[0], p[0]) + dot(p[1], p[1]) + dot(p[2], p[2]) + dot(p[3], p[3]);
-  if (!(squared < 1e18)) return Ends(vec3(0), mat4x3(0), kSafe);   // not finite: not apart
-  return Ends(p[0], mat4x3(vec3(0), p[1] - p[0], p[2] - p[0], p[3] - p[0]), max(kMargin * pair.keep, kFloor * sqrt(squared)));
-}
-
-// Whether nobody even comes to the middle: then it does not matter who stops.
-bool keep_to_their_sides(Candidate pair, vec3 n, float height, Ends ends) {
-  const float first = height + dot(n, ends.first - FETCH(positions, pair.particle[0]).xyz);
-  return all(greaterThanEqual(signs(pair.edges) * (first + n * ends.from_first), vec4(0.5 * ends.margin)));
-}
-
 // Sides that meet have no planes between them: they stay.
 void hold(Candidate pair) {
   vec4 t = vec4(1);
@@ -179,28 +151,14 @@ void limit(Candidate pair, vec3 n, uint round) {
   lower(pair, round, alone, vec4(1));
 }
 
-// The first round for most pairs: those that end apart if all go their whole way. `height` is of the first particle over the
-// middle, or below 0 where it is not known.
-bool passed_over(uint i, Candidate pair, vec3 n, float height) {
-  const Ends ends = ends_of(pair);
-  if (!(separation(n, ends.from_first, pair.edges) >= ends.margin)) return false;
-  if (height > 0 && keep_to_their_sides(pair, n, height, ends)) contact_normals[i].w = -kSafe;
-  return true;
-}
-
 void main() {
-  const uint i = gl_GlobalInvocationID.x;
-  if (i >= min(detection[0].candidates, push.capacity)) return;
+  const uint place = gl_GlobalInvocationID.x;
+  if (place >= detection[0].listings[WEFT_OPEN]) return;
   const uint round = (push.flags >> WEFT_ROUND_SHIFT) & kLastRound;
   if (round > 0 && detection[0].lowered[round - 1] == 0) return;
-  const vec4 normal = FETCH(contact_normals, i);
-  if (normal.w <= -kSafe) return;
-  const vec3 n = normal.xyz;
+  const uint i = FETCH_UINT(contact_list, place);
+  const vec3 n = FETCH(contact_normals, i).xyz;
   const Candidate pair = unpack_candidate(FETCH(candidates, i));
-  if (n == vec3(0)) {
-    if (round == 0) hold(pair);
-    return;
-  }
-  if (round == 0 && passed_over(i, pair, n, -normal.w)) return;
-  limit(pair, n, round);
+  if (n != vec3(0)) limit(pair, n, round);
+  else if (round == 0) hold(pair);
 }

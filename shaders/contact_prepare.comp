@@ -13,7 +13,7 @@
 GATHER(positions)
 GATHER(predicted)
 GATHER_UINT4(candidates)
-READ(Detection, detection)
+READ_WRITE(Detection, detection)
 WRITE(vec4, contact_normals)
 WRITE(vec4, contact_weights)
 READ_WRITE(uint, contact_counts)
@@ -22,11 +22,10 @@ layout(push_constant, scalar) uniform Constants { Push push; };
 
 #include "proximity.glsl"
 #include "contact.glsl"
+#include "contact_list.glsl"
 
 // m. Rounding of an offset between features a few centimetres long: what is shorter points nowhere.
 const float kNoDistance = 1e-9;
-// Of a coordinate: less can get lost when places are rounded. Sides closer than that are never passed over.
-const float kFloor = 1.0 / 1048576;   // 2^-20
 // m. Of a mesh that fits into this, no two points are further apart.
 const float kNoMesh = 1e9;
 
@@ -86,6 +85,7 @@ void main() {
   const bool touches = dot(n, p * weights) < keep + 0.1 * pair.keep || half_gap < kFloor * length(origin);
   contact_normals[i] = vec4(n, touches ? keep : -height);
   if (!touches) return;
+  list(WEFT_TOUCHING, i);
   contact_weights[i] = weights;
   count(a, weights.x);
   count(b, weights.y);

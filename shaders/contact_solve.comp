@@ -22,6 +22,7 @@ GATHER_UINT4(candidates)
 GATHER(contact_normals)
 GATHER(contact_weights)
 GATHER_UINT(contact_counts)
+GATHER_UINT(contact_list)
 READ(Detection, detection)
 READ_WRITE(ivec4, contact_sums)
 
@@ -70,10 +71,10 @@ void add(uint particle, float response, vec3 units) {
 }
 
 void main() {
-  const uint i = gl_GlobalInvocationID.x;
-  if (i >= min(detection[0].candidates, push.capacity)) return;
+  const uint place = gl_GlobalInvocationID.x;
+  if (place >= detection[0].listings[WEFT_TOUCHING]) return;
+  const uint i = FETCH_UINT(contact_list, place);
   const vec4 normal = FETCH(contact_normals, i);
-  if (normal.w < 0) return;
   const Candidate pair = unpack_candidate(FETCH(candidates, i));
   const uint a = pair.particle[0], b = pair.particle[1], c = pair.particle[2], d = pair.particle[3];
   const vec4 weights = FETCH(contact_weights, i);

@@ -67,7 +67,8 @@
   X(52, stretch_steps,  vec2)     /* link pairs     what both multipliers last changed by (Chebyshev) */                 \
   X(53, bend_steps,     vec4)     /* bends          what the multiplier last changed by */                               \
   X(54, iterates,       vec4)     /* 3 x particles  the iterate before the last, the last (m), and the substep's first step (m) */ \
-  X(55, acceleration,   Acceleration) /* 1          whether Chebyshev's acceleration is steady */
+  X(55, acceleration,   Acceleration) /* 1          whether Chebyshev's acceleration is steady */                          \
+  X(56, contact_list,   uint)     /* capacity       the candidates that touch, later those that could cross (contact_list.glsl) */
 
 // Texel views (GATHER) live in a second descriptor set under the same numbers.
 #define WEFT_STORAGE_SET 0
@@ -256,11 +257,13 @@ struct Detection {
   Groups particles, primitives, blocks;   // of the detection's passes; no groups where none is due
   Groups near_faces, near_edges;          // a thread a pair that a search found near
   Groups contacts;    // a thread a candidate
+  Groups listed[2];   // a thread a candidate that touches, and one that could cross
   Groups touched;     // a thread a particle, where there are candidates
   uint due;           // the next substep begins with a detection
   uint age;           // substeps since the last one, at most WEFT_HORIZON
   uint candidates;    // that it found; more than push.capacity: the rest were lost
   float reach;        // m, the leashes' length
+  uint listings[2];   // candidates that touch in this substep, and those that could cross at its end
   uint lowered[WEFT_ROUNDS - 1];   // some particle's fraction was lowered in this round (contact_limit.comp)
   uint unsafe;        // ... and the last round still found a pair to cross: the static planes hold
   uint calm;          // the last detection found the particles at the end of paths that nobody had left
@@ -268,6 +271,8 @@ struct Detection {
   uint levels[2];     // a bit for each level that has boxes, of triangles, then of edges
   uint extents[2 * WEFT_LEVELS];   // bits of the longest half side of a box (m) at each level, of triangles, then of edges
 };
+#define WEFT_TOUCHING 0u
+#define WEFT_OPEN 1u
 #define WEFT_NEAR 2u   // pairs of each kind that may be near each other, for each candidate that there is room for
 
 /// What every pass is told. 96 of the 128 bytes that every device has.
@@ -309,7 +314,7 @@ struct Push {
 #ifdef __cplusplus
 
 static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 40 && sizeof(Push) == 96 && sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 280);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 40 && sizeof(Push) == 96 && sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 312);
 static_assert(sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);
 

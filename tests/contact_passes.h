@@ -66,6 +66,7 @@ class Passes : public SinglePass {
     const auto groups = [](std::size_t threads) { return gpu::Groups{static_cast<std::uint32_t>(threads + 63) / 64, 1, 1}; };
     detection[0].contacts = groups(pairs.size());
     detection[0].touched = groups(t_.x.size());
+    for (gpu::Groups& listed : detection[0].listed) listed = {0, 1, 1};
     detection[0].candidates = static_cast<std::uint32_t>(pairs.size());
     put(gpu::detection, detection);
   }
@@ -80,6 +81,7 @@ class Passes : public SinglePass {
     return contacts;
   }
   void limit() {
+    run("contact_open");
     for (int round = 0; round < static_cast<int>(WEFT_ROUNDS); ++round) run("contact_limit", round);
   }
   gpu::Detection detection() const { return get<gpu::Detection>(gpu::detection, 1).front(); }
