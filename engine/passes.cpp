@@ -54,6 +54,7 @@ constexpr Pass kPasses[] = {
     {"bend_gather",    "bend_gather",      Stage::iteration,     Domain::particles,           kBending | kIterated,  kChebyshev,             true,   true},
     {"bend_gather",    "bend_gather",      Stage::iteration,     Domain::particles,           kBending | kChebyshev, kPlain,                 true,   false},
     {"accelerate",     "accelerate",       Stage::iteration,     Domain::particles,           kChebyshev,            kPlain,                 true,   true},
+    {"contact_weigh",  "contact_weigh",    Stage::contact,       Domain::contacts,            kContacts,             kPlain,                 false,  false},
     {"contact_solve",  "contact_solve",    Stage::contact,       Domain::contacts,            kContacts,             kPlain,                 false,  false},
     {"contact_apply",  "contact_apply",    Stage::contact,       Domain::touched_particles,   kContacts,             kColliders,             false,  false},
     {"contact_apply",  "contact_apply",    Stage::contact,       Domain::touched_particles,   kContacts | kColliders, kPlain,                false,  false, "+collide"},
@@ -171,7 +172,7 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
                                   particles, 1, fabric.materials.size(),
                                   // Gauss-Seidel; Chebyshev.
                                   links, links, stretch_pairs, bends, 3 * particles, 1,
-                                  contacts.capacity};
+                                  contacts.capacity, particles};
   constexpr auto grows = [](gpu::Binding binding) {
     return binding == gpu::candidates || binding == gpu::contact_normals || binding == gpu::contact_weights || binding == gpu::contact_list;
   };

@@ -151,7 +151,7 @@ Result<void> Solver::create_buffers(const Scene& scene, const CookedFabric& fabr
       {gpu::counters, bytes_of(counters)},                 {gpu::triangles, bytes_of(triangles)},
       {gpu::edges, bytes_of(fabric.edges)},                {gpu::rest, bytes_of(fabric.rest)},
       {gpu::references, bytes_of(nowhere)},                {gpu::paths, bytes_of(nowhere)},
-      {gpu::leashes, none.first(particles * sizeof(gpu::uint))}, {gpu::contact_counts, none.first(particles * sizeof(gpu::uint))},
+      {gpu::leashes, none.first(particles * sizeof(gpu::uint))}, {gpu::contact_counts, none.first(particles * sizeof(gpu::uint))}, {gpu::contact_lacks, none.first(particles * sizeof(gpu::uint))},
       {gpu::grid_counts, none.first(contacts_.slots * sizeof(gpu::uint))}, {gpu::detection, bytes_of(detection)},
       {gpu::coloured_links, bytes_of(fabric.coloured_links)}, {gpu::iterates, bytes_of(iterates)},
       {gpu::acceleration, bytes_of(acceleration)},         {gpu::contact_sums, bytes_of(sums)},                 {gpu::fractions, bytes_of(fractions)},

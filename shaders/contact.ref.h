@@ -3,7 +3,8 @@
 //
 // A contact is the constraint C(p) = n . sum w_j p_j - keep >= 0 with the direction n and the weights w of the pose in which the
 // substep began (Lewin 2018, "Cloth self collision with predictive contacts"); grad_j C = w_j n. Solved with split masses (Tonge
-// et al. 2012) and Coulomb friction: the impulse mu lambda at most, and no more than stops the tangential motion since then.
+// et al. 2012), each contact with the share of a particle's mass that it has in what the particle's contacts lack together (contact_share.glsl),
+// and Coulomb friction: the impulse mu lambda at most, and no more than stops the tangential motion since then.
 //
 // The limit (after Chen et al. 2025, "Offset geometric contact", planar truncation): particles go straight from x to p; of each
 // way only a fraction is gone, so that planes across n part the sides of every pair at the end as they do at the start.
@@ -79,23 +80,25 @@ inline ContactImpulse contact_impulse(const Contact& contact, const Quad& x, con
 /// One Jacobi iteration over all contacts that touch. `friction`: one a particle; a pair's is the geometric mean of its sides'.
 inline Points solve_contacts(std::span<const Pair> pairs, std::span<const Contact> contacts, const Points& x, const Points& p,
                              std::span<const double> inverse_masses, std::span<const double> friction) {
-  Copies copies(inverse_masses, Meeting::mass_split);
+  std::vector<double> lacks(p.size());
+  const auto lack = [&](std::size_t k, int j) { return std::abs(contacts[k].weights[j]) * std::max(0.0, -contact_value(contacts[k], places(pairs[k], p))); };
   for (std::size_t k = 0; k < pairs.size(); ++k)
     for (int j = 0; j < 4; ++j)
-      if (contacts[k].touches && contacts[k].weights[j] != 0) copies.use(pairs[k].particle[j]);
+      if (contacts[k].touches) lacks[pairs[k].particle[j]] += lack(k, j);
+  Points solved = p;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     if (!contacts[k].touches) continue;
     Eigen::Vector4d split, own;
     for (int j = 0; j < 4; ++j) {
-      split[j] = copies.weight(pairs[k].particle[j]);
       own[j] = inverse_masses[pairs[k].particle[j]];
+      split[j] = lack(k, j) > 0 ? own[j] * lacks[pairs[k].particle[j]] / lack(k, j) : own[j];
     }
     const double mu = std::sqrt(friction[pairs[k].particle[0]] * friction[pairs[k].first_of_b()]);
     const ContactImpulse impulse = contact_impulse(contacts[k], places(pairs[k], x), places(pairs[k], p), split, own, mu);
     for (int j = 0; j < 4; ++j)
-      copies.push(pairs[k].particle[j], contact_gradient(contacts[k], j) * impulse.lambda + contacts[k].weights[j] * impulse.tangential);
+      solved[pairs[k].particle[j]] += own[j] * (contact_gradient(contacts[k], j) * impulse.lambda + contacts[k].weights[j] * impulse.tangential);
   }
-  return copies.meet(p);
+  return solved;
 }
 
 /// Of the distance to keep: what the limit leaves of the gap, or all of it if it is less.

@@ -9,6 +9,7 @@ GATHER(positions)
 GATHER_WRITE(predicted)
 READ(Detection, detection)
 READ_WRITE(ivec4, contact_sums)
+READ_WRITE(uint, contact_lacks)
 READ_WRITE(Counters, counters)
 
 layout(push_constant, scalar) uniform Constants { Push push; };
@@ -21,6 +22,7 @@ GATHER(materials)
 #include "leash.glsl"
 
 vec3 moved_by_contacts(uint i, vec3 p) {
+  if (contact_lacks[i] != 0) contact_lacks[i] = 0;
   const ivec3 sum = contact_sums[i].xyz;
   if (sum == ivec3(0)) return p;
   contact_sums[i].xyz = ivec3(0);

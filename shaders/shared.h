@@ -68,7 +68,8 @@
   X(53, bend_steps,     vec4)     /* bends          what the multiplier last changed by */                               \
   X(54, iterates,       vec4)     /* 3 x particles  the iterate before the last, the last (m), and the substep's first step (m) */ \
   X(55, acceleration,   Acceleration) /* 1          whether Chebyshev's acceleration is steady */                          \
-  X(56, contact_list,   uint)     /* capacity       the candidates that touch, later those that could cross (contact_list.glsl) */
+  X(56, contact_list,   uint)     /* capacity       the candidates that touch, later those that could cross (contact_list.glsl) */ \
+  X(57, contact_lacks,  uint)     /* particles      what its contacts lack, together (contact_share.glsl); 0 between iterations */
 
 // Texel views (GATHER) live in a second descriptor set under the same numbers.
 #define WEFT_STORAGE_SET 0

@@ -69,7 +69,7 @@ TEST_F(ContactEdgeCase, contacts_do_not_push_into_colliders) {
   FrameInput input = frame_of(1);
   input.colliders = {&floor, 1};
   passes.begin(input);
-  for (const char* pass : {"contact_prepare", "contact_solve", "contact_apply"}) passes.run(pass);
+  for (const char* pass : {"contact_prepare", "contact_weigh", "contact_solve", "contact_apply"}) passes.run(pass);
   const auto got = passes.iterate();
   for (std::size_t i = 0; i < got.size(); ++i) EXPECT_TRUE(t.inverse_masses[i] == 0 || got[i].y >= 0.002f - kRounding) << i;
 }
@@ -86,7 +86,7 @@ void run_degenerate(const compute::Device& device, const reference::Quad& x, boo
   const Scene scene = scene_of(t);
   const CookedFabric fabric = fabric_of(t, scene.solver);
   Passes passes(device, scene, fabric, t, false);
-  for (const char* pass : {"contact_prepare", "contact_solve", "contact_apply"}) passes.run(pass);
+  for (const char* pass : {"contact_prepare", "contact_weigh", "contact_solve", "contact_apply"}) passes.run(pass);
   passes.limit();
   passes.run("settle");
   const auto got = passes.particles(gpu::positions);
@@ -124,7 +124,7 @@ TEST_F(ContactEdgeCase, a_prediction_that_is_not_finite_takes_nobody_along) {
   const Scene scene = scene_of(t);
   const CookedFabric fabric = fabric_of(t, scene.solver);
   Passes passes(device(), scene, fabric, t, false);
-  for (const char* pass : {"contact_prepare", "contact_solve", "contact_apply"}) passes.run(pass);
+  for (const char* pass : {"contact_prepare", "contact_weigh", "contact_solve", "contact_apply"}) passes.run(pass);
   passes.limit();
   passes.run("settle");
   const auto got = points(passes.particles(gpu::positions));

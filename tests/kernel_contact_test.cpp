@@ -66,6 +66,7 @@ void compare_solved(const compute::Device& device, bool gather_storage) {
   const CookedFabric fabric = fabric_of(t, scene.solver);
   Passes passes(device, scene, fabric, t, gather_storage);
   passes.run("contact_prepare");
+  passes.run("contact_weigh");
   passes.run("contact_solve");
   const auto sums = passes.get<gpu::ivec4>(gpu::contact_sums, t.x.size());
   passes.run("contact_apply");
@@ -94,6 +95,7 @@ TEST_F(ContactKernel, solving_keeps_momentum_to_the_unit) {
   const CookedFabric fabric = fabric_of(t, scene.solver);
   Passes passes(device(), scene, fabric, t, false);
   passes.run("contact_prepare");
+  passes.run("contact_weigh");
   passes.run("contact_solve");
   const auto sums = passes.get<gpu::ivec4>(gpu::contact_sums, t.x.size());
   reference::Vector momentum = reference::Vector::Zero(), size = momentum;
@@ -120,6 +122,7 @@ TEST_F(ContactKernel, many_deep_contacts_of_one_particle_do_not_overflow) {
   const CookedFabric fabric = fabric_of(t, scene.solver);
   Passes passes(device(), scene, fabric, t, false);
   passes.run("contact_prepare");
+  passes.run("contact_weigh");
   passes.run("contact_solve");
   const auto sums = passes.get<gpu::ivec4>(gpu::contact_sums, 4);
   EXPECT_GT(sums[0].y, 1 << 29);
@@ -143,7 +146,7 @@ TEST_F(ContactKernel, the_order_of_candidates_does_not_matter) {
   for (int order = 0; order < 3; ++order) {
     Passes passes(device(), scene, fabric, t, false);
     passes.put_pairs(pairs);
-    for (const char* pass : {"contact_prepare", "contact_solve", "contact_apply"}) passes.run(pass);
+    for (const char* pass : {"contact_prepare", "contact_weigh", "contact_solve", "contact_apply"}) passes.run(pass);
     const auto solved = passes.iterate();
     passes.limit();
     const auto limited = passes.get<gpu::uvec4>(gpu::fractions, 2 * t.x.size());

@@ -178,10 +178,10 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   EXPECT_EQ(labels(kChebyshev | kIterated | kBending | kColliders),
             (Labels{"predict", "stretch", "bend_lambda", "bend_gather", "accelerate+collide+settle", "surface"}));
   EXPECT_EQ(labels(kContacts), (Labels{"predict+watch", "detect_arm", "detect_path", "grid_count", "grid_total", "grid_scan", "grid_fill", "search_faces", "search_edges",
-                                       "search_arm", "pair_faces", "pair_edges", "contact_arm", "contact_prepare", "stretch", "contact_solve", "contact_apply", "contact_open", "contact_limit", "settle", "surface"}));
+                                       "search_arm", "pair_faces", "pair_edges", "contact_arm", "contact_prepare", "stretch", "contact_weigh", "contact_solve", "contact_apply", "contact_open", "contact_limit", "settle", "surface"}));
   EXPECT_EQ(labels(kLinks & ~kIterated),
             (Labels{"predict+watch", "anchor+watch", "detect_arm", "detect_path", "grid_count", "grid_total", "grid_scan", "grid_fill", "search_faces", "search_edges",
-                    "search_arm", "pair_faces", "pair_edges", "contact_arm", "contact_prepare", "stretch", "bend+tether+collide", "contact_solve", "contact_apply+collide", "contact_open", "contact_limit", "settle", "surface"}));
+                    "search_arm", "pair_faces", "pair_edges", "contact_arm", "contact_prepare", "stretch", "bend+tether+collide", "contact_weigh", "contact_solve", "contact_apply+collide", "contact_open", "contact_limit", "settle", "surface"}));
 }
 
 TEST(Plan, every_shader_of_the_table_exists_in_both_variants) {
