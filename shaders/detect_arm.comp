@@ -30,7 +30,12 @@ float reach_after(float reach, uint old) {
   return min(reach, push.reach_high);
 }
 
+// Paths lead twice as far as the last ones held: where particles are jerked about and every other substep asks for a detection, ten
+// substeps' way would let half as many pairs again meet.
+uint horizon_after(uint old) { return detection[0].horizon == 0 ? WEFT_HORIZON : min(2 * old, WEFT_HORIZON); }
+
 void begin_detection(bool calm) {
+  detection[0].horizon = horizon_after(detection[0].age + 1);
   detection[0].reach = reach_after(detection[0].reach, detection[0].age + 1);
   detection[0].due = 0;
   detection[0].calm = uint(calm);

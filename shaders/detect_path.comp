@@ -5,7 +5,7 @@
 // particle that wants to leave its leash makes the next substep begin with a detection, and until then is stopped on its
 // way if need be: nothing is lost, whatever the motion.
 //
-// A path is the coming substep's way, WEFT_HORIZON times. It is no longer than 32 cells a substep, so that boxes stay bounded;
+// A path is the coming substep's way, as many times as searches have been holding lately: the longer, the more pairs can meet on it. It is no longer than 32 cells a substep, so that boxes stay bounded;
 // what is faster leaves its leash, and there is a detection in every substep.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -26,7 +26,7 @@ vec3 path_along(vec3 d) {
   const float longest = most_cells * push.cell;
   const float squared = dot(d, d);
   if (!(squared < 1e20)) return vec3(0);   // lost: it will be put back (finish.glsl)
-  return (squared > longest * longest ? longest / sqrt(squared) : 1) * float(WEFT_HORIZON) * d;
+  return (squared > longest * longest ? longest / sqrt(squared) : 1) * float(detection[0].horizon) * d;
 }
 
 void main() {

@@ -14,11 +14,11 @@ GATHER(rest)
 // Four units in the last place of the largest coordinate: what adding paths up and comparing places may lose.
 const float rounding = 4.0 / 8388608.0;
 
-const float per_substep = 1.0 / float(WEFT_HORIZON);
+float per_substep() { return 1.0 / float(max(detection[0].horizon, 1)); }
 
 const uint of_triangles = 0, of_edges = 1;   // kinds of primitives
 
-// A particle at the last detection, and what it would go in WEFT_HORIZON substeps from there (m).
+// A particle at the last detection, and what it would go from there in the horizon's substeps (m).
 struct Track {
   vec3 at, path;
 };
@@ -36,7 +36,7 @@ Sweep sweep_of(vec3 low, vec3 high, float squared_path, float thickness) {
   precise const float clearance = detection[0].reach + rounding * max(far.x, max(far.y, far.z));
   precise const float margin = clearance + 0.5 * thickness;
   precise const vec3 from = low - margin, to = high + margin;
-  return Sweep(from, to, sqrt(squared_path) * per_substep, clearance);
+  return Sweep(from, to, sqrt(squared_path) * per_substep(), clearance);
 }
 
 float squared_length(vec3 d) {

@@ -7,7 +7,8 @@ READ(uint, leashes)
 
 // Where particle i is expected, so many substeps after the last detection (m).
 vec3 expected_at(uint i, uint substeps) {
-  const float passed = float(min(substeps, WEFT_HORIZON)) * (1.0 / float(WEFT_HORIZON));
+  const uint horizon = max(detection[0].horizon, 1);
+  const float passed = float(min(substeps, horizon)) / float(horizon);
   return FETCH(references, i).xyz + passed * FETCH(paths, i).xyz;
 }
 

@@ -30,7 +30,7 @@ bool moves(uvec4 particle) {
 // What is left of the distance between two sides at the detection, at worst, before the next one (m).
 float spare_distance(float distance, float squared_relative, Sweep a, Sweep b) {
   const float relative = sqrt(squared_relative);
-  const float stopped = max(max(a.step, b.step) - relative * per_substep, 0);
+  const float stopped = max(max(a.step, b.step) - relative * per_substep(), 0);
   return distance - relative - stopped - a.clearance - b.clearance;
 }
 

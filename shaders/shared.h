@@ -36,7 +36,7 @@
   X(24, edges,          uvec2)    /* edges          two particles: of those triangles, each once */                      \
   X(25, rest,           vec4)     /* particles      xyz rest position (m), w thickness (m) */                            \
   X(26, references,     vec4)     /* particles      xyz position at the last detection (m), w unused */                  \
-  X(27, paths,          vec4)     /* particles      xyz what it would go in WEFT_HORIZON substeps from there (m), w unused */ \
+  X(27, paths,          vec4)     /* particles      xyz what it would go from there in Detection::horizon substeps (m), w unused */ \
   X(28, leashes,        uint)     /* particles      how far it may stray from that path: a float's bits (m); 0: held */  \
   X(29, grid_counts,    uint)     /* slots          entries; all zero between detections */                              \
   X(30, grid_starts,    uint)     /* slots + 1      first entry */                                                       \
@@ -248,7 +248,7 @@ struct Groups {
 // A box goes to the level of the grid whose cells are at least as long as it: cell * 2^level.
 #define WEFT_LEVELS 16
 
-#define WEFT_HORIZON 10u   // substeps
+#define WEFT_HORIZON 10u   // substeps, at most, that paths lead
 #define WEFT_ROUNDS 8u     // of contact_limit, two times four fractions a particle
 
 // Detection looks for pairs that can come within their distance while every particle stays on a leash about the straight path
@@ -262,6 +262,7 @@ struct Detection {
   Groups touched;     // a thread a particle, where there are candidates
   uint due;           // the next substep begins with a detection
   uint age;           // substeps since the last one, at most WEFT_HORIZON
+  uint horizon;       // substeps that its paths lead
   uint candidates;    // that it found; more than push.capacity: the rest were lost
   float reach;        // m, the leashes' length
   uint listings[2];   // candidates that touch in this substep, and those that could cross at its end
@@ -315,7 +316,7 @@ struct Push {
 #ifdef __cplusplus
 
 static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 40 && sizeof(Push) == 96 && sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 312);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 40 && sizeof(Push) == 96 && sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 316);
 static_assert(sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);
 

@@ -68,6 +68,7 @@ class Passes : public SinglePass {
     detection[0].touched = groups(t_.x.size());
     for (gpu::Groups& listed : detection[0].listed) listed = {0, 1, 1};
     detection[0].candidates = static_cast<std::uint32_t>(pairs.size());
+    detection[0].horizon = WEFT_HORIZON;
     put(gpu::detection, detection);
   }
   /// What prepare has made of the pairs.

@@ -97,10 +97,14 @@ TEST_F(DetectArm, detect_arm_detects_when_due_and_adapts_the_reach_to_how_often_
     EXPECT_EQ(state.due + state.age + state.candidates + state.extents[5] + state.near[1] + state.levels[0], 0u);
     return state.reach;
   };
+  EXPECT_EQ(d.horizon, WEFT_HORIZON) << "nothing is known yet";
   EXPECT_FLOAT_EQ(due_at_age(2 * low, 0), 3 * low) << "one substep old";
+  EXPECT_EQ(detected.detection().horizon, 2u);
   EXPECT_FLOAT_EQ(due_at_age(2 * low, 1), 3 * low);
   EXPECT_FLOAT_EQ(due_at_age(2 * low, 2), 2 * low);
+  EXPECT_EQ(detected.detection().horizon, 6u);
   EXPECT_FLOAT_EQ(due_at_age(2 * low, 8), 2 * low);
+  EXPECT_EQ(detected.detection().horizon, WEFT_HORIZON);
   EXPECT_FLOAT_EQ(due_at_age(2 * low, 9), 1.8f * low) << "its paths held to the end";
   EXPECT_FLOAT_EQ(due_at_age(0.9f * high, 0), high);
   EXPECT_FLOAT_EQ(due_at_age(1.05f * low, 10), low);
