@@ -50,6 +50,8 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
   auto solver = Solver::create(device, state->cache, scene, state->fabric, {options.gather_storage, options.workgroup});
   if (!solver) return solver.take_error();
   state->solver = std::move(*solver);
+  std::copy_if(std::begin(kLasting), std::end(kLasting), std::back_inserter(state->lasting), [&](gpu::Binding b) { return state->solver->has(b); });
+  state->digest = digest_of(scene, state->fabric);
   // A cache that cannot be written costs the next start some time and nothing else.
   if (!options.pipeline_cache.empty())
     if (auto saved = state->cache.save(); !saved) state->fabric.notes.push_back(saved.error());
@@ -61,7 +63,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
   state->readback = std::move(*readback);
   for (const compute::Buffer& report : state->readback.buffers()) std::fill_n(report.mapped, report.bytes, std::byte{0});
   if (state->solver->has(gpu::candidates))
-    if (auto made = state->create_snapshot(); !made) return made.take_error();
+    if (auto made = state->create_kept(); !made) return made.take_error();
   // One advance records all of its dispatches at once.
   const double most_substeps = std::max(scene.solver.longest_advance, 1 / scene.solver.rate) / state->fabric.h + 1;
   double iterated = 0, linear = 0, once = 0;   // dispatches an iteration, one of a solve, and a substep

@@ -40,6 +40,7 @@
 #include "engine/mesh.h"
 #include "engine/metrics.h"
 #include "engine/scene.h"
+#include "engine/snapshot.h"
 
 namespace weft {
 
@@ -174,6 +175,11 @@ class Simulation {
   /// Overwrites the state of all particles, mesh colliders' too (CookedFabric's order; w is ignored): a pose to start from. Waits.
   Result<void> write_positions(std::span<const gpu::vec4> positions);
   Result<void> write_velocities(std::span<const gpu::vec4> velocities);
+  /// The whole state, to go on from here later, in another process or to try something out. Waits; frames that a host has recorded must be done.
+  Result<Snapshot> save() const;
+  /// Goes on from there: what follows is bitwise the same as after save(). Waits. Errors: a snapshot of another scene, or one that this
+  /// scene cannot be in; no memory. Nothing has changed then.
+  Result<void> restore(const Snapshot& snapshot);
   /// What the renderer sees, copied back: positions and normals of all render vertices. Waits.
   Result<std::vector<Vec3>> read_vertex_positions() const;
   Result<std::vector<Vec3>> read_vertex_normals() const;
