@@ -69,7 +69,7 @@ std::vector<std::byte> snapshot_bytes(const Snapshot& snapshot);
 /// what it is given. Whether the snapshot fits a simulation is for restore to say.
 Result<Snapshot> parse_snapshot(std::span<const std::byte> bytes);
 
-/// Under a temporary name in the same folder, then renamed.
+/// Whole or not at all: under a temporary name in the same folder, then renamed.
 Result<void> save_snapshot(const std::filesystem::path& file, const Snapshot& snapshot);
 /// Errors: as parse_snapshot; a file that cannot be read. Reads no more than the beginning of what is no snapshot.
 Result<Snapshot> load_snapshot(const std::filesystem::path& file);

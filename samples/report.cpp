@@ -18,7 +18,7 @@ Spread spread_of(std::vector<double> values) {
   return {median, values[rank - 1]};
 }
 
-PassTimes::PassTimes(std::vector<PassUse> passes) : passes_(std::move(passes)) {
+PassTimes::PassTimes(std::vector<PassUse> passes, std::uint32_t first) : passes_(std::move(passes)), first_(first) {
   for (std::size_t i = 0; i < passes_.size(); ++i) column_[passes_[i].name] = i;
 }
 
@@ -51,7 +51,7 @@ std::string PassTimes::csv() const {
   for (const PassUse& pass : passes_) text << ',' << pass.name;
   text << '\n';
   for (std::size_t frame = 0; frame < rows_.size(); ++frame) {
-    text << frame;
+    text << first_ + frame;
     for (const double value : rows_[frame]) text << ',' << value;
     text << '\n';
   }
@@ -103,11 +103,13 @@ std::string report_json(const Figures& figures, const PassTimes& times) {
   report["device"] = figures.device;
   report["frames"] = figures.frames;
   report["interrupted"] = figures.interrupted;
+  if (figures.resumed_at) report["resumed_at"] = *figures.resumed_at;
   report["particles"] = figures.particles;
   report["edges"] = figures.edges;
   report["bends"] = figures.bends;
   report["tethers"] = figures.tethers;
   report["timed_on_cpu"] = figures.timed_on_cpu;
+  report["timed"] = {{"first", times.first_frame()}, {"frames", times.frames()}};
   report["passes"] = Json::array();
   for (std::size_t i = 0; i < times.passes().size(); ++i) {
     const PassUse& pass = times.passes()[i];
