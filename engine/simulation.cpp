@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/mend.h"
 #include "engine/reference/choice.h"
 #include "engine/simulation_state.h"
 
@@ -28,6 +29,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
 
 Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& device, const Scene& described, std::vector<Mesh> meshes,
                                                        const SimulationOptions& options) {
+  if (const std::string fault = non_finite_fault(described); !fault.empty()) return fail(fault);
   std::string chosen_by;
   std::uint64_t points = 0;
   for (std::size_t k = 0; k < std::min(described.cloths.size(), meshes.size()); ++k) points += meshes[k].points.size();
@@ -137,18 +139,12 @@ FrameView Simulation::normals() const {
   return view;
 }
 
-namespace {
-
-bool finite(Vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
-}  // namespace
-
 Result<void> Simulation::move_anchors(std::uint32_t first, std::span<const Vec3> targets) {
   const std::size_t anchors = state_->anchor_wishes.size();
   if (first > anchors || targets.size() > anchors - first)
     return fail("anchors ", first, " to ", first + targets.size(), " (exclusive) are beyond the simulation's ", anchors);
   for (std::size_t k = 0; k < targets.size(); ++k)
-    if (!finite(targets[k])) return fail("the target of anchor ", first + k, " is not finite");
+    if (!is_finite(targets[k])) return fail("the target of anchor ", first + k, " is not finite, or ", kFarthest, " m away or more");
   for (std::size_t k = 0; k < targets.size(); ++k) {
     state_->anchor_wishes[first + k] = targets[k];
     state_->anchor_is_led[first + k] = true;
@@ -160,7 +156,8 @@ Result<void> Simulation::move_collider(std::uint32_t collider, const ColliderPos
   if (collider >= state_->collider_poses.size()) return fail("collider ", collider, " is not below the scene's ", state_->collider_poses.size());
   const Rotation& r = pose.rotation;
   const float turn = std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w);
-  if (!finite(pose.centre) || !finite(pose.normal) || !std::isfinite(turn)) return fail("the pose of collider ", collider, " is not finite");
+  if (!is_finite(pose.centre) || !is_finite(pose.normal) || !std::isfinite(turn))
+    return fail("the pose of collider ", collider, " is not finite, or ", kFarthest, " m away or more");
   if (!(turn > 1e-6f)) return fail("the rotation of collider ", collider, " is a quaternion of length ", turn, ", not above 1e-6");
   ColliderPose wish = pose;
   wish.rotation = {r.x / turn, r.y / turn, r.z / turn, r.w / turn};
@@ -175,7 +172,7 @@ Result<void> Simulation::move_collider(std::uint32_t collider, const ColliderPos
 }
 
 Result<void> Simulation::set_gravity(Vec3 gravity) {
-  if (!finite(gravity)) return fail("the gravity is not finite");
+  if (!is_finite(gravity)) return fail("the gravity is not finite, or ", kFarthest, " m/s^2 or more");
   state_->gravity = gravity;
   return {};
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "engine/mend.h"
 #include "engine/simulation_state.h"
 
 namespace weft {
@@ -25,17 +26,15 @@ const std::vector<std::byte>* find(const Snapshot& snapshot, const std::string& 
   return nullptr;
 }
 
-bool is_place(Vec3 v) { return length(v) < kFarthest; }
-
 bool is_pose(const ColliderPose& pose) {
   const Rotation& r = pose.rotation;
-  return is_place(pose.centre) && is_place(pose.normal) && std::isfinite(r.x + r.y + r.z + r.w);
+  return is_finite(pose.centre) && is_finite(pose.normal) && std::isfinite(r.x + r.y + r.z + r.w);
 }
 
 // w is the scene's: an inverse mass, or a material that a shader looks up.
 Result<void> check_values(const char* name, const std::vector<gpu::vec4>& values, const std::vector<gpu::vec4>& cooked) {
   for (std::size_t i = 0; i < values.size(); ++i)
-    if (!is_place({values[i].x, values[i].y, values[i].z}) || std::memcmp(&values[i].w, &cooked[i].w, sizeof(float)) != 0)
+    if (!is_finite(values[i]) || std::memcmp(&values[i].w, &cooked[i].w, sizeof(float)) != 0)
       return fail("the snapshot's ", name, " of particle ", i, " are not such as a simulation has");
   return {};
 }
@@ -83,11 +82,11 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) const {
                 ", or with other settings, fabrics or meshes than it has now");
   const auto unfit = [&](const auto&... what) { return fail("the snapshot is damaged: ", what...); };
   if (!(snapshot.left_over >= 0 && snapshot.left_over <= fabric.h)) return unfit("of a substep ", snapshot.left_over, " s are left over");
-  if (!is_place(snapshot.gravity)) return unfit("its gravity is not finite");
+  if (!is_finite(snapshot.gravity)) return unfit("its gravity is not finite");
   if (snapshot.turn > 2) return unfit("its turn of ", snapshot.turn, " is above 2");
   if (snapshot.capacity > kMostCandidates) return unfit("room for ", snapshot.capacity, " candidates is more than ", kMostCandidates);
   for (const Snapshot::AnchorLead& lead : snapshot.anchors)
-    if (lead.anchor >= anchor_is_led.size() || !is_place(lead.target)) return unfit("it leads anchor ", lead.anchor, " of ", anchor_is_led.size(), " to a place that is none");
+    if (lead.anchor >= anchor_is_led.size() || !is_finite(lead.target)) return unfit("it leads anchor ", lead.anchor, " of ", anchor_is_led.size(), " to a place that is none");
   if (snapshot.colliders.size() != collider_poses.size()) return unfit("it has ", snapshot.colliders.size(), " colliders instead of ", collider_poses.size());
   for (std::size_t k = 0; k < snapshot.colliders.size(); ++k)
     if (!is_pose(snapshot.colliders[k].pose) || !is_pose(snapshot.colliders[k].wish)) return unfit("the pose of collider ", k, " is not finite");

@@ -23,9 +23,6 @@ ColliderPose keyed_pose(const Collider& collider, const Key& key);
 /// 52 bytes each: what a device with a few GiB has for them.
 inline constexpr std::uint64_t kMostCandidates = std::uint64_t(1) << 26;
 
-/// m, m/s, m/s^2: what reaches this far counts as not finite (finish.glsl compares its square).
-inline constexpr float kFarthest = 1e10f;
-
 /// What a frame leaves to the next one. All other buffers never change, are made anew, or are the same between any two frames.
 inline constexpr gpu::Binding kLasting[] = {gpu::positions, gpu::velocities, gpu::references, gpu::paths,    gpu::leashes,
                                             gpu::detection, gpu::counters,   gpu::candidates, gpu::iterates, gpu::acceleration};
@@ -89,7 +86,9 @@ struct Simulation::State {
   Result<void> put_back(const Snapshot& snapshot);
   Result<void> wait() const;
   Result<std::vector<gpu::vec4>> read(gpu::Binding binding, std::size_t count) const;
-  Result<void> write(gpu::Binding binding, std::span<const gpu::vec4> values) const;
+  Result<void> write(gpu::Binding binding, std::vector<gpu::vec4> values) const;
+  Result<void> check_count(std::span<const gpu::vec4> values) const;
+  Result<void> count_non_finite(std::size_t more);
 };
 
 }  // namespace weft
