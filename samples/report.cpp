@@ -58,6 +58,15 @@ std::string PassTimes::csv() const {
   return text.str();
 }
 
+double fastest_of(const CookedFabric& fabric, std::span<const gpu::vec4> before, std::span<const gpu::vec4> after, double seconds) {
+  double farthest = 0;
+  for (std::size_t i = 0; i < cloth_particles(fabric); ++i) {
+    const gpu::vec4 &a = before[i], &b = after[i];
+    farthest = std::max(farthest, std::hypot(double(b.x) - a.x, double(b.y) - a.y, double(b.z) - a.z));
+  }
+  return farthest / seconds;
+}
+
 Result<Figures> figures_of(const Simulation& simulation) {
   const Result<std::vector<gpu::vec4>> positions = simulation.read_positions();
   if (!positions) return fail(positions.error());
@@ -120,6 +129,7 @@ std::string report_json(const Figures& figures, const PassTimes& times) {
   for (const BufferUse& buffer : figures.buffers) report["buffers"].push_back({{"name", buffer.name}, {"bytes", buffer.bytes}});
   report["frame"] = milliseconds(figures.frame);
   report["strain"] = {{"mean", figures.strain.mean}, {"rms", figures.strain.rms}, {"max", figures.strain.max}};
+  if (figures.speed) report["speed"] = *figures.speed;
   report["non_finite"] = figures.counts.non_finite;
   report["coincident"] = figures.counts.coincident;
   if (figures.intersections) report["intersections"] = {{"max", figures.intersections->max}, {"final", figures.intersections->final}};

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -63,9 +64,14 @@ struct Figures {
   Strain strain;
   Counts counts;
   double clamped_seconds = 0;
+  std::optional<double> speed;   // m/s, of the fastest particle over the last frame; none unless that was simulated
   std::uint64_t hash = 0;
   std::optional<Intersections> intersections;   // none unless they were counted
 };
+
+/// m/s, of the fastest particle of cloth, if it takes so long from one place to the other. What is seen: in the velocities that substeps work
+/// with there is also the rounding of places.
+double fastest_of(const CookedFabric& fabric, std::span<const gpu::vec4> before, std::span<const gpu::vec4> after, double seconds);
 
 /// Everything about a simulation's state but times. Waits for it.
 Result<Figures> figures_of(const Simulation& simulation);

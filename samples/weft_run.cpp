@@ -44,6 +44,7 @@ struct Passage {
   std::vector<double> milliseconds;  // wall clock around submitting a frame and waiting for it, of this program's frames
   std::uint32_t timed_from = 0;      // frame
   std::optional<Snapshot> middle;    // at that frame; none where it is the scene's start
+  std::optional<double> speed;       // m/s, over the last frame
 };
 
 Result<void> advance(Simulation& simulation, Passage& passage) {
@@ -53,6 +54,18 @@ Result<void> advance(Simulation& simulation, Passage& passage) {
   passage.milliseconds.push_back(milliseconds_since(start));
   passage.tally.clamped += advance->clamped;
   ++passage.tally.frames;
+  return {};
+}
+
+Result<void> advance_and_time_particles(Simulation& simulation, Passage& passage) {
+  const auto before = simulation.read_positions();
+  if (!before) return fail(before.error());
+  const double start = simulation.time();
+  if (Result<void> done = advance(simulation, passage); !done) return done;
+  const auto after = simulation.read_positions();
+  if (!after) return fail(after.error());
+  // A longest advance may leave nothing of a frame.
+  if (simulation.time() > start) passage.speed = fastest_of(simulation.fabric(), *before, *after, simulation.time() - start);
   return {};
 }
 
@@ -92,6 +105,7 @@ Result<void> count(const Simulation& simulation, Intersections& intersections) {
 void print(const Figures& figures, double rate) {
   std::printf("%u frames, %.3g s; strain: mean %.3g %%, rms %.3g %%, max %.3g %%\n", figures.frames, figures.frames / rate,
               100 * figures.strain.mean, 100 * figures.strain.rms, 100 * figures.strain.max);
+  if (figures.speed) std::printf("In the last frame no particle was faster than %.3g m/s\n", *figures.speed);
   if (figures.frame) std::printf("A whole frame takes %.3g ms (median), %.3g ms (95 %%)\n", figures.frame->median, figures.frame->p95);
   const char* what = figures.mesh_colliders ? "cloth or a mesh" : "cloth";
   if (const auto& found = figures.intersections; found && found->max == 0) std::printf("Cloth crosses %s in no frame\n", what);
@@ -145,7 +159,8 @@ Result<void> go_through(Simulation& simulation, Painter& painter, const RunOptio
       if (!middle) return middle.take_error();
       passage.middle = std::move(*middle);
     }
-    if (Result<void> done = advance(simulation, passage); !done) return done;
+    const bool last = passage.tally.frames + 1 == scene.frames;
+    if (Result<void> done = last ? advance_and_time_particles(simulation, passage) : advance(simulation, passage); !done) return done;
     if (Result<void> done = tend(simulation, painter, options, passage.tally); !done) return done;
     progress.step();
   }
@@ -207,6 +222,7 @@ Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& f
   figures.resumed_at = passage.resumed_at;
   figures.clamped_seconds = passage.tally.clamped;
   figures.intersections = passage.tally.intersections;
+  figures.speed = passage.speed;
   if (!passage.milliseconds.empty()) figures.frame = spread_of(passage.milliseconds);
   return kDone;
 }

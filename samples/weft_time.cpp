@@ -85,7 +85,7 @@ Exit time(const TimeOptions& options) {
   std::fflush(stdout);
 
   listen_for_interrupts();
-  PassTimes times(simulation.passes());
+  PassTimes times(simulation.passes(), options.warm_up);
   std::vector<TracedFrame> traced;
   const Result<double> passes = advance_frames(simulation, options, "timing passes", [&](double) {
     times.add_frame(simulation.timings());

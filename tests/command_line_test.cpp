@@ -151,6 +151,9 @@ TEST_F(CommandLine, run_leaves_a_picture_times_a_report_and_the_final_mesh) {
   EXPECT_EQ(report["tethers"], 80);
   EXPECT_EQ(report["non_finite"], 0);
   EXPECT_EQ(report["hash"].get<std::string>().size(), 16u);
+  EXPECT_NEAR(report["speed"], 9.81 * 5 / 60, 0.2) << "the free corner falls, and is already held back a little";
+  EXPECT_EQ(report["timed"]["first"], 0);
+  EXPECT_EQ(report["timed"]["frames"], 5);
   EXPECT_FALSE(report["device"].get<std::string>().empty());
   for (const char* key : {"mean", "rms", "max"}) EXPECT_GE(report["strain"][key], 0) << key;
   for (const char* key : {"ms_median", "ms_p95"}) EXPECT_GT(report["frame"][key], 0) << key;
@@ -347,7 +350,7 @@ TEST_F(CommandLine, a_run_that_was_killed_goes_on_from_its_last_checkpoint_to_th
   ASSERT_EQ(weft(call("whole")).exit, 0);
   const json a = json::parse(read(folder / "killed/report.json"), nullptr, false), b = json::parse(read(folder / "whole/report.json"), nullptr, false);
   ASSERT_TRUE(a.is_object() && b.is_object());
-  for (const char* key : {"hash", "frames", "contacts", "non_finite", "intersections", "strain"}) EXPECT_EQ(a[key], b[key]) << key;
+  for (const char* key : {"hash", "frames", "contacts", "non_finite", "intersections", "strain", "speed"}) EXPECT_EQ(a[key], b[key]) << key;
   EXPECT_GE(a["resumed_at"], 20);
   EXPECT_FALSE(b.contains("resumed_at"));
   // A frame of 1/60 s of which 1/100 s may be simulated: a surplus is never lost without a word.
