@@ -53,7 +53,6 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
   if (!solver) return solver.take_error();
   state->solver = std::move(*solver);
   std::copy_if(std::begin(kLasting), std::end(kLasting), std::back_inserter(state->lasting), [&](gpu::Binding b) { return state->solver->has(b); });
-  state->digest = digest_of(scene, state->fabric);
   // A cache that cannot be written costs the next start some time and nothing else.
   if (!options.pipeline_cache.empty())
     if (auto saved = state->cache.save(); !saved) state->fabric.notes.push_back(saved.error());

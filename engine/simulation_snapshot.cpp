@@ -52,11 +52,17 @@ gpu::Detection detection_of(const Snapshot& snapshot) {
 
 }  // namespace
 
+// It goes through all that was cooked: not every simulation needs it.
+std::uint64_t Simulation::State::own_digest() {
+  if (!digest) digest = digest_of(scene, fabric);
+  return *digest;
+}
+
 Result<Snapshot> Simulation::save() const {
-  const State& s = *state_;
+  State& s = *state_;
   if (auto done = s.wait(); !done) return done.take_error();
   Snapshot snapshot;
-  snapshot.digest = s.digest;
+  snapshot.digest = s.own_digest();
   snapshot.substeps = s.ticks;
   snapshot.left_over = s.pending;
   snapshot.gravity = s.gravity;
@@ -76,8 +82,8 @@ Result<Snapshot> Simulation::save() const {
   return snapshot;
 }
 
-Result<void> Simulation::State::check(const Snapshot& snapshot) const {
-  if (snapshot.digest != digest)
+Result<void> Simulation::State::check(const Snapshot& snapshot) {
+  if (snapshot.digest != own_digest())
     return fail("the snapshot was taken of another scene than ", scene.name.empty() ? "this one" : scene.name,
                 ", or with other settings, fabrics or meshes than it has now");
   const auto unfit = [&](const auto&... what) { return fail("the snapshot is damaged: ", what...); };

@@ -41,7 +41,7 @@ struct Simulation::State {
   std::uint32_t found_at_start = 0;            // candidates in it
   std::uint32_t lost_seen = 0;                 // candidates lost by frames that submit has made room after
   bool room_ends = false;                      // more was asked for and not to be had: not asked for again
-  std::uint64_t digest = 0;                    // of the scene and its fabric: what a snapshot must be of
+  std::optional<std::uint64_t> digest;         // of the scene and its fabric: what a snapshot must be of; made when it is asked for
   compute::CommandPool pool;
   std::array<FrameSlot, 2> slots;
   compute::OwnedSemaphore ready;
@@ -82,7 +82,8 @@ struct Simulation::State {
   const gpu::Counters& counters() const;
   const gpu::Detection& detection() const { return *reinterpret_cast<const gpu::Detection*>(readback[1].mapped); }
   Result<void> draw_surface();
-  Result<void> check(const Snapshot& snapshot) const;
+  std::uint64_t own_digest();
+  Result<void> check(const Snapshot& snapshot);
   Result<void> put_back(const Snapshot& snapshot);
   Result<void> wait() const;
   Result<std::vector<gpu::vec4>> read(gpu::Binding binding, std::size_t count) const;

@@ -19,6 +19,7 @@ constexpr std::string_view kMagic = "WEFTSNAP";
 constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kHead = kMagic.size() + sizeof kVersion + sizeof(std::uint64_t);
 constexpr std::size_t kEnd = sizeof(std::uint64_t);
+constexpr std::uint64_t kLongest = std::uint64_t(1) << 32;   // of a file: more than the most particles and candidates take
 
 template <class T, class U>
 concept Is = std::is_same_v<std::remove_const_t<T>, U>;
@@ -150,6 +151,7 @@ Result<void> check_head(std::span<const std::byte> head, std::uint64_t size) {
   const auto length = number_at<std::uint64_t>(head, kMagic.size() + sizeof version);
   if (size < length) return fail("the snapshot is cut: it has ", size, " of its ", length, " bytes");
   if (size > length || length < kHead + kEnd) return fail("the snapshot has ", size, " bytes and says that it has ", length);
+  if (size > kLongest) return fail("the snapshot has ", size, " bytes; none has more than ", kLongest);
   return {};
 }
 

@@ -126,6 +126,15 @@ TEST(Snapshots, a_file_appears_whole_or_not_at_all) {
   std::ofstream(file, std::ios::binary | std::ios::trunc) << "RIFF";
   std::filesystem::resize_file(file, std::uintmax_t(1) << 40);
   EXPECT_FALSE(load_snapshot(file));
+  // One that says so of itself is too long.
+  auto bytes = snapshot_bytes(example());
+  const std::uint64_t length = std::uint64_t(1) << 40;
+  std::memcpy(bytes.data() + 12, &length, sizeof length);
+  std::ofstream(file, std::ios::binary | std::ios::trunc).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  std::filesystem::resize_file(file, length);
+  const auto endless = load_snapshot(file);
+  ASSERT_FALSE(endless);
+  EXPECT_NE(endless.error().find("none has more than"), std::string::npos) << endless.error();
   std::filesystem::remove_all(folder);
 }
 
