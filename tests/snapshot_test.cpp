@@ -143,8 +143,11 @@ TEST(Snapshots, the_digest_knows_what_a_simulation_depends_on_and_nothing_else) 
   scene.cloths.emplace_back().grid = Grid{{1, 1}, 4, 4, Topology::diagonal, true};
   scene.colliders.emplace_back();
   const auto digest = [](const Scene& s) {
-    auto meshes = make_meshes(s);
-    return digest_of(s, *cook(s, *meshes));
+    const auto meshes = make_meshes(s);
+    EXPECT_TRUE(meshes) << meshes.error();
+    const auto fabric = cook(s, *meshes);
+    EXPECT_TRUE(fabric) << fabric.error();
+    return digest_of(s, *fabric);
   };
   const std::uint64_t before = digest(scene);
   EXPECT_EQ(digest(scene), before);
