@@ -11,32 +11,25 @@
 #include "engine/simulation_state.h"
 
 namespace weft {
-namespace {
 
-// Everything else is made anew from these, or between frames always the same.
-constexpr gpu::Binding kState[] = {gpu::positions, gpu::velocities, gpu::references, gpu::paths, gpu::leashes,
-                                   gpu::detection, gpu::counters,   gpu::candidates};
-
-}  // namespace
-
-Result<void> Simulation::State::create_snapshot() {
+Result<void> Simulation::State::create_kept() {
   std::vector<compute::BufferRequest> requests;
-  for (const gpu::Binding binding : kState)
+  for (const gpu::Binding binding : lasting)
     requests.push_back({"kept " + solver->buffer(binding).name, solver->buffer(binding).bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT});
-  auto arena = compute::Arena::create(*device, compute::Memory::device, "weft snapshot", requests);
+  auto arena = compute::Arena::create(*device, compute::Memory::device, "weft kept frame", requests);
   if (!arena) return arena.take_error();
-  snapshot = std::move(*arena);
+  kept = std::move(*arena);
   return {};
 }
 
-// Between the solver's buffers and the snapshot; barriers are the caller's.
-void Simulation::State::copy_snapshot(VkCommandBuffer commands, bool back) const {
-  for (std::size_t k = 0; k < std::size(kState); ++k) {
-    const compute::Buffer& live = solver->buffer(kState[k]);
+// Between the solver's buffers and what is kept of them; barriers are the caller's.
+void Simulation::State::copy_kept(VkCommandBuffer commands, bool back) const {
+  for (std::size_t k = 0; k < lasting.size(); ++k) {
+    const compute::Buffer& live = solver->buffer(lasting[k]);
     // Of the candidates only those that there are.
-    const VkDeviceSize bytes = kState[k] == gpu::candidates ? std::max<VkDeviceSize>(1, found_at_start) * sizeof(gpu::uvec4) : snapshot[k].bytes;
-    const VkBufferCopy region{0, 0, std::min({bytes, live.bytes, snapshot[k].bytes})};
-    device->vk().vkCmdCopyBuffer(commands, back ? snapshot[k].handle : live.handle, back ? live.handle : snapshot[k].handle, 1, &region);
+    const VkDeviceSize bytes = lasting[k] == gpu::candidates ? std::max<VkDeviceSize>(1, found_at_start) * sizeof(gpu::uvec4) : kept[k].bytes;
+    const VkBufferCopy region{0, 0, std::min({bytes, live.bytes, kept[k].bytes})};
+    device->vk().vkCmdCopyBuffer(commands, back ? kept[k].handle : live.handle, back ? live.handle : kept[k].handle, 1, &region);
   }
 }
 
@@ -71,7 +64,7 @@ Result<void> Simulation::State::make_room_later() {
   auto room = make_room();
   if (!room) return room.take_error();
   if (!*room) return {};
-  if (auto done = create_snapshot(); !done) return done;
+  if (auto done = create_kept(); !done) return done;
   return detect_anew();
 }
 
@@ -93,8 +86,8 @@ Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
     if (!room) return room.take_error();
     if (!*room) return {};   // as far as it goes: safe, and counted
     solver->set_parity(parity);
-    if (auto done = compute::run_once(*device, "weft restore", [&](VkCommandBuffer commands) { copy_snapshot(commands, true); }); !done) return done;
-    if (auto done = create_snapshot(); !done) return done;
+    if (auto done = compute::run_once(*device, "weft repeat", [&](VkCommandBuffer commands) { copy_kept(commands, true); }); !done) return done;
+    if (auto done = create_kept(); !done) return done;
   }
 }
 
