@@ -81,6 +81,7 @@ struct HardenOptions {
   std::optional<std::uint32_t> frames;   // none: the scene's
   double band = 0.02;           // of the cloths' size: how far a perturbation may move their mean
   bool quick = false;
+  std::string only;             // of the hard cases those whose name has this part
   std::filesystem::path readme; // whose table of hard cases is replaced; empty: none
   std::string device;
   std::vector<Assignment> assignments;

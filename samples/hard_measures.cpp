@@ -92,13 +92,13 @@ double momentum_change(const Glance& at) {
 double spin(const Glance& at) {
   const Vector3d centre = centre_of_mass(at, at.positions);
   Vector3d sum = Vector3d::Zero();
-  double most = 0;
+  double inertia = 0;
   for (std::uint32_t i = 0; i < particles(at); ++i) {
     const Vector3d r = vector(at.positions[i]) - centre, v = vector(at.velocities[i]);
     sum += mass(at, i) * r.cross(v);
-    most += mass(at, i) * r.norm() * v.norm();
+    inertia += mass(at, i) * r.squaredNorm();
   }
-  return most > 0 ? sum.norm() / most : 0;
+  return sum.norm() / inertia;
 }
 
 // Symplectic Euler: after n steps of h from rest h^2 g n (n + 1) / 2.

@@ -14,7 +14,7 @@ double top_speed(const Glance& at);            // m/s
 
 double centre_moved(const Glance& at);         // m
 double momentum_change(const Glance& at);      // of sum m |v| at the start
-double spin(const Glance& at);                 // angular momentum about the centre, of sum m |r| |v|
+double spin(const Glance& at);                 // rad/s: angular momentum over sum m r^2, about the centre
 double fall_error(const Glance& at);           // of the integrator's closed form
 double sideways(const Glance& at);             // m across gravity
 

@@ -50,11 +50,14 @@ Result<void> add_invariance(const compute::Device& device, const std::filesystem
     if (interrupted()) return {};
     const auto seen = endure(device, *scene, perturbation, scene->frames);
     if (!seen) return fail(seen.error());
-    auto row = std::find_if(groups.begin(), groups.end(), [&](const HardRow& r) { return r.what == perturbation.group; });
-    if (row == groups.end()) row = groups.insert(row, {"invariance", "11", perturbation.group, "%", "invariance", 100 * kBand, 0});
+    auto row = std::find_if(groups.begin(), groups.end(), [&](const HardRow& r) { return r.what.starts_with(perturbation.group + ":"); });
+    // What physics does see is published.
+    if (row == groups.end())
+      row = groups.insert(row, {"invariance", "11", perturbation.group + ": mean moves", "%", "invariance", perturbation.judged ? 100 * kBand : INFINITY, 0});
     const double off = 100 * difference(*seen, *base).mean;
     // Whatever else did not hold breaks any bound.
-    const bool whole = broken(perturbation, *seen, *base, kBand).empty() || off > 100 * kBand;
+    const std::vector<std::string> faults = broken(perturbation, *seen, *base, kBand);
+    const bool whole = faults.empty() || faults == std::vector<std::string>{"sag"} || (!perturbation.judged && faults.empty());
     row->measured = whole && !std::isnan(off) ? std::max(row->measured, off) : INFINITY;
   }
   for (HardRow& row : groups) print(row);
@@ -64,12 +67,12 @@ Result<void> add_invariance(const compute::Device& device, const std::filesystem
 
 }  // namespace
 
-Result<std::vector<HardRow>> run_suite(const compute::Device& device, const std::filesystem::path& scenes, bool quick) {
+Result<std::vector<HardRow>> run_suite(const compute::Device& device, const std::filesystem::path& scenes, bool quick, std::string_view only) {
   std::vector<HardRow> rows;
   std::printf("%-26s %-8s %-36s %10s %10s %-4s %s\n", "case", "", "figure", "bound", "measured", "", "margin");
   for (const HardCase& hard : hard_cases()) {
     if (interrupted()) return rows;
-    if (quick && hard.large) continue;
+    if ((quick && hard.large) || hard.name.find(only) == std::string_view::npos) continue;
     const auto scene = scene_of(hard, scenes);
     if (!scene) return fail(scene.error());
     const auto figures = measure(device, hard, *scene);
@@ -80,6 +83,7 @@ Result<std::vector<HardRow>> run_suite(const compute::Device& device, const std:
                                       check.bound, (*figures)[k]}));
     }
   }
+  if (std::string_view("invariance").find(only) == std::string_view::npos) return rows;
   if (auto done = add_invariance(device, scenes, quick, rows); !done) return done.take_error();
   return rows;
 }

@@ -25,7 +25,7 @@ struct Perturbation {
   double hitch = 0;              // s: a frame that long halfway through
   Vec3 jolt = {};                // m: anchors and colliders jump halfway through, within a frame
   Vec3 teleport = {};            // m: everything does
-  bool ends_alike = true;        // what is left at the end must be what was there without
+  bool judged = true;            // what is left at the end, strain and place, must be what was there without
 };
 
 /// All of them; `quick`: one or two of each kind.

@@ -116,6 +116,7 @@ int main(int count, char** arguments) {
   harden_frames_option->check(CLI::Range(2u, kMostFrames));
   harden_command->add_option("--band", band, "How far a perturbation may move the cloths' mean, in % of their size")->type_name("%")->check(CLI::Range(0.0, 1000.0))->capture_default_str();
   harden_command->add_flag("--quick", harden_options.quick, "Sixty frames and one or two perturbations of a kind; of the hard cases those that are small");
+  harden_command->add_option("--only", harden_options.only, "Of the hard cases those whose name has this part");
   harden_command->add_option("--readme", harden_options.readme, "A file whose table of hard cases is replaced")->type_name("FILE");
   harden_command->add_option("--out", harden_options.out, "Where harden.json or hard_cases.csv goes")->type_name("DIR")->capture_default_str();
   add_set(*harden_command, sets);
