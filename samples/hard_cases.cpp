@@ -38,7 +38,7 @@ constexpr Check kAppears[] = {{"depth", 1e-5, "m", at_end, deepest}, kPins, kFin
 constexpr Check kHitch[] = {{"seconds nobody tells of", 1e-9, "s", always, unaccounted}, kHeld, kPins, kFinite};
 // Links of eight edges take half of the edges' load and give way evenly where the edges would not: they shift strain by up to (4 / 20)^2.
 constexpr Check kStrip[] = {{"longer than rho g L^2 / 2 Y", 0.04, "", at_end, strip_error}, kPins, kFinite};
-// Chords of the curve are off by L / n^2, n = 52, and what is left of the swing after 7 s.
+// Chords of the curve are off by L / n^2, n = 26; the rest is how far the solver lets a rigid strip stretch.
 constexpr Check kCatenary[] = {{"off the curve, rms of the length", 2e-3, "", at_end, catenary_error}, kPins, kFinite};
 // A cloth bends by the sum of both curvatures (Bergou et al. 2006), so a strip's free sides may curl against its bend and it sinks further than a
 // beam. Between 1 cell and 2 wide that is half as far again; beams of hinges sink as they should: see kTestedBy.
