@@ -29,10 +29,11 @@ std::string margin(const HardRow& row) {
   if (std::isinf(row.bound)) return "published";
   if (row.bound == 0) return row.measured == 0 ? "exact" : "NOT HELD";
   if (!row.held()) return "NOT HELD";
-  return row.measured > 0 ? digits(row.bound / row.measured, "%.2g") + " x" : "exact";
+  const double fits = row.bound / row.measured;
+  return row.measured > 0 ? digits(fits, fits < 100 ? "%.2g" : "%.0f") + " x" : "exact";
 }
 
-std::string with_unit(double value, const std::string& unit) { return digits(value, "%.2g") + (unit.empty() ? "" : " " + unit); }
+std::string with_unit(double value, const std::string& unit) { return digits(value) + (unit.empty() ? "" : " " + unit); }
 
 void print(const HardRow& row) {
   std::printf("%-26s %-8s %-36s %10s %10s %-4s %s\n", row.name.c_str(), row.families.c_str(), row.what.c_str(),

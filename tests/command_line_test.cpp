@@ -294,7 +294,7 @@ TEST_F(CommandLine, harden_tells_what_held_and_fails_when_something_did_not) {
   const Outcome held = weft({"harden", sheet, "--quick", "--frames", "20", "--out", out()});
   EXPECT_EQ(held.exit, 0) << held.out << held.error;
   const json report = json::parse(read(folder / "out/harden.json"), nullptr, false);
-  ASSERT_EQ(report["rows"].size(), 12u) << "as it is, two starts, twice two rates, two masses, away, large, a hitch, a jolt";
+  ASSERT_EQ(report["rows"].size(), 13u) << "as it is, two starts, twice two rates, two masses, away, large, a hitch, a jolt";
   for (const json& row : report["rows"]) {
     EXPECT_EQ(row["non_finite"], 0) << row;
     EXPECT_EQ(row["pins_off_m"], 0) << row;
