@@ -303,11 +303,11 @@ TEST_F(CommandLine, harden_tells_what_held_and_fails_when_something_did_not) {
   const Outcome moved = weft({"harden", sheet, "--quick", "--frames", "20", "--band", "0", "--out", out()});
   EXPECT_EQ(moved.exit, 1);
   EXPECT_NE(moved.out.find("NOT HELD: sag"), std::string::npos) << moved.out;
-  const std::string scenes = WEFT_SOURCE_DIR "/assets/scenes/hard", readme = write("README.md", "before\n<!-- weft harden: begin -->\nold\n<!-- weft harden: end -->\nafter\n");
+  const std::string scenes = WEFT_SOURCE_DIR "/assets/scenes/hard", readme = write("README.md", "before\n<!-- weft harden: begin -->\nstale\n<!-- weft harden: end -->\nafter\n");
   EXPECT_EQ(weft({"harden", scenes, "--only", "incline", "--readme", readme, "--out", out()}).exit, 0);
   const std::string text = read(readme);
   EXPECT_NE(text.find("| 9 | incline that holds | slid, of a slide without friction |"), std::string::npos) << text;
-  EXPECT_EQ(text.find("old"), std::string::npos);
+  EXPECT_EQ(text.find("stale"), std::string::npos);
   EXPECT_TRUE(text.starts_with("before\n") && text.ends_with("\nafter\n")) << text;
   EXPECT_EQ(weft({"harden", scenes, "--frames", "3", "--out", out()}).exit, 2) << "cases run as they are";
   EXPECT_EQ(weft({"harden", sheet, "--readme", readme, "--out", out()}).exit, 2);
