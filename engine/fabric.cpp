@@ -92,6 +92,7 @@ class Cook {
       if (!std::isfinite(p.x + p.y + p.z + p.w)) return fail("a particle's position or inverse mass is not finite: the mesh or its mass is beyond single precision");
     for (const StretchLink& link : fabric_.links)
       if (!(link.rest > kShortestLink)) return fail("a link of ", link.rest, " m is not longer than ", kShortestLink, " m: scale the mesh up");
+    for (std::size_t k = 0; k < scene_.cloths.size(); ++k) cooking::take_start(scene_.cloths[k], fabric_.cloths[k], fabric_);
     return std::move(fabric_);
   }
 

@@ -82,6 +82,9 @@ Result<std::vector<AnchorChoice>> choose_anchors(const weft::Cloth& cloth, const
 /// The rest poses of the cloth's particles; what add_collider_mesh adds comes after them.
 void add_rest(CookedFabric& fabric);
 
+/// Puts a cloth's particles where its `start` says, with its velocity: see fabric_start.cpp. Last of all: what is cooked is cooked at rest.
+void take_start(const weft::Cloth& cloth, const ClothRange& range, CookedFabric& fabric);
+
 /// Appends a mesh collider, where the scene's keys have it at time 0. Errors: too many particles.
 Result<void> add_collider_mesh(const Scene& scene, std::uint32_t collider, const Mesh& mesh, CookedFabric& fabric);
 

@@ -90,11 +90,28 @@ struct Springs {
   double mass = 0;              // kg, of every particle; 0: its share of the fabric's
 };
 
+/// How a cloth starts where it does not start at rest; anchors are where they always are.
+enum class StartPose {
+  rest,
+  stretched,     // along its longest side, not at all at one end and by 30 % at the other
+  folded,        // about the middle of its longest side, by `degrees`, round an arc of `radius`
+  flattened,     // onto a line: its longest side is gone
+  scrambled,     // every vertex somewhere in a cube as large as its longest side
+  collapsed      // into one point
+};
+struct Start {
+  StartPose pose = StartPose::rest;
+  double degrees = 180;         // folded only; 180 lays one half on the other, less leaves it open
+  double radius = 0;            // m, folded only; 0: a sharp fold
+  Vec3 velocity;                // m/s
+};
+
 struct Cloth {
   std::string name = "cloth";
   std::optional<Grid> grid;     // either a grid ...
   std::string mesh;             // ... or a glTF/GLB/OBJ file, relative to the scene
   Transform transform;
+  Start start;
   Fabric fabric;
   bool bending = true;
   bool tethers = true;          // takes effect when there are anchors
@@ -171,6 +188,7 @@ struct Light {
 
 struct Scene {
   std::string name;
+  std::string description;            // what it shows, for people
   std::filesystem::path folder;       // paths in the scene are relative to this
   std::uint32_t frames = 300;
   Vec3 gravity{0, -9.81f, 0};         // m/s^2

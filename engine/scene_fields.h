@@ -50,6 +50,7 @@ constexpr std::size_t kMostVertices = 4'000'000;  // as many as a mesh may have
 using Names = std::span<const std::string_view>;
 inline constexpr std::array<std::string_view, 2> kTopologies = {"diagonal", "centre"};
 inline constexpr std::array<std::string_view, 4> kCorners = {"low_low", "high_low", "low_high", "high_high"};
+inline constexpr std::array<std::string_view, 6> kStartPoses = {"rest", "stretched", "folded", "flattened", "scrambled", "collapsed"};
 inline constexpr std::array<std::string_view, 5> kShapes = {"plane", "sphere", "capsule", "box", "mesh"};
 inline constexpr std::array<std::string_view, 7> kMethods = {"jacobi", "gauss_seidel", "chebyshev", "mass_spring", "verlet", "implicit", "auto"};
 inline constexpr std::array<std::string_view, 2> kLinears = {"cg", "jacobi"};
@@ -85,6 +86,14 @@ void fields(V& v, Transform& transform) {
   v.unit("axis", transform.axis);
   v.number("degrees", transform.degrees, kTurn);
   v.number("scale", transform.scale, above(0, 1e6));
+}
+
+template <class V>
+void fields(V& v, Start& start) {
+  v.choice("pose", start.pose, kStartPoses);
+  v.number("degrees", start.degrees, kTurn);
+  v.number("radius", start.radius, between(0, kFarthest, "m"));
+  v.vector3("velocity", start.velocity, between(-1e3, 1e3, "m/s"));
 }
 
 template <class V>
@@ -153,6 +162,7 @@ void fields(V& v, Cloth& cloth) {
   v.optional_object("grid", cloth.grid);
   v.file("mesh", cloth.mesh, kMeshEndings);
   v.object("transform", cloth.transform);
+  v.object("start", cloth.start);
   v.fabric("fabric", cloth.fabric);
   v.flag("bending", cloth.bending);
   v.tethers("tethers", cloth);
@@ -234,6 +244,7 @@ template <class V>
 void fields(V& v, Scene& scene) {
   v.note("$schema");
   v.text("name", scene.name);
+  v.text("description", scene.description);
   v.whole("frames", scene.frames, between(0, 1'000'000));
   v.vector3("gravity", scene.gravity, between(-1e3, 1e3, "m/s^2"));
   v.object("solver", scene.solver);

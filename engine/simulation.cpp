@@ -5,6 +5,7 @@
 
 #include "engine/mend.h"
 #include "engine/reference/choice.h"
+#include "engine/scene_origin.h"
 #include "engine/simulation_state.h"
 
 namespace weft {
@@ -22,14 +23,29 @@ Simulation::~Simulation() {
 }
 
 Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& device, const Scene& scene, const SimulationOptions& options) {
-  auto meshes = make_meshes(scene);
-  if (!meshes) return meshes.take_error();
-  return create(device, scene, std::move(*meshes), options);
+  if (const std::string fault = non_finite_fault(scene); !fault.empty()) return fail(fault);
+  auto near = told_near(scene);
+  if (!near) return near.take_error();
+  return create_at(device, scene, near->origin, std::move(near->meshes), options);
 }
 
-Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& device, const Scene& described, std::vector<Mesh> meshes,
+Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& device, const Scene& scene, std::vector<Mesh> meshes,
                                                        const SimulationOptions& options) {
-  if (const std::string fault = non_finite_fault(described); !fault.empty()) return fail(fault);
+  if (const std::string fault = non_finite_fault(scene); !fault.empty()) return fail(fault);
+  const std::span<Mesh> cloths = std::span(meshes).first(std::min(meshes.size(), scene.cloths.size()));
+  const Vec3 origin = origin_near(cloths);
+  if (origin != Vec3{})
+    for (Mesh& mesh : cloths) {
+      for (Vec3& p : mesh.points) p = p - origin;
+      for (Vec3& p : mesh.render.positions) p = p - origin;
+    }
+  return create_at(device, scene, origin, std::move(meshes), options);
+}
+
+// `meshes` are told from the origin, the scene is not.
+Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device& device, const Scene& given, Vec3 origin, std::vector<Mesh> meshes,
+                                                          const SimulationOptions& options) {
+  const Scene described = origin == Vec3{} ? given : told_from(given, origin);
   std::string chosen_by;
   std::uint64_t points = 0;
   for (std::size_t k = 0; k < std::min(described.cloths.size(), meshes.size()); ++k) points += meshes[k].points.size();
@@ -39,6 +55,9 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
   auto state = std::make_unique<State>();
   state->device = &device;
   state->scene = scene;
+  state->described = given;
+  state->described.solver = scene.solver;   // with what was chosen for "auto"
+  state->origin = origin;
   state->options = options;
   state->gravity = scene.gravity;
   auto fabric = cook(scene, meshes);
@@ -53,6 +72,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
   if (!solver) return solver.take_error();
   state->solver = std::move(*solver);
   std::copy_if(std::begin(kLasting), std::end(kLasting), std::back_inserter(state->lasting), [&](gpu::Binding b) { return state->solver->has(b); });
+  state->solver->set_origin(origin);
   // A cache that cannot be written costs the next start some time and nothing else.
   if (!options.pipeline_cache.empty())
     if (auto saved = state->cache.save(); !saved) state->fabric.notes.push_back(saved.error());
@@ -145,7 +165,7 @@ Result<void> Simulation::move_anchors(std::uint32_t first, std::span<const Vec3>
   for (std::size_t k = 0; k < targets.size(); ++k)
     if (!is_finite(targets[k])) return fail("the target of anchor ", first + k, " is not finite, or ", kFarthest, " m away or more");
   for (std::size_t k = 0; k < targets.size(); ++k) {
-    state_->anchor_wishes[first + k] = targets[k];
+    state_->anchor_wishes[first + k] = targets[k] - state_->origin;
     state_->anchor_is_led[first + k] = true;
   }
   return {};
@@ -159,6 +179,7 @@ Result<void> Simulation::move_collider(std::uint32_t collider, const ColliderPos
     return fail("the pose of collider ", collider, " is not finite, or ", kFarthest, " m away or more");
   if (!(turn > 1e-6f)) return fail("the rotation of collider ", collider, " is a quaternion of length ", turn, ", not above 1e-6");
   ColliderPose wish = pose;
+  wish.centre = wish.centre - state_->origin;
   wish.rotation = {r.x / turn, r.y / turn, r.z / turn, r.w / turn};
   if (state_->scene.colliders[collider].shape == ColliderShape::plane) {   // a sphere's normal says nothing
     const float size = length(pose.normal);
@@ -179,8 +200,13 @@ Result<void> Simulation::set_gravity(Vec3 gravity) {
 VkSemaphore Simulation::ready_semaphore() const { return state_->ready.get(); }
 std::uint64_t Simulation::ready_value() const { return state_->submitted; }
 double Simulation::time() const { return state_->now(); }
-std::span<const ColliderPose> Simulation::colliders() const { return state_->collider_poses; }
-const Scene& Simulation::scene() const { return state_->scene; }
+std::span<const ColliderPose> Simulation::colliders() const {
+  state_->told_poses = state_->collider_poses;
+  for (ColliderPose& pose : state_->told_poses) pose.centre = pose.centre + state_->origin;
+  return state_->told_poses;
+}
+Vec3 Simulation::origin() const { return state_->origin; }
+const Scene& Simulation::scene() const { return state_->described; }
 const std::vector<Mesh>& Simulation::meshes() const { return state_->meshes; }
 const CookedFabric& Simulation::fabric() const { return state_->fabric; }
 const compute::Device& Simulation::device() const { return *state_->device; }

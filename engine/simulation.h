@@ -20,6 +20,10 @@
 // Contacts (Scene::contacts): no vertex, edge or triangle of cloth crosses another. The promise ends where anchors or mesh colliders
 // are driven through cloth that cannot go away, or through each other, and where cloth crosses itself from the start.
 //
+// Far from the origin of the world floats are coarse: a millimetre at 10 km. A simulation therefore works about an origin of its own near
+// the cloth, which is the world's for cloth within 8 m of that. What a host says and draws is in its world: targets, colliders' poses,
+// render vertices. Particles, the cooked fabric and the meshes are about origin().
+//
 // Limitations: no wind yet; a bend's rest state is flat; a mesh collider that turns takes its vertices straight to where they
 // are at the frame's end; anchors are chosen at create and can be moved, not added; hosts that record must record frames in
 // the order they submit them.
@@ -94,7 +98,7 @@ struct BufferUse {
 /// Counts since create. The first two and contacts_lost are zero in a healthy run.
 struct Counts {
   std::uint32_t non_finite = 0;   // particles put back to their last finite position
-  std::uint32_t coincident = 0;   // links whose ends were at one place, skipped
+  std::uint32_t coincident = 0;   // links whose ends were at one place, pushed apart along a line of no meaning (springs: left alone)
   std::uint32_t contacts_most = 0;   // pairs that could meet, the most that one detection found
   std::uint32_t contacts_lost = 0;   // pairs that found no room and held their particles still instead: only with record and submit
   std::uint32_t truncated = 0;       // times that a particle was stopped short so that no cloth crosses another
@@ -145,6 +149,9 @@ class Simulation {
   /// From the next frame on (m/s^2). Errors: not finite.
   Result<void> set_gravity(Vec3 gravity);
 
+  /// Where particles' positions count from, in the host's world (m); chosen at create.
+  Vec3 origin() const;
+
   /// Seconds simulated so far.
   double time() const;
   /// Where the scene's colliders are now.
@@ -164,15 +171,15 @@ class Simulation {
   Counts counts() const;
 
   const Scene& scene() const;
-  /// One a cloth, then one a mesh collider.
+  /// One a cloth, about origin(), then one a mesh collider.
   const std::vector<Mesh>& meshes() const;
   const CookedFabric& fabric() const;
   const compute::Device& device() const;
 
-  /// Copies all particles back, cloths' and mesh colliders' (CookedFabric's order). Waits for the last submitted frame.
+  /// Copies all particles back, cloths' and mesh colliders' (CookedFabric's order; about origin()). Waits for the last submitted frame.
   Result<std::vector<gpu::vec4>> read_positions() const;
   Result<std::vector<gpu::vec4>> read_velocities() const;
-  /// Overwrites the state of all particles, mesh colliders' too (CookedFabric's order; w is ignored): a pose to start from. Waits. A place
+  /// Overwrites the state of all particles, mesh colliders' too (CookedFabric's order; about origin(); w is ignored): a pose to start from. Waits. A place
   /// or a velocity that is not finite, or 1e10 and more, is counted in Counts::non_finite and mended: the particle stays, or goes along with
   /// its neighbours, and is at rest; all others are as they would be without it.
   Result<void> write_positions(std::span<const gpu::vec4> positions);
@@ -189,6 +196,8 @@ class Simulation {
  private:
   struct State;
   explicit Simulation(std::unique_ptr<State> state);
+  static Result<std::unique_ptr<Simulation>> create_at(const compute::Device& device, const Scene& scene, Vec3 origin, std::vector<Mesh> meshes,
+                                                       const SimulationOptions& options);
   std::unique_ptr<State> state_;
 };
 

@@ -29,7 +29,9 @@ inline constexpr gpu::Binding kLasting[] = {gpu::positions, gpu::velocities, gpu
 
 struct Simulation::State {
   const compute::Device* device = nullptr;
-  Scene scene;
+  Scene described;                             // as the host gave it
+  Scene scene;                                 // told from the origin, as is everything below
+  Vec3 origin;                                 // m, in the host's world
   SimulationOptions options;
   std::vector<Mesh> meshes;
   CookedFabric fabric;
@@ -56,6 +58,7 @@ struct Simulation::State {
   std::vector<ColliderPose> collider_poses;    // where they are
   std::vector<Key> collider_keys;              // what the keys said last
   std::vector<std::uint32_t> collider_order;   // by shape, as the GPU wants them; no meshes
+  std::vector<ColliderPose> told_poses;        // the same in the host's world
   std::vector<std::optional<ColliderPose>> collider_wishes;
   std::vector<bool> collider_is_led;
   std::vector<gpu::Collider> colliders;        // of the frame at hand

@@ -239,6 +239,7 @@ std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
   steps_.clear();
   if (input.substeps == 0) return {};
   gpu::Push push{};
+  push.origin = origin_;
   push.tether_pairs = tether_pairs_;
   push.h = static_cast<float>(h_);
   push.inverse_h = static_cast<float>(1 / h_);
@@ -286,7 +287,9 @@ std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
 
 std::span<const Solver::Step> Solver::surface() {
   steps_.clear();
-  list_stage(Stage::frame_end, {}, {});
+  gpu::Push push{};
+  push.origin = origin_;
+  list_stage(Stage::frame_end, {}, push);
   return steps_;
 }
 

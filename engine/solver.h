@@ -62,6 +62,8 @@ class Solver {
   /// All of them with their sizes, in the order of bindings.
   std::vector<const compute::Buffer*> buffers() const;
   const ContactSizes& contact_sizes() const { return contacts_; }
+  /// Where the origin of particles' positions lies in the world that the renderer draws (m).
+  void set_origin(Vec3 origin) { origin_ = {origin.x, origin.y, origin.z}; }
   /// Which of the two iterates the next frame begins with; a frame that is to be run again needs it back.
   std::uint32_t parity() const { return parity_; }
   void set_parity(std::uint32_t parity) { parity_ = parity; }
@@ -99,6 +101,7 @@ class Solver {
   std::array<std::uint32_t, WEFT_SHAPES> colliders_{};   // of each shape
   std::uint32_t tether_pairs_ = 0, stretch_stride_ = 0, contact_iterations_ = 0, workgroup_ = 0, parity_ = 0, turn_ = 0, cloths_ = 0;
   bool damped_ = false;   // some spring is
+  gpu::vec3 origin_{};
   double h_ = 0, rho_ = 0, jacobi_weight_ = 0;
 };
 

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <fstream>
 
+#include "engine/scene_origin.h"
 #include "samples/console.h"
 #include "samples/files.h"
 
@@ -72,9 +73,10 @@ Result<Trajectory> reference_run(Scene scene, std::uint32_t substeps, std::uint3
   scene.solver.rate = rate;
   scene.solver.substeps = substeps;
   scene.frames = frames;
-  auto meshes = make_meshes(scene);
-  if (!meshes) return meshes.take_error();
-  auto fabric = cook(scene, *meshes);
+  auto near = told_near(scene);   // as a simulation does
+  if (!near) return near.take_error();
+  scene = std::move(near->scene);
+  auto fabric = cook(scene, near->meshes);
   if (!fabric) return fabric.take_error();
 
   Trajectory run;

@@ -77,6 +77,19 @@ struct ImplicitOptions {
 };
 Exit implicit(const ImplicitOptions& options);
 
+struct HardenOptions {
+  std::filesystem::path file;   // a scene or a mesh, or the folder of the hard cases
+  std::filesystem::path out = "out/harden";
+  std::optional<std::uint32_t> frames;   // none: the scene's
+  double band = 0.02;           // of the cloths' size: how far a perturbation may move their mean
+  bool quick = false;
+  std::string only;             // of the hard cases those whose name has this part
+  std::filesystem::path readme; // whose table of hard cases is replaced; empty: none
+  std::string device;
+  std::vector<Assignment> assignments;
+};
+Exit harden(const HardenOptions& options);
+
 Exit info();
 Exit check(const std::filesystem::path& file);
 

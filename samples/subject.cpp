@@ -84,7 +84,7 @@ Started start(const compute::Device& device, const Scene& scene, bool timings) {
   options.curve = *curve ? &**curve : nullptr;
   options.timings = timings;
   options.pipeline_cache = pipeline_cache();
-  auto simulation = Simulation::create(device, scene, *meshes, options);
+  auto simulation = Simulation::create(device, scene, options);   // makes them again: far from the origin these are rounded
   if (simulation) return {std::move(*simulation), kDone};
   complain(simulation.error());
   return {nullptr, cook(scene, *meshes) ? kFailed : kBadInput};

@@ -111,6 +111,21 @@ int main(int count, char** arguments) {
   implicit_command->add_option("--out", implicit_options.out, "Where implicit.csv goes")->type_name("DIR")->capture_default_str();
   implicit_command->add_option("--device", implicit_options.device, "Index or part of the name; weft info lists them");
 
+  HardenOptions harden_options;
+  std::uint32_t harden_frames = 0;
+  double band = 100 * harden_options.band;
+  CLI::App* harden_command = app.add_subcommand("harden", "Run a scene, or the hard cases, through jittered starts, other rates, masses, places and sizes");
+  harden_command->add_option("scene", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ); or the folder of the hard cases, assets/scenes/hard")->required()->type_name("SCENE|FOLDER");
+  CLI::Option* harden_frames_option = harden_command->add_option("--frames", harden_frames, "How many frames; the scene says otherwise");
+  harden_frames_option->check(CLI::Range(2u, kMostFrames));
+  harden_command->add_option("--band", band, "How far a perturbation may move the cloths' mean, in % of their size")->type_name("%")->check(CLI::Range(0.0, 1000.0))->capture_default_str();
+  harden_command->add_flag("--quick", harden_options.quick, "Sixty frames and one or two perturbations of a kind; of the hard cases those that are small");
+  harden_command->add_option("--only", harden_options.only, "Of the hard cases those whose name has this part");
+  harden_command->add_option("--readme", harden_options.readme, "A file whose table of hard cases is replaced")->type_name("FILE");
+  harden_command->add_option("--out", harden_options.out, "Where harden.json or hard_cases.csv goes")->type_name("DIR")->capture_default_str();
+  add_set(*harden_command, sets);
+  harden_command->add_option("--device", harden_options.device, "Index or part of the name; weft info lists them");
+
   CLI::App* info_command = app.add_subcommand("info", "List Vulkan devices and what they support");
   CLI::App* check_command = app.add_subcommand("check", "Name everything that is wrong with a scene or a mesh");
   check_command->add_option("file", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ)")->required()->type_name("FILE");
@@ -140,6 +155,13 @@ int main(int count, char** arguments) {
     contact_options.file = file;
     contact_options.assignments = std::move(assignments);
     return contacts(contact_options);
+  }
+  if (*harden_command) {
+    harden_options.file = file;
+    harden_options.assignments = std::move(assignments);
+    harden_options.band = band / 100;
+    if (*harden_frames_option) harden_options.frames = harden_frames;
+    return harden(harden_options);
   }
   if (*accuracy_command) {
     accuracy_options.file = file;

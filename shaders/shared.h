@@ -208,7 +208,7 @@ struct Acceleration {
 
 struct Counters {
   uint non_finite;    // particles put back to their last finite position
-  uint coincident;    // links skipped because their ends were at one place
+  uint coincident;    // links whose ends were at one place
   uint contacts_most; // candidates that one detection found, at most
   uint contacts_lost; // candidates that found no place, all detections together
   uint truncated;     // times that a particle was stopped short: by a plane, its leash or a lost candidate
@@ -277,7 +277,7 @@ struct Detection {
 #define WEFT_OPEN 1u
 #define WEFT_NEAR 2u   // pairs of each kind that may be near each other, for each candidate that there is room for
 
-/// What every pass is told. 96 of the 128 bytes that every device has.
+/// What every pass is told. 108 of the 128 bytes that every device has.
 struct Push {
   uint count;         // threads with work
   uint tether_pairs;  // per particle
@@ -300,6 +300,7 @@ struct Push {
   uint iteration;     // of the solve; after it, how many there were
   float momentum;     // Chebyshev's weight of this iteration (accelerate.glsl)
   uint first;         // of `coloured_links`: where this dispatch's colour begins
+  vec3 origin;        // m: what is added to particles' positions for the renderer
 };
 
 #define WEFT_LAST_ITERATION 1u  // of the substep: velocities follow
@@ -316,7 +317,7 @@ struct Push {
 #ifdef __cplusplus
 
 static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 40 && sizeof(Push) == 96 && sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 316);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 40 && sizeof(Push) == 108 && sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 316);
 static_assert(sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);
 

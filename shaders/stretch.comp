@@ -46,13 +46,18 @@ uint coincident = 0;
 
 // The impulse of one link on the particle at p, per unit of its inverse mass. Its multiplier (x), and with Chebyshev what that last
 // changed by (y), are read and renewed.
-// Ends at one place have no direction: d = 0 makes their impulse zero, and they are counted.
+// Ends at one place have no direction. They take the same one, away from each other, and are counted: left alone they would stay together
+// as long as everything else does the same to both. It is askew to all axes, so that what fell into a plane comes out of it.
+const vec3 kApart = 1e-10 * vec3(0.36, 0.48, 0.8);
+
 vec3 impulse(vec4 p, uvec2 packed, inout vec2 multiplier) {
   const Link link = unpack_link(packed.x, packed.y);
   const vec4 q = FETCH(predicted, link.other);
-  const vec3 d = p.xyz - q.xyz;
+  vec3 d = p.xyz - q.xyz;
   const float squared = dot(d, d);
-  coincident += uint(squared < 1e-20 && link.rest > 0);
+  const bool together = squared < 1e-20 && link.rest > 0;
+  coincident += uint(together);
+  if (together) d = gl_GlobalInvocationID.x < link.other ? kApart : -kApart;
   const float len = sqrt(squared + 1e-20);   // not max(): its care for NaN costs the software driver 5 %
 #ifdef ITERATED
   const float alpha = link.response * push.inverse_h2;

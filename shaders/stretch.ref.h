@@ -24,25 +24,24 @@ inline double stretch_energy(const Stretch& link, const Vector& a, const Vector&
   return link.only_pulls && c < 0 ? 0 : c * c / (2 * link.compliance);
 }
 
-/// Ends closer than this (m) have no direction; such a link is left out, but still counts as a use of its particles.
+/// Ends closer than this (m) have no direction and are pushed apart along this one, the end with the lower number forwards.
 constexpr double kCoincident = 1e-10;
+inline Vector apart() { return {0.36, 0.48, 0.8}; }
 
-/// One iteration. `lambda`: one a link, renewed. `skipped` receives the number of links left out.
+/// One iteration. `lambda`: one a link, renewed. `coincident` receives the number of links whose ends were at one place.
 inline Points relax_stretch(std::span<const Stretch> links, const Points& p, std::span<const double> inverse_masses,
-                            std::span<double> lambda, double h, double omega, Meeting meeting, std::uint32_t& skipped) {
+                            std::span<double> lambda, double h, double omega, Meeting meeting, std::uint32_t& coincident) {
   Copies copies(inverse_masses, meeting);
   for (const Stretch& link : links) {
     copies.use(link.a);
     copies.use(link.b);
   }
-  skipped = 0;
+  coincident = 0;
   for (std::size_t e = 0; e < links.size(); ++e) {
     const Stretch& link = links[e];
-    if ((p[link.a] - p[link.b]).norm() <= kCoincident) {
-      ++skipped;
-      continue;
-    }
-    const Vector gradient = stretch_gradient(p[link.a], p[link.b]);
+    const bool together = (p[link.a] - p[link.b]).norm() <= kCoincident;
+    coincident += together;
+    const Vector gradient = together ? (link.a < link.b ? apart() : Vector(-apart())) : stretch_gradient(p[link.a], p[link.b]);
     const double weight = copies.weight(link.a) + copies.weight(link.b);   // gradients are of unit length
     double next = lambda[e] + change_of_multiplier(stretch_value(link, p[link.a], p[link.b]), lambda[e], weight / omega, link.compliance, h);
     if (link.only_pulls) next = std::min(next, 0.0);
@@ -60,8 +59,8 @@ inline void sweep_stretch(std::span<const Stretch> links, Points& p, std::span<c
   for (std::size_t e = 0; e < links.size(); ++e) {
     const Stretch& link = links[e];
     const double weight_a = inverse_masses[link.a], weight_b = inverse_masses[link.b];
-    if ((p[link.a] - p[link.b]).norm() <= kCoincident) continue;
-    const Vector gradient = stretch_gradient(p[link.a], p[link.b]);
+    const bool together = (p[link.a] - p[link.b]).norm() <= kCoincident;
+    const Vector gradient = together ? apart() : stretch_gradient(p[link.a], p[link.b]);
     double next = lambda[e] + change_of_multiplier(stretch_value(link, p[link.a], p[link.b]), lambda[e], (weight_a + weight_b) / omega, link.compliance, h);
     if (link.only_pulls) next = std::min(next, 0.0);
     p[link.a] += weight_a * (next - lambda[e]) * gradient;

@@ -33,16 +33,20 @@ void main() {
   const uint k = push.first + gl_GlobalInvocationID.x;
   const ColouredLink link = unpack_coloured(FETCH(coloured_links, k));
   vec4 p = FETCH(predicted, link.a), q = FETCH(predicted, link.b);
-  const vec3 d = p.xyz - q.xyz;
+  vec3 d = p.xyz - q.xyz;
   const float squared = dot(d, d);
+  const bool together = squared < 1e-20;
   float lambda = 0;
 #ifdef ITERATED
   if ((push.flags & WEFT_FIRST_ITERATION) == 0) lambda = uintBitsToFloat(coloured_lambda[k]);
 #endif
-  // Ends at one place have no direction. A lost end must not take the other along.
-  if (squared < 1e-20) atomicAdd(counters[0].coincident, 1);
-  else if (squared < 1e20) {
-    const float len = sqrt(squared);
+  // Ends at one place have no direction: as in stretch.comp. A lost end must not take the other along.
+  if (together) {
+    atomicAdd(counters[0].coincident, 1);
+    d = 1e-10 * vec3(0.36, 0.48, 0.8);
+  }
+  if (squared < 1e20) {
+    const float len = together ? 1e-10 : sqrt(squared);
     const vec3 impulse = (change_of(link, len, p.w + q.w, lambda) / len) * d;
     p.xyz += p.w * impulse;
     q.xyz -= q.w * impulse;

@@ -28,6 +28,6 @@ void main() {
   if (i >= push.count) return;
   const uvec4 row = FETCH(surface_rows, i);
   const vec3 x = FETCH(positions, row.x).xyz;
-  vertex_positions[i] = vec4(x, 1);
+  vertex_positions[i] = vec4(x + push.origin, 1);
   vertex_normals[i] = vec4(normal_at(x, row.y, row.y + row.z), 0);
 }

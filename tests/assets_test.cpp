@@ -20,7 +20,7 @@ const std::filesystem::path kAssets = WEFT_ASSETS;
 
 TEST(Assets, every_scene_loads_and_every_file_it_names_is_there) {
   int scenes = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(kAssets / "scenes")) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(kAssets / "scenes")) {
     if (entry.path().extension() != ".json") continue;
     ++scenes;
     const Result<Scene> scene = load_scene(entry.path());

@@ -292,6 +292,30 @@ TEST_F(CommandLine, contacts_tells_what_a_search_costs_at_several_sizes_and_cell
   EXPECT_NE(refused.error.find("sizes are compared on grids only"), std::string::npos) << refused.error;
 }
 
+TEST_F(CommandLine, harden_tells_what_held_and_fails_when_something_did_not) {
+  const std::string sheet = write("sheet.json", kSheet);
+  const Outcome held = weft({"harden", sheet, "--quick", "--frames", "20", "--out", out()});
+  EXPECT_EQ(held.exit, 0) << held.out << held.error;
+  const json report = json::parse(read(folder / "out/harden.json"), nullptr, false);
+  ASSERT_EQ(report["rows"].size(), 13u) << "as it is, two starts, twice two rates, two masses, away, large, a hitch, a jolt";
+  for (const json& row : report["rows"]) {
+    EXPECT_EQ(row["non_finite"], 0) << row;
+    EXPECT_EQ(row["pins_off_m"], 0) << row;
+    EXPECT_NE(held.out.find(row["name"].get<std::string>()), std::string::npos) << row["name"];
+  }
+  const Outcome moved = weft({"harden", sheet, "--quick", "--frames", "20", "--band", "0", "--out", out()});
+  EXPECT_EQ(moved.exit, 1);
+  EXPECT_NE(moved.out.find("NOT HELD: sag"), std::string::npos) << moved.out;
+  const std::string scenes = WEFT_SOURCE_DIR "/assets/scenes/hard", readme = write("README.md", "before\n<!-- weft harden: begin -->\nstale\n<!-- weft harden: end -->\nafter\n");
+  EXPECT_EQ(weft({"harden", scenes, "--only", "incline", "--readme", readme, "--out", out()}).exit, 0);
+  const std::string text = read(readme);
+  EXPECT_NE(text.find("| 9 | incline that holds | slid, of a slide without friction |"), std::string::npos) << text;
+  EXPECT_EQ(text.find("stale"), std::string::npos);
+  EXPECT_TRUE(text.starts_with("before\n") && text.ends_with("\nafter\n")) << text;
+  EXPECT_EQ(weft({"harden", scenes, "--frames", "3", "--out", out()}).exit, 2) << "cases run as they are";
+  EXPECT_EQ(weft({"harden", sheet, "--readme", readme, "--out", out()}).exit, 2);
+}
+
 TEST_F(CommandLine, info_lists_a_device) {
   const Outcome outcome = weft({"info"});
   EXPECT_EQ(outcome.exit, 0);

@@ -103,7 +103,7 @@ TEST_F(Kernel, stretch_does_what_its_twin_does_on_random_links) {
       }
 }
 
-TEST_F(Kernel, stretch_skips_and_counts_coincident_ends_and_bears_slivers_and_anchors) {
+TEST_F(Kernel, stretch_counts_coincident_ends_and_bears_slivers_and_anchors) {
   for (const std::uint32_t iterations : {1u, 3u})
     for (const Averaging averaging : {Averaging::mass_split, Averaging::count}) {
       Random random(77);
@@ -130,14 +130,14 @@ TEST_F(Kernel, stretch_skips_and_counts_coincident_ends_and_bears_slivers_and_an
     }
 }
 
-TEST_F(Kernel, ends_that_fall_together_stay_finite_and_are_counted) {
+TEST_F(Kernel, ends_that_fall_together_are_pushed_apart_and_counted) {
   Random random(5);
   const Scene scene = plain_scene(Averaging::mass_split, 1);
   CookedFabric fabric = loose_particles(random, 16, scene.solver);
   for (gpu::vec4& p : fabric.positions) p = {0.5f, 0.5f, 0.5f, p.w};
   link_up(fabric, random_links(random, 16, 40, Compliance::rigid), Averaging::mass_split);
   const Outcome outcome = compare_stretch(device(), scene, fabric, false);
-  EXPECT_EQ(outcome.gap, 0);
+  EXPECT_LT(outcome.gap, 40 * kRounding);
   EXPECT_EQ(outcome.miscounted, 0);
 }
 

@@ -24,6 +24,7 @@ TEST(Scene, every_key_arrives) {
   ASSERT_TRUE(loaded) << loaded.error();
   const Scene& scene = *loaded;
   EXPECT_EQ(scene.name, "full");
+  EXPECT_EQ(scene.description, "all keys");
   EXPECT_EQ(scene.frames, 12u);
   EXPECT_EQ(scene.gravity, (Vec3{0, -1.5f, 0.25f}));
   EXPECT_EQ(scene.solver.rate, 50);
@@ -42,6 +43,10 @@ TEST(Scene, every_key_arrives) {
   EXPECT_EQ(curtain.transform.axis, (Vec3{0, 0, 1}));
   EXPECT_EQ(curtain.transform.degrees, 90);
   EXPECT_EQ(curtain.transform.scale, 0.5);
+  EXPECT_EQ(curtain.start.pose, StartPose::folded);
+  EXPECT_EQ(curtain.start.degrees, 120);
+  EXPECT_EQ(curtain.start.radius, 0.25);
+  EXPECT_EQ(curtain.start.velocity, (Vec3{0, -1, 2}));
   EXPECT_EQ(curtain.fabric, (Fabric{"denim", 0.3, std::numeric_limits<double>::infinity(), 5, 0, 0, 0.1, 0.004}));
   EXPECT_FALSE(curtain.bending);
   EXPECT_TRUE(curtain.tethers);

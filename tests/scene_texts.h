@@ -37,11 +37,12 @@ inline constexpr const char* kGrid = R"({"cloths": [{"grid": {}}]})";
 
 // A scene that uses every key.
 inline constexpr const char* kFull = R"({
-  "$schema": "../scene.schema.json", "name": "full", "frames": 12, "gravity": [0, -1.5, 0.25],
+  "$schema": "../scene.schema.json", "name": "full", "description": "all keys", "frames": 12, "gravity": [0, -1.5, 0.25],
   "solver": {"rate": 50, "substeps": 7, "iterations": 2, "averaging": "count", "relaxation": 1, "linear": "jacobi", "longest_advance": 0.05},
   "contacts": {"iterations": 2, "recover": 0.5, "capacity": 4096, "cell": 0.03, "reach": 0.002},
   "cloths": [
     {"name": "curtain", "mesh": "sheet.glb", "transform": {"translate": [1, 2, 3], "axis": [0, 0, 2], "degrees": 90, "scale": 0.5},
+     "start": {"pose": "folded", "degrees": 120, "radius": 0.25, "velocity": [0, -1, 2]},
      "fabric": {"preset": "denim", "area_density": 0.3, "stretch": "rigid", "shear": 5, "bend": 0, "damping": 0, "friction": 0.1, "thickness": 0.004},
      "bending": false, "tethers": {"per_vertex": 2, "slack": 0.1},
      "anchors": [{"top": 0.02, "every": 8, "keys": [{"time": 0}, {"time": 1, "translate": [0, 1, 0], "axis": [1, 0, 0], "degrees": 720}]},

@@ -106,6 +106,32 @@ TEST_F(SimulationPhysics, anchors_inside_a_collider_stay) {
   EXPECT_EQ(simulation->counts().non_finite, 0u);
 }
 
+// F14: bending lost its digits 1000 m from the origin. Told from an origin near by, a scene far away is the same to the bit.
+TEST_F(SimulationPhysics, a_sheet_10_km_away_hangs_as_it_does_here_to_the_bit) {
+  constexpr Vec3 kAway{9984, -48, -10000};   // whole steps of origins; floats there have a thousandth of a metre, 2^-10
+  std::uint64_t hashes[2];
+  std::vector<Vec3> drawn[2];
+  for (const bool far : {false, true}) {
+    Scene scene = sheet(16);
+    const Vec3 away = far ? kAway : Vec3{};
+    scene.cloths[0].transform.translate = Vec3{0.25f, 0.75f, -0.125f} + away;
+    scene.cloths[0].anchors.emplace_back().box = Anchor::Box{Vec3{-1, 0, -1} + away, Vec3{1, 1, -0.5625f} + away};
+    scene.colliders = {sphere(Vec3{0.25f, 0.5f, 0} + away, 0.125)};
+    const auto simulation = must(Simulation::create(device(), scene));
+    EXPECT_EQ(simulation->origin(), away);
+    run(*simulation, 0.5);
+    const Vec3 target = Vec3{0, 1, 0} + away;
+    must(simulation->move_anchors(0, std::span(&target, 1)));
+    must(simulation->move_collider(0, {.centre = Vec3{0.25f, 0.75f, 0} + away, .normal = {0, 1, 0}, .rotation = {}}));
+    run(*simulation, 0.25);
+    EXPECT_EQ(simulation->colliders()[0].centre, (Vec3{0.25f, 0.75f, 0} + away));
+    hashes[far] = hash_of(*simulation);
+    drawn[far] = must(simulation->read_vertex_positions());
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+  for (std::size_t v = 0; v < drawn[0].size(); ++v) EXPECT_LT(length(drawn[1][v] - (drawn[0][v] + kAway)), 1e-3) << "floats there";
+}
+
 // F11: in a mesh without anchors every long-range constraint hung on vertex 0.
 TEST_F(SimulationPhysics, a_sheet_without_anchors_has_no_tether) {
   const auto simulation = must(Simulation::create(device(), sheet(8)));

@@ -1,0 +1,126 @@
+#include "samples/hard_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include "samples/console.h"
+#include "samples/files.h"
+#include "samples/hardening.h"
+
+namespace weft::command {
+
+namespace {
+
+constexpr double kBand = 0.02;   // of the cloths' size: how far perturbations may move what is left of a run
+constexpr std::string_view kBegin = "<!-- weft harden: begin -->\n", kEnd = "<!-- weft harden: end -->";
+
+std::string digits(double value, const char* format = "%.3g") {
+  char text[32];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+// How often the figure fits into its bound.
+std::string margin(const HardRow& row) {
+  if (std::isinf(row.bound)) return "published";
+  if (row.bound == 0) return row.measured == 0 ? "exact" : "NOT HELD";
+  if (!row.held()) return "NOT HELD";
+  const double fits = row.bound / row.measured;
+  return row.measured > 0 ? digits(fits, fits < 100 ? "%.2g" : "%.0f") + " x" : "exact";
+}
+
+std::string with_unit(double value, const std::string& unit) { return digits(value) + (unit.empty() ? "" : " " + unit); }
+
+void print(const HardRow& row) {
+  std::printf("%-26s %-8s %-36s %10s %10s %-4s %s\n", row.name.c_str(), row.families.c_str(), row.what.c_str(),
+              std::isinf(row.bound) ? "-" : digits(row.bound).c_str(), digits(row.measured).c_str(), row.unit.c_str(), margin(row).c_str());
+  std::fflush(stdout);
+}
+
+Result<void> add_invariance(const compute::Device& device, const std::filesystem::path& scenes, bool quick, std::vector<HardRow>& rows) {
+  const auto scene = load_scene(scenes / "invariance.json");
+  if (!scene) return fail(scene.error());
+  const auto base = endure(device, *scene, {}, scene->frames);
+  if (!base) return fail(base.error());
+  std::vector<HardRow> groups;
+  for (const Perturbation& perturbation : all_perturbations(quick)) {
+    if (interrupted()) return {};
+    const auto seen = endure(device, *scene, perturbation, scene->frames);
+    if (!seen) return fail(seen.error());
+    auto row = std::find_if(groups.begin(), groups.end(), [&](const HardRow& r) { return r.what.starts_with(perturbation.group + ":"); });
+    // What physics does see is published.
+    if (row == groups.end())
+      row = groups.insert(row, {"invariance", "11", perturbation.group + ": mean moves", "%", "invariance", perturbation.judged ? 100 * kBand : INFINITY, 0});
+    const double off = 100 * difference(*seen, *base).mean;
+    // Whatever else did not hold breaks any bound.
+    const std::vector<std::string> faults = broken(perturbation, *seen, *base, kBand);
+    const bool whole = faults.empty() || faults == std::vector<std::string>{"sag"} || (!perturbation.judged && faults.empty());
+    row->measured = whole && !std::isnan(off) ? std::max(row->measured, off) : INFINITY;
+  }
+  for (HardRow& row : groups) print(row);
+  rows.insert(rows.end(), groups.begin(), groups.end());
+  return {};
+}
+
+}  // namespace
+
+Result<std::vector<HardRow>> run_suite(const compute::Device& device, const std::filesystem::path& scenes, bool quick, std::string_view only) {
+  std::vector<HardRow> rows;
+  std::printf("%-26s %-8s %-36s %10s %10s %-4s %s\n", "case", "", "figure", "bound", "measured", "", "margin");
+  for (const HardCase& hard : hard_cases()) {
+    if (interrupted()) return rows;
+    if ((quick && hard.large) || hard.name.find(only) == std::string_view::npos) continue;
+    const auto scene = scene_of(hard, scenes);
+    if (!scene) return fail(scene.error());
+    const auto figures = measure(device, hard, *scene);
+    if (!figures) return fail(figures.error());
+    for (std::size_t k = 0; k < figures->size(); ++k) {
+      const Check& check = hard.checks[k];
+      print(rows.emplace_back(HardRow{std::string(hard.name), std::string(hard.families), std::string(check.what), std::string(check.unit), std::string(hard.scene),
+                                      check.bound, (*figures)[k]}));
+    }
+  }
+  if (std::string_view("invariance").find(only) == std::string_view::npos) return rows;
+  if (auto done = add_invariance(device, scenes, quick, rows); !done) return done.take_error();
+  return rows;
+}
+
+std::string csv(const std::vector<HardRow>& rows) {
+  std::string text = "case,families,figure,unit,bound,measured\n";
+  for (const HardRow& row : rows)
+    text += '"' + row.name + "\",\"" + row.families + "\",\"" + row.what + "\"," + row.unit + ',' + digits(row.bound, "%g") + ',' + digits(row.measured, "%.9g") + '\n';
+  return text;
+}
+
+std::string markdown(const std::vector<HardRow>& rows, bool whole) {
+  std::string text = "| | case | figure | bound | measured | margin |\n|---|---|---|---|---|---|\n";
+  std::size_t zero = 0;
+  for (const HardRow& row : rows) {
+    if (row.bound == 0 && row.measured == 0) {
+      ++zero;
+      continue;
+    }
+    text += "| " + row.families + " | " + row.name + " | " + row.what + " | " + (std::isinf(row.bound) ? "" : with_unit(row.bound, row.unit)) + " | " +
+            with_unit(row.measured, row.unit) + " | " + margin(row) + " |\n";
+  }
+  text += "\nAnother " + std::to_string(zero) + " figures have the bound 0 and are 0: particles not finite, pins off their place, crossings, contacts lost, sheets out of order.\n";
+  if (!whole) text += "Without the large cases and with a few perturbations only (`--quick`).\n";
+  return text;
+}
+
+Result<void> replace_table(const std::filesystem::path& file, const std::string& table) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return fail(file.string(), ": cannot be read");
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const std::size_t begin = text.find(kBegin), end = text.find(kEnd);
+  if (begin == std::string::npos || end == std::string::npos || end < begin)
+    return fail(file.string(), ": has no lines '", kBegin.substr(0, kBegin.size() - 1), "' and '", kEnd, "' for the table to go between");
+  text.replace(begin + kBegin.size(), end - begin - kBegin.size(), table);
+  return write_text(file, text);
+}
+
+}  // namespace weft::command

@@ -1,0 +1,37 @@
+// What a scene is put through to see whether it stands firm: other frames, other masses, other places, worse starts.
+//
+// A perturbation that physics does not see must change nothing: the same cloth heavier and as much stiffer, the same scene elsewhere,
+// everything larger (with gravity, so that it takes as long) or cut into other frames. One that it does see, a jolt, must leave nothing
+// behind.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/scene.h"
+
+namespace weft::command {
+
+struct Perturbation {
+  std::string group;             // "rates": what several of a kind are called together
+  std::string name;              // "frames at 30 Hz"
+  double frame = 0;              // s, what the host asks for at a time; 0: 1 / rate
+  double rate = 0;               // Hz, of the solver; 0: the scene's
+  std::optional<std::uint32_t> seed = {};   // jitters the start
+  double mass = 1, size = 1;     // factors
+  Vec3 away = {};                // m: where the scene is moved to
+  double hitch = 0;              // s: a frame that long halfway through
+  Vec3 jolt = {};                // m: anchors and colliders jump halfway through, within a frame
+  Vec3 teleport = {};            // m: everything does
+  bool judged = true;            // what is left at the end, strain and place, must be what was there without
+};
+
+/// All of them; `quick`: one or two of each kind.
+std::vector<Perturbation> all_perturbations(bool quick);
+
+/// The scene as the perturbation has it from the start. `halfway` (s): when anchors and colliders jump, within `frame`.
+Scene perturbed(const Scene& scene, const Perturbation& perturbation, double halfway, double frame);
+
+}  // namespace weft::command

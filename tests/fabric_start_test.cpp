@@ -1,0 +1,101 @@
+// Where cloths start that do not start at rest: what a scene's `start` does to the cooked particles, and that it does nothing else.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "engine/fabric.h"
+
+namespace weft {
+namespace {
+
+Scene sheet(StartPose pose) {
+  Scene scene;
+  Cloth& cloth = scene.cloths.emplace_back();
+  cloth.grid = Grid{{2, 1}, 16, 8, Topology::diagonal, false};
+  cloth.transform.translate = {3, 1, 0};
+  cloth.start.pose = pose;
+  return scene;
+}
+
+CookedFabric cooked(const Scene& scene) {
+  auto meshes = make_meshes(scene);
+  EXPECT_TRUE(meshes) << meshes.error();
+  auto fabric = cook(scene, *meshes);
+  EXPECT_TRUE(fabric) << fabric.error();
+  return std::move(*fabric);
+}
+
+double length_of(const CookedFabric& fabric, const StretchLink& link) {
+  const gpu::vec4 &a = fabric.positions[link.a], &b = fabric.positions[link.b];
+  return std::hypot(double(a.x) - b.x, double(a.y) - b.y, double(a.z) - b.z);
+}
+
+TEST(Start, a_fold_bends_about_the_middle_and_stretches_nothing) {
+  for (const double degrees : {90.0, 180.0, -90.0, 270.0}) {
+    Scene scene = sheet(StartPose::folded);
+    scene.cloths[0].start.degrees = degrees;
+    const CookedFabric fabric = cooked(scene), rest = cooked(sheet(StartPose::rest));
+    for (const StretchLink& link : fabric.links) {
+      if (link.only_pulls || (rest.positions[link.a].x - 3) * (rest.positions[link.b].x - 3) < 0) continue;   // far links cross the fold
+      EXPECT_NEAR(length_of(fabric, link), link.rest, 1e-5 * link.rest);
+    }
+    for (std::size_t i = 0; i < rest.positions.size(); ++i) {
+      const double s = rest.positions[i].x - 3, half = degrees * M_PI / 360;
+      EXPECT_NEAR(fabric.positions[i].x, 3 + s * std::cos(half), 1e-5);
+      EXPECT_NEAR(fabric.positions[i].y, 1 + std::abs(s) * std::sin(half), 1e-5);
+      EXPECT_EQ(fabric.positions[i].z, rest.positions[i].z);
+    }
+  }
+}
+
+TEST(Start, a_fold_round_an_arc_keeps_its_halves_two_radii_apart) {
+  Scene scene = sheet(StartPose::folded);
+  scene.cloths[0].start.radius = 0.1;
+  const CookedFabric fabric = cooked(scene), rest = cooked(sheet(StartPose::rest));
+  for (std::size_t i = 0; i < rest.positions.size(); ++i) {
+    const double s = rest.positions[i].x - 3;
+    if (std::abs(s) < 0.1 * M_PI / 2) continue;
+    EXPECT_NEAR(fabric.positions[i].x, 3 + std::copysign(0.1, s), 1e-6);
+    EXPECT_NEAR(fabric.positions[i].y, 1 + 0.1 + std::abs(s) - 0.1 * M_PI / 2, 1e-6);
+  }
+}
+
+TEST(Start, a_stretched_sheet_is_as_it_was_at_one_end_and_30_percent_longer_at_the_other) {
+  const CookedFabric fabric = cooked(sheet(StartPose::stretched)), rest = cooked(sheet(StartPose::rest));
+  double left = 0, right = 0;
+  for (const StretchLink& link : fabric.links) {
+    if (link.only_pulls || rest.positions[link.a].z != rest.positions[link.b].z) continue;
+    const double middle = (rest.positions[link.a].x + rest.positions[link.b].x) / 2 - 3, strain = length_of(fabric, link) / link.rest - 1;
+    EXPECT_NEAR(strain, 0.3 * (middle + 1) / 2, 1e-4);
+    left = std::min(left, middle);
+    right = std::max(right, middle);
+  }
+  EXPECT_LT(left, -0.9);
+  EXPECT_GT(right, 0.9);
+}
+
+TEST(Start, whatever_the_pose_anchors_masses_and_all_that_is_cooked_stay) {
+  Scene at_rest = sheet(StartPose::rest);
+  at_rest.cloths[0].anchors.emplace_back().corners = {Corner::low_low, Corner::high_low};
+  const CookedFabric rest = cooked(at_rest);
+  for (const StartPose pose : {StartPose::stretched, StartPose::folded, StartPose::flattened, StartPose::scrambled, StartPose::collapsed}) {
+    Scene scene = at_rest;
+    scene.cloths[0].start.pose = pose;
+    scene.cloths[0].start.velocity = {1, 2, 3};
+    const CookedFabric fabric = cooked(scene);
+    ASSERT_EQ(fabric.links.size(), rest.links.size());
+    for (std::size_t k = 0; k < rest.links.size(); ++k) EXPECT_EQ(fabric.links[k].rest, rest.links[k].rest);
+    for (std::size_t i = 0; i < rest.positions.size(); ++i) {
+      const gpu::vec4 &p = fabric.positions[i], &was = rest.positions[i], &v = fabric.velocities[i];
+      EXPECT_EQ(p.w, was.w);
+      EXPECT_LE(std::max({std::abs(p.x - 3), std::abs(p.y - 1), std::abs(p.z)}), 1.31);
+      if (was.w == 0) EXPECT_TRUE(p.x == was.x && p.y == was.y && p.z == was.z && v.x == 0 && v.y == 0 && v.z == 0);
+      else EXPECT_TRUE(v.x == 1 && v.y == 2 && v.z == 3);
+      if (pose == StartPose::collapsed && was.w > 0) { EXPECT_TRUE(p.x == 3 && p.y == 1 && p.z == 0); }
+      if (pose == StartPose::flattened && was.w > 0) { EXPECT_TRUE(p.x == 3 && p.z == was.z); }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace weft
