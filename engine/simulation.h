@@ -24,6 +24,9 @@
 // the cloth, which is the world's for cloth within 8 m of that. What a host says and draws is in its world: targets, colliders' poses,
 // render vertices. Particles, the cooked fabric and the meshes are about origin().
 //
+// Errors: what Vulkan refuses is a sentence. After one of advance, submit or record the simulation is whole and can go on: the clock has
+// moved by that frame, the cloth may not have. After a lost device everything fails, and all that is left is to destroy it.
+//
 // Limitations: no wind yet; a bend's rest state is flat; a mesh collider that turns takes its vertices straight to where they
 // are at the frame's end; anchors are chosen at create and can be moved, not added; hosts that record must record frames in
 // the order they submit them.

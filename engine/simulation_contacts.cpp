@@ -12,7 +12,11 @@
 
 namespace weft {
 
+// Made again when there is more to keep than it holds: less than all of it must never be put back.
 Result<void> Simulation::State::create_kept() {
+  bool fits = kept.size() > 0;
+  for (std::size_t k = 0; k < kept.size(); ++k) fits &= kept[k].bytes >= solver->buffer(lasting[k]).bytes;
+  if (fits) return {};
   std::vector<compute::BufferRequest> requests;
   for (const gpu::Binding binding : lasting)
     requests.push_back({"kept " + solver->buffer(binding).name, solver->buffer(binding).bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT});
@@ -28,7 +32,7 @@ void Simulation::State::copy_kept(VkCommandBuffer commands, bool back) const {
     const compute::Buffer& live = solver->buffer(lasting[k]);
     // Of the candidates only those that there are.
     const VkDeviceSize bytes = lasting[k] == gpu::candidates ? std::max<VkDeviceSize>(1, found_at_start) * sizeof(gpu::uvec4) : kept[k].bytes;
-    const VkBufferCopy region{0, 0, std::min({bytes, live.bytes, kept[k].bytes})};
+    const VkBufferCopy region{0, 0, std::min(bytes, live.bytes)};
     device->vk().vkCmdCopyBuffer(commands, back ? kept[k].handle : live.handle, back ? live.handle : kept[k].handle, 1, &region);
   }
 }
@@ -63,9 +67,7 @@ Result<void> Simulation::State::make_room_later() {
   lost_seen = counters().contacts_lost;
   auto room = make_room();
   if (!room) return room.take_error();
-  if (!*room) return {};
-  if (auto done = create_kept(); !done) return done;
-  return detect_anew();
+  return *room ? detect_anew() : Result<void>();
 }
 
 // Runs what was planned, again with more room while candidates are lost for want of it.
@@ -74,6 +76,8 @@ Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
   const std::uint32_t lost = counters().contacts_lost, parity = solver->parity();
   found_at_start = contacts ? std::min(detection().candidates, solver->contact_sizes().capacity) : 0;
   for (;;) {
+    if (contacts)
+      if (auto done = create_kept(); !done) return done;
     if (timed_on_cpu()) {
       if (auto done = run_pass_by_pass(input, contacts); !done) return done;
       if (auto done = submit_frame({}, {}, false); !done) return done;   // what is left of the frame: the counters
@@ -85,9 +89,8 @@ Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
     auto room = make_room();
     if (!room) return room.take_error();
     if (!*room) return {};   // as far as it goes: safe, and counted
-    solver->set_parity(parity);
     if (auto done = compute::run_once(*device, "weft repeat", [&](VkCommandBuffer commands) { copy_kept(commands, true); }); !done) return done;
-    if (auto done = create_kept(); !done) return done;
+    solver->set_parity(parity);
   }
 }
 
