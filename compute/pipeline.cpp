@@ -4,9 +4,10 @@
 #include <cstddef>
 #include <cstring>
 #include <fstream>
-#include <random>
+#include <span>
 #include <vector>
 
+#include "compute/file.h"
 #include "compute/reflect.h"
 
 namespace weft::compute {
@@ -125,25 +126,10 @@ Result<void> PipelineCache::save() const {
 
   std::error_code problem;
   if (path_.has_parent_path()) std::filesystem::create_directories(path_.parent_path(), problem);
-  // Two processes may save at once: each writes its own file, and the last rename wins.
-  std::filesystem::path beside = path_;
-  beside += ".new." + std::to_string(std::random_device{}());
   const CacheHeader header = header_for(*device_, blob);
-  std::ofstream file(beside, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(&header), sizeof header);
-  file.write(reinterpret_cast<const char*>(blob.data()), static_cast<std::streamsize>(blob.size()));
-  file.close();
-  if (!file) {
-    std::filesystem::remove(beside, problem);
-    return fail("pipeline cache ", path_.string(), " could not be written: ", beside.string(), " of ", bytes,
-                " bytes was refused");
-  }
-  std::filesystem::rename(beside, path_, problem);
-  if (problem) {
-    const std::string why = problem.message();
-    std::filesystem::remove(beside, problem);
-    return fail("pipeline cache ", path_.string(), " could not be replaced: ", why);
-  }
+  const auto front = std::as_bytes(std::span(&header, 1));
+  blob.insert(blob.begin(), front.begin(), front.end());
+  if (Result<void> written = write_file(path_, blob); !written) return fail("pipeline cache: ", written.error());
   return {};
 }
 

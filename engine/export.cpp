@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <fstream>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
-#include <system_error>
+
+#include "compute/file.h"
 
 namespace weft {
 namespace {
@@ -23,29 +24,6 @@ void put(std::string& bytes, const T& value) {
 template <class T>
 void put_all(std::string& bytes, std::span<const T> values) {
   bytes.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
-}
-
-/// All or nothing: the target appears, or is replaced, only when every byte is on disk.
-Result<void> write_whole(const std::filesystem::path& file, const std::string& bytes) {
-  std::filesystem::path partial = file;
-  partial += ".partial";
-  std::error_code code;
-  if (std::filesystem::is_directory(file, code)) return fail(file.string(), " is a folder and cannot be written as a file");
-  std::ofstream stream(partial, std::ios::binary | std::ios::trunc);
-  if (!stream) return fail(file.string(), " cannot be written: ", partial.string(), " cannot be created beside it");
-  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  stream.close();
-  if (!stream) {
-    std::filesystem::remove(partial, code);
-    return fail(file.string(), " cannot be written: not all of ", bytes.size(), " bytes fit on the disk");
-  }
-  std::filesystem::rename(partial, file, code);
-  if (code) {
-    const std::string reason = code.message();
-    std::filesystem::remove(partial, code);
-    return fail(file.string(), " cannot be written: renaming ", partial.string(), " failed: ", reason);
-  }
-  return {};
 }
 
 Result<void> check_length(const std::filesystem::path& file, const char* name, std::size_t count, std::size_t vertices) {
@@ -83,7 +61,7 @@ Result<void> write_ply(const std::filesystem::path& file, std::span<const Vec3> 
     bytes.push_back(3);
     put(bytes, triangle);
   }
-  return write_whole(file, bytes);
+  return write_file(file, std::as_bytes(std::span(bytes)));
 }
 
 Result<void> write_glb(const std::filesystem::path& file, const RenderMesh& mesh) {
@@ -141,7 +119,8 @@ Result<void> write_glb(const std::filesystem::path& file, const RenderMesh& mesh
   bytes += "JSON" + text;
   put(bytes, static_cast<std::uint32_t>(binary.size()));
   bytes.append("BIN\0", 4);
-  return write_whole(file, bytes + binary);
+  bytes += binary;
+  return write_file(file, std::as_bytes(std::span(bytes)));
 }
 
 }   // namespace weft

@@ -1,27 +1,15 @@
 // Writing text, and where things are kept.
 #include "samples/files.h"
 
-#include <unistd.h>
-
 #include <cstdlib>
-#include <fstream>
+#include <span>
+
+#include "compute/file.h"
 
 namespace weft::command {
 
 Result<void> write_text(const std::filesystem::path& file, std::string_view text) {
-  std::filesystem::path part = file;
-  part += '.' + std::to_string(getpid()) + ".part";
-  std::ofstream stream(part, std::ios::binary);
-  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
-  stream.close();
-  std::error_code error;
-  if (stream) {
-    std::filesystem::rename(part, file, error);
-    if (!error) return {};
-  }
-  const std::string reason = error ? error.message() : "is the folder there, writable, and the disk not full?";
-  std::filesystem::remove(part, error);
-  return fail(file.string(), ": cannot be written: ", reason);
+  return write_file(file, std::as_bytes(std::span(text)));
 }
 
 Result<void> make_folder(const std::filesystem::path& folder) {

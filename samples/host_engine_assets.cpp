@@ -3,7 +3,11 @@
 
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <system_error>
+#include <vector>
+
+#include "compute/file.h"
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
@@ -87,16 +91,14 @@ Result<void> write_png(const std::filesystem::path& file, VkExtent2D size, std::
   std::error_code code;
   if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), code);
   if (code) return fail("the folder ", file.parent_path().string(), " cannot be made: ", code.message());
-  std::filesystem::path partial = file;
-  partial += ".partial";
+  std::vector<char> bytes;
+  const auto append = [](void* to, void* from, int count) {
+    const char* first = static_cast<const char*>(from);
+    static_cast<std::vector<char>*>(to)->insert(static_cast<std::vector<char>*>(to)->end(), first, first + count);
+  };
   const auto width = static_cast<int>(size.width), height = static_cast<int>(size.height);
-  if (stbi_write_png(partial.c_str(), width, height, 4, rgba.data(), 4 * width) == 0)
-    return fail(file.string(), " cannot be written: ", partial.string(), " cannot be created beside it");
-  std::filesystem::rename(partial, file, code);
-  if (!code) return {};
-  const weft::Error failure = fail(file.string(), " cannot be written: ", code.message());
-  std::filesystem::remove(partial, code);
-  return failure;
+  if (stbi_write_png_to_func(append, &bytes, width, height, 4, rgba.data(), 4 * width) == 0) return fail(file.string(), " could not be encoded");
+  return weft::write_file(file, std::as_bytes(std::span(bytes)));
 }
 
 }  // namespace host

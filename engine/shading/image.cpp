@@ -18,7 +18,9 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
-#include <random>
+#include <span>
+
+#include "compute/file.h"
 
 namespace weft {
 namespace {
@@ -59,26 +61,7 @@ Result<void> write_png(const std::filesystem::path& file, const Image& image) {
   if (!stbi_write_png_to_func(&append, &bytes, width, height, 4, image.rgba.data(), 4 * width))
     return fail("picture \"", file.string(), "\" could not be encoded");
 
-  // Two programs that write the same picture at once must not share the temporary name.
-  auto part = file;
-  part += std::to_string(std::random_device{}()) + ".part";
-  std::error_code code;
-  {
-    std::ofstream stream(part, std::ios::binary);
-    stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    stream.close();
-    if (!stream) {
-      std::filesystem::remove(part, code);
-      return fail("picture \"", file.string(), "\" cannot be written; does its folder exist, and is there room?");
-    }
-  }
-  std::filesystem::rename(part, file, code);
-  if (code) {
-    const std::string reason = code.message();
-    std::filesystem::remove(part, code);
-    return fail("picture \"", file.string(), "\" cannot be written: ", reason);
-  }
-  return {};
+  return write_file(file, std::as_bytes(std::span(bytes)));
 }
 
 }  // namespace weft
