@@ -267,7 +267,7 @@ void visit_crossings(std::span<const Vec3> positions, std::span<const Triangle> 
     Box box = box_of(positions[a]);
     box.add(box_of(positions[b]));
     crossed.clear();
-    const auto visit = [&](std::uint32_t t) {
+    const auto visit = [&, a = a, b = b](std::uint32_t t) {   // clang 14 captures no bindings by name
       const Triangle& v = triangles[t];
       for (const std::uint32_t corner : v)
         if (corner == a || corner == b) return;
