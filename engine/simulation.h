@@ -20,6 +20,9 @@
 // Contacts (Scene::contacts): no vertex, edge or triangle of cloth crosses another. The promise ends where anchors or mesh colliders
 // are driven through cloth that cannot go away, or through each other, and where cloth crosses itself from the start.
 //
+// Errors: what Vulkan refuses is a sentence. After one of advance, submit or record the simulation is whole and can go on: the clock has
+// moved by that frame, the cloth may not have. After a lost device everything fails, and all that is left is to destroy it.
+//
 // Limitations: no wind yet; a bend's rest state is flat; a mesh collider that turns takes its vertices straight to where they
 // are at the frame's end; anchors are chosen at create and can be moved, not added; hosts that record must record frames in
 // the order they submit them.

@@ -19,7 +19,11 @@ constexpr gpu::Binding kState[] = {gpu::positions, gpu::velocities, gpu::referen
 
 }  // namespace
 
+// Made again when there is more to keep than it holds: less than all of it must never be put back.
 Result<void> Simulation::State::create_snapshot() {
+  bool fits = snapshot.size() > 0;
+  for (std::size_t k = 0; k < snapshot.size(); ++k) fits &= snapshot[k].bytes >= solver->buffer(kState[k]).bytes;
+  if (fits) return {};
   std::vector<compute::BufferRequest> requests;
   for (const gpu::Binding binding : kState)
     requests.push_back({"kept " + solver->buffer(binding).name, solver->buffer(binding).bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT});
@@ -35,7 +39,7 @@ void Simulation::State::copy_snapshot(VkCommandBuffer commands, bool back) const
     const compute::Buffer& live = solver->buffer(kState[k]);
     // Of the candidates only those that there are.
     const VkDeviceSize bytes = kState[k] == gpu::candidates ? std::max<VkDeviceSize>(1, found_at_start) * sizeof(gpu::uvec4) : snapshot[k].bytes;
-    const VkBufferCopy region{0, 0, std::min({bytes, live.bytes, snapshot[k].bytes})};
+    const VkBufferCopy region{0, 0, std::min(bytes, live.bytes)};
     device->vk().vkCmdCopyBuffer(commands, back ? snapshot[k].handle : live.handle, back ? live.handle : snapshot[k].handle, 1, &region);
   }
 }
@@ -70,9 +74,7 @@ Result<void> Simulation::State::make_room_later() {
   lost_seen = counters().contacts_lost;
   auto room = make_room();
   if (!room) return room.take_error();
-  if (!*room) return {};
-  if (auto done = create_snapshot(); !done) return done;
-  return detect_anew();
+  return *room ? detect_anew() : Result<void>();
 }
 
 // Runs what was planned, again with more room while candidates are lost for want of it.
@@ -81,6 +83,8 @@ Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
   const std::uint32_t lost = counters().contacts_lost, parity = solver->parity();
   found_at_start = contacts ? std::min(detection().candidates, solver->contact_sizes().capacity) : 0;
   for (;;) {
+    if (contacts)
+      if (auto done = create_snapshot(); !done) return done;
     if (timed_on_cpu()) {
       if (auto done = run_pass_by_pass(input, contacts); !done) return done;
       if (auto done = submit_frame({}, {}, false); !done) return done;   // what is left of the frame: the counters
@@ -92,9 +96,8 @@ Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
     auto room = make_room();
     if (!room) return room.take_error();
     if (!*room) return {};   // as far as it goes: safe, and counted
-    solver->set_parity(parity);
     if (auto done = compute::run_once(*device, "weft restore", [&](VkCommandBuffer commands) { copy_snapshot(commands, true); }); !done) return done;
-    if (auto done = create_snapshot(); !done) return done;
+    solver->set_parity(parity);
   }
 }
 

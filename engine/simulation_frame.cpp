@@ -149,16 +149,21 @@ Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<
   if (timestamps != nullptr) timestamps->rewind();
   const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT, nullptr};
   if (const VkResult began = device->vk().vkBeginCommandBuffer(slot.commands, &begin); began != VK_SUCCESS)
-    return fail("a frame's command buffer could not be begun (VkResult ", began, ")");
+    return fail("a frame's command buffer could not be begun: ", compute::result_name(began));
+  const std::uint32_t parity = solver->parity();
+  const auto give_up = [&](Error why) {   // the next frame begins as if this one had not been recorded
+    solver->set_parity(parity);
+    return why;
+  };
   record_frame(slot.commands, input, timestamps, keep);
   if (const VkResult ended = device->vk().vkEndCommandBuffer(slot.commands); ended != VK_SUCCESS)
-    return fail("a frame's command buffer could not be ended (VkResult ", ended, ")");
+    return give_up(fail("a frame's command buffer could not be ended: ", compute::result_name(ended)));
   if (timestamps != nullptr) timestamps->reset();
   const std::uint64_t value = submitted + 1;
   const VkCommandBufferSubmitInfo commands{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO, nullptr, slot.commands, 0};
   const VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, ready.get(), value, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
   const VkSubmitInfo2 work{VK_STRUCTURE_TYPE_SUBMIT_INFO_2, nullptr, 0, static_cast<std::uint32_t>(waits.size()), waits.data(), 1, &commands, 1, &signal};
-  if (auto done = device->submit(work); !done) return done;
+  if (auto done = device->submit(work); !done) return give_up(done.take_error());
   // Only what was really submitted may be waited for.
   slot.value = submitted = value;
   last_timed = timestamps != nullptr ? &slot : nullptr;

@@ -197,7 +197,9 @@ Result<void> Solver::create_pipelines(const compute::PipelineCache& cache) {
   return write_sets();
 }
 
+// All of them or none.
 Result<void> Solver::write_sets() {
+  std::vector<PassSets> sets(resources_.size());
   for (std::size_t k = 0; k < resources_.size(); ++k)
     for (std::uint32_t parity = 0; parity < 2; ++parity) {
       const auto write = [&](const compute::DescriptorLayout& layout, const char* kind, compute::DescriptorSet& set) -> Result<void> {
@@ -208,9 +210,10 @@ Result<void> Solver::write_sets() {
         set = std::move(*written);
         return {};
       };
-      if (auto done = write(resources_[k].storage_layout, " storage", resources_[k].storage_sets[parity]); !done) return done;
-      if (auto done = write(resources_[k].texel_layout, " texels", resources_[k].texel_sets[parity]); !done) return done;
+      if (auto done = write(resources_[k].storage_layout, " storage", sets[k].storage[parity]); !done) return done;
+      if (auto done = write(resources_[k].texel_layout, " texels", sets[k].texel[parity]); !done) return done;
     }
+  sets_ = std::move(sets);
   return {};
 }
 
@@ -227,12 +230,15 @@ Result<void> Solver::grow(std::uint32_t candidates) {
   const std::uint32_t before = contacts_.capacity;
   set_room(candidates);
   auto arena = create_arena(true);
-  if (!arena) {
-    set_room(before);   // shaders go by it: it must never be more than the buffers have
-    return arena.take_error();
+  if (arena) {
+    std::swap(growing_arena_, *arena);
+    auto written = write_sets();
+    if (written) return {};
+    std::swap(growing_arena_, *arena);
+    arena = written.take_error();
   }
-  growing_arena_ = std::move(*arena);
-  return write_sets();
+  set_room(before);   // shaders go by it: it must never be more than the buffers have
+  return arena.take_error();
 }
 
 std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
@@ -331,7 +337,7 @@ void Solver::record_step(compute::Recorder& recorder, const Step& step) const {
   const auto indirect = indirect_offset(planned.pass->domain);
   recorder.begin_pass(planned.label.c_str(), mask(planned.reads, step.parity), mask(planned.writes, step.parity),
                       indirect ? std::uint64_t(1) << gpu::detection : 0);
-  const VkDescriptorSet sets[] = {resources.storage_sets[step.parity].handle(), resources.texel_sets[step.parity].handle()};
+  const VkDescriptorSet sets[] = {sets_[step.pass].storage[step.parity].handle(), sets_[step.pass].texel[step.parity].handle()};
   recorder.bind(resources.pipeline.handle(), resources.layout.get(), sets);
   recorder.push(resources.layout.get(), std::as_bytes(std::span(&step.push, 1)));
   if (indirect) recorder.dispatch_indirect(buffer(gpu::detection).handle, *indirect);

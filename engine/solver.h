@@ -69,9 +69,11 @@ class Solver {
  private:
   struct PassResources {
     compute::DescriptorLayout storage_layout, texel_layout;
-    compute::DescriptorSet storage_sets[2], texel_sets[2];   // by parity
     compute::OwnedPipelineLayout layout;
     compute::ComputePipeline pipeline;
+  };
+  struct PassSets {
+    compute::DescriptorSet storage[2], texel[2];   // by parity
   };
   Result<compute::Arena> create_arena(bool grows) const;
   Result<void> create_buffers(const Scene& scene, const CookedFabric& fabric);
@@ -90,6 +92,7 @@ class Solver {
   std::vector<std::uint32_t> colour_ends_;
   compute::Arena arena_, growing_arena_;
   std::vector<PassResources> resources_;   // of each pass: a device need not have room for all bindings in one
+  std::vector<PassSets> sets_;             // of each pass
   std::vector<Step> steps_;
   ContactSizes contacts_;
   std::uint32_t triangles_ = 0, edges_ = 0;

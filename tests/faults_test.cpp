@@ -1,0 +1,196 @@
+// What a host sees when Vulkan fails under it: memory that runs out, and a device that is lost, at every call in turn. Each is a
+// sentence that names the error; nothing that was made stays; and what comes after works as if nothing had happened.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "compute/functions.h"
+#include "engine/reference/intersections.h"
+#include "engine/shading/shading.h"
+#include "engine/simulation.h"
+#include "tests/faulty_vulkan.h"
+#include "tests/gpu_fixture.h"
+#include "tests/sheets.h"
+
+namespace weft {
+namespace {
+
+using compute::Device;
+using faulty::faults;
+
+class Faults : public GpuTest {
+ protected:
+  void SetUp() override {
+    GpuTest::SetUp();
+    const Device& own = GpuTest::device();
+    faults.get_instance_proc_addr = own.vk().vkGetInstanceProcAddr;
+    faults.alive.clear();
+    faults.plan(-1, VK_ERROR_OUT_OF_DEVICE_MEMORY);
+    lent_ = must(Device::borrow({faulty::instance_function, own.instance(), own.physical(), own.handle(), own.queue(), own.queue_family()}));
+  }
+  void TearDown() override {
+    lent_.reset();
+    EXPECT_EQ(faults.left(), "");
+    GpuTest::TearDown();
+  }
+  Device& device() { return *lent_; }
+
+  // Works once without a fault, to learn the calls that could have it; then again and again, with the fault at each of them in turn, which
+  // `work` must tell of. Of the calls of one function at most `most` from the front and from the back are tried: they are alike, and time is short.
+  // Before each `prepare` makes what `work` gets; `after`, without a fault again, has it last.
+  template <class Prepare, class Work, class After>
+  void at_every_call(VkResult fault, long most, Prepare&& prepare, Work&& work, After&& after) {
+    const std::string before = faults.left();
+    const auto attempt = [&](long at) {
+      faults.plan(-1, fault);
+      auto prepared = prepare();
+      faults.plan(at, fault);
+      const Result<void> done = work(prepared);
+      const std::string failed = faults.failed, where = "call " + std::to_string(at) + ", " + failed + ": ";
+      const std::vector<faulty::Call> calls = faults.counted;
+      if (at < 0) {
+        EXPECT_TRUE(done) << done.error();
+      } else {
+        EXPECT_NE(failed, "") << where << "was never made";
+        EXPECT_FALSE(done) << where << "failed without a word";
+        if (!done) { EXPECT_NE(done.error().find(compute::result_name(fault)), std::string::npos) << where << done.error(); }
+      }
+      if (fault != VK_ERROR_DEVICE_LOST) faults.plan(-1, fault);
+      after(prepared);
+      return calls;
+    };
+    const std::vector<faulty::Call> calls = attempt(-1);
+    long tried = 0;
+    for (std::size_t k = 0; k < calls.size() && !HasFailure(); ++k) {
+      const auto same_before = std::count(calls.begin(), calls.begin() + static_cast<std::ptrdiff_t>(k), calls[k]);
+      const auto same_after = std::count(calls.begin() + static_cast<std::ptrdiff_t>(k) + 1, calls.end(), calls[k]);
+      if (std::min(same_before, same_after) >= most) continue;
+      attempt(static_cast<long>(k));
+      EXPECT_EQ(faults.left(), before) << "call " << k << ", " << faulty::name_of(calls[k]);
+      ++tried;
+    }
+    EXPECT_GT(tried, 0);
+  }
+
+ private:
+  std::unique_ptr<Device> lent_;
+};
+
+struct Nothing {};
+constexpr auto nothing = [] { return Nothing(); };
+constexpr auto no_more = [](auto&) {};
+constexpr long kAll = 1'000'000;
+
+template <class T>
+Result<void> plain(Result<T> result) {
+  return result ? Result<void>() : Result<void>(result.take_error());
+}
+
+Scene hung_sheet() {
+  Scene scene = sheet(4);
+  scene.cloths[0].anchors.push_back(held_at({Corner::low_high}));
+  return scene;
+}
+
+// With colliders and contacts: more buffers, three times the passes, and room that grows.
+Scene folding_sheet() {
+  Scene scene = hung_sheet();
+  scene.colliders.push_back(sphere({0, -0.5f, 0}, 0.4));
+  scene.contacts.enabled = true;
+  return scene;
+}
+
+Result<void> draw(Device& device, const Simulation& simulation, std::unique_ptr<Shading>& shading) {
+  const ShadedCloth cloth{&simulation.meshes()[0].render, &simulation.scene().cloths[0].appearance};
+  auto made = Shading::create(device, simulation.scene(), {&cloth, 1}, {32, 32});
+  if (!made) return made.take_error();
+  shading = std::move(*made);
+  return plain(shading->draw({simulation.positions(), simulation.normals(), simulation.colliders()}));
+}
+
+TEST_F(Faults, memory_that_runs_out_while_a_simulation_is_made_is_a_sentence_and_leaves_nothing) {
+  at_every_call(VK_ERROR_OUT_OF_DEVICE_MEMORY, kAll, nothing, [&](Nothing) { return plain(Simulation::create(device(), hung_sheet())); }, no_more);
+}
+
+TEST_F(Faults, memory_that_runs_out_while_contacts_are_made_is_a_sentence_and_leaves_nothing) {
+  at_every_call(VK_ERROR_OUT_OF_DEVICE_MEMORY, 1, nothing, [&](Nothing) { return plain(Simulation::create(device(), folding_sheet())); }, no_more);
+}
+
+TEST_F(Faults, memory_that_runs_out_while_a_picture_is_drawn_is_a_sentence_and_leaves_nothing) {
+  const auto simulation = must(Simulation::create(device(), hung_sheet()));
+  at_every_call(
+      VK_ERROR_OUT_OF_DEVICE_MEMORY, 2, [] { return std::unique_ptr<Shading>(); },
+      [&](std::unique_ptr<Shading>& shading) { return draw(device(), *simulation, shading); }, no_more);
+}
+
+TEST_F(Faults, memory_that_runs_out_in_a_frame_is_a_sentence_and_the_next_frame_works) {
+  at_every_call(
+      VK_ERROR_OUT_OF_HOST_MEMORY, 2, [&] { return must(Simulation::create(device(), hung_sheet())); },
+      [](const std::unique_ptr<Simulation>& simulation) -> Result<void> {
+        for (int frame = 0; frame < 2; ++frame)
+          if (auto done = plain(simulation->advance(1.0 / 60)); !done) return done;
+        for (int frame = 0; frame < 3; ++frame)   // the third waits for the first
+          if (auto done = plain(simulation->submit(1.0 / 60)); !done) return done;
+        auto positions = simulation->read_positions();
+        return positions ? simulation->write_positions(*positions) : positions.take_error();
+      },
+      [](const std::unique_ptr<Simulation>& simulation) {
+        must(simulation->advance(1.0 / 60));
+        EXPECT_EQ(simulation->counts().non_finite, 0u);
+      });
+}
+
+TEST_F(Faults, memory_that_runs_out_while_contacts_get_more_room_is_told_and_nothing_crosses) {
+  // Two sheets so close that the first search finds more pairs than there is room for.
+  Scene scene = sheet(4);
+  scene.cloths.push_back(scene.cloths[0]);
+  scene.cloths[1].transform.translate = {0, 0.004f, 0};
+  scene.contacts.enabled = true;
+  scene.contacts.capacity = 16;
+  at_every_call(
+      VK_ERROR_OUT_OF_DEVICE_MEMORY, 1, [&] { return must(Simulation::create(device(), scene)); },
+      [](const std::unique_ptr<Simulation>& simulation) -> Result<void> {
+        if (auto done = plain(simulation->advance(1.0 / 60)); !done) return done;
+        // Too little room is no end: what has none is held still, and a note says why.
+        const Counts counts = simulation->counts();
+        if (counts.contacts_lost == 0) return {};
+        const auto& notes = simulation->fabric().notes;
+        return fail(notes.empty() ? "" : notes.back());
+      },
+      [](const std::unique_ptr<Simulation>& simulation) {
+        must(simulation->advance(1.0 / 60));
+        EXPECT_GT(simulation->counts().contacts_most, 16u);
+        const auto particles = must(simulation->read_positions());
+        std::vector<Vec3> positions;
+        for (const gpu::vec4& p : particles) positions.push_back({p.x, p.y, p.z});
+        EXPECT_EQ(count_crossings(positions, simulation->fabric().triangles, simulation->fabric().cloth_triangles), 0u);
+      });
+}
+
+TEST_F(Faults, a_device_that_is_lost_is_a_sentence_wherever_it_happens_and_nothing_hangs) {
+  at_every_call(
+      VK_ERROR_DEVICE_LOST, 3, [] { return std::unique_ptr<Simulation>(); },
+      [&](std::unique_ptr<Simulation>& kept) -> Result<void> {
+        auto made = Simulation::create(device(), folding_sheet());
+        if (!made) return made.take_error();
+        kept = std::move(*made);   // its end, which waits too, has nobody to tell
+        Simulation& simulation = *kept;
+        for (int frame = 0; frame < 2; ++frame)
+          if (auto done = plain(simulation.advance(1.0 / 60)); !done) return done;
+        for (int frame = 0; frame < 3; ++frame)
+          if (auto done = plain(simulation.submit(1.0 / 60)); !done) return done;
+        auto positions = simulation.read_positions();
+        return positions ? simulation.write_positions(*positions) : positions.take_error();
+      },
+      no_more);
+}
+
+TEST_F(Faults, a_device_that_is_lost_while_a_picture_is_drawn_is_a_sentence) {
+  const auto simulation = must(Simulation::create(device(), hung_sheet()));
+  at_every_call(
+      VK_ERROR_DEVICE_LOST, kAll, [] { return std::unique_ptr<Shading>(); },
+      [&](std::unique_ptr<Shading>& shading) { return draw(device(), *simulation, shading); }, no_more);
+}
+
+}  // namespace
+}  // namespace weft
