@@ -1,6 +1,7 @@
 // Creates or borrows the device. See device.h.
 #include "compute/device.h"
 
+#include <atomic>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -17,6 +18,7 @@ struct Device::State {
   VkQueue queue = VK_NULL_HANDLE;
   Candidate candidate;
   mutable std::mutex queue_mutex;
+  mutable std::atomic<bool> lost = false;
 
   ~State() {
     if (!own || device == VK_NULL_HANDLE) return;
@@ -155,20 +157,27 @@ void Device::name_object_raw(VkObjectType type, uint64_t handle, std::string_vie
 
 Result<void> Device::submit(const VkSubmitInfo2& work, VkFence fence) const {
   const std::lock_guard lock(state_->queue_mutex);
-  const VkResult result = vk().vkQueueSubmit2(queue(), 1, &work, fence);
+  const VkResult result = heard(vk().vkQueueSubmit2(queue(), 1, &work, fence));
   if (result != VK_SUCCESS) return fail("submitting to ", name(), " failed: ", result_name(result));
   return {};
 }
 
 VkResult Device::present(const VkPresentInfoKHR& what) const {
   const std::lock_guard lock(state_->queue_mutex);
-  return vk().vkQueuePresentKHR(queue(), &what);
+  return heard(vk().vkQueuePresentKHR(queue(), &what));
 }
 
 void Device::wait_idle() const {
   if (is_borrowed()) return;
   const std::lock_guard lock(state_->queue_mutex);
   vk().vkDeviceWaitIdle(handle());
+}
+
+bool Device::is_lost() const { return state_->lost; }
+
+VkResult Device::heard(VkResult result) const {
+  if (result == VK_ERROR_DEVICE_LOST) state_->lost = true;
+  return result;
 }
 
 std::vector<std::string> Device::validation_messages() const {

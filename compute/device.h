@@ -122,6 +122,11 @@ class Device {
   /// Waits for everything submitted; for destructors and tests of an own device. Does nothing on a borrowed one.
   void wait_idle() const;
 
+  /// A submit or a wait has said VK_ERROR_DEVICE_LOST: nothing works on this device any more. Thread-safe.
+  bool is_lost() const;
+  /// `result`, remembered if it says that the device is lost; for those who call Vulkan's waits themselves.
+  VkResult heard(VkResult result) const;
+
   /// Warnings and errors of the validation layers so far; empty when they are off. Thread-safe.
   std::vector<std::string> validation_messages() const;
 

@@ -31,6 +31,12 @@ Exit failed(std::string_view sentence) {
   return kFailed;
 }
 
+void expect_full_disks() {
+#ifdef SIGXFSZ
+  std::signal(SIGXFSZ, SIG_IGN);
+#endif
+}
+
 void listen_for_interrupts() { std::signal(SIGINT, on_interrupt); }
 bool interrupted() { return g_interrupted != 0; }
 

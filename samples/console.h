@@ -11,6 +11,9 @@ namespace weft::command {
 /// One or more sentences to stderr, a line each.
 void complain(std::string_view sentences);
 
+/// From now on a file that reaches the system's limit of size is an error like a full disk, not the program's end.
+void expect_full_disks();
+
 /// From now on the first ctrl-C only sets interrupted(); the second ends the program.
 void listen_for_interrupts();
 bool interrupted();

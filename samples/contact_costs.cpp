@@ -5,6 +5,7 @@
 
 #include "engine/passes.h"
 #include "engine/simulation.h"
+#include "samples/console.h"
 
 namespace weft::command {
 
@@ -65,6 +66,7 @@ Result<ContactCosts> contact_costs(const compute::Device& device, const Scene& s
   for (std::uint32_t frame = 0; frame <= frames; ++frame) {
     const auto advance = simulation.advance(1 / sized.solver.rate);
     if (!advance) return fail(vertices, " x ", vertices, " vertices, frame ", frame, ": ", advance.error());
+    if (interrupted()) return fail("interrupted");
     costs.substeps += advance->substeps;
     if (frame == 0) continue;
     for (const PassTiming& timing : simulation.timings())

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <iostream>
 
 #include "samples/commands.h"
 #include "samples/console.h"
@@ -40,9 +41,7 @@ void add_set(CLI::App& command, std::vector<std::string>& texts) {
       ->allow_extra_args(false);
 }
 
-}  // namespace
-
-int main(int count, char** arguments) {
+Exit obey(int count, char** arguments) {
   CLI::App app("Weft: cloth by position-based dynamics in Vulkan compute", "weft");
   app.require_subcommand(1);
   app.set_version_flag("--version", "weft 0.1.0");
@@ -114,7 +113,7 @@ int main(int count, char** arguments) {
   try {
     app.parse(count, arguments);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    if (error.get_exit_code() == 0) return app.exit(error), kDone;  // --help, --version
     complain(std::string("weft: ") + error.what() + " (weft --help tells what there is)");
     return kBadInput;
   }
@@ -156,4 +155,15 @@ int main(int count, char** arguments) {
   run_options.picture = !no_picture;
   if (*frames_option) run_options.frames = frames;
   return run(run_options);
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  expect_full_disks();
+  const Exit exit = obey(count, arguments);
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout) return exit;
+  complain("weft: what was printed could not be written; is the disk full?");
+  return exit == kDone ? kFailed : exit;
 }

@@ -110,6 +110,7 @@ Result<void> sweep(const compute::Device& device, const Scene& scene, const Swee
     if (interrupted()) break;
     if (compared && !no_reference.empty()) swept.notes.push_back("no reference: " + no_reference);
     progress.step(units(setting));
+    if (!point && device.is_lost()) return fail(setting.row.name, ": ", point.error());
     if (!point) {
       const std::string sentence = std::string(setting.row.name) + ": " + point.error();
       if (std::find(swept.notes.begin(), swept.notes.end(), sentence) == swept.notes.end()) swept.notes.push_back(sentence);
@@ -203,6 +204,7 @@ Exit accuracy(const AccuracyOptions& options) {
     complain(scene.error());
     return kBadInput;
   }
+  listen_for_interrupts();
   if (const Result<void> made = make_folder(options.out); !made) return failed(made.error());
   compute::DeviceChoice choice;
   choice.name = options.device;
@@ -218,10 +220,13 @@ Exit accuracy(const AccuracyOptions& options) {
   }
   Swept swept{std::move(*curve), {}};
   std::printf("%s on %s: %u frames a setting\n", scene->name.c_str(), (*device)->name().c_str(), plan.frames);
-  listen_for_interrupts();
   if (const Result<void> done = sweep(**device, *scene, plan, options.out, swept); !done) return failed(done.error());
   for (const std::string& note : swept.notes) std::printf("note: %s\n", note.c_str());
-  if (swept.curve.points.empty()) return interrupted() ? kInterrupted : failed("No setting could be measured");
+  if (swept.curve.points.empty() && !interrupted()) return failed("No setting could be measured");
+  if (swept.curve.points.empty()) {
+    complain("Interrupted before a setting was measured: nothing is written");
+    return kInterrupted;
+  }
 
   std::vector<Shot> shots;
   if (!interrupted())

@@ -66,15 +66,16 @@ Drawing cell_plot(const std::vector<ContactCosts>& rows) {
   return plot({{title, "cell (edges)", "ms", {all, automatic}, {}}}, 1);
 }
 
-// The fastest search of several with each of kCells; of one round, if that is interrupted.
+// The fastest search of several with each of kCells; of fewer, if that is interrupted.
 Result<std::vector<ContactCosts>> compare_cells(const compute::Device& device, const Scene& scene, std::uint32_t size) {
   auto automatic = contact_costs(device, scene, size, kCellFrames, 0);
   if (!automatic) return automatic.take_error();
   std::vector<ContactCosts> cells(std::size(kCells), *automatic);
   Progress progress("comparing cells", kRounds * std::size(kCells), "runs");
-  for (std::uint32_t round = 0; round < kRounds && (round == 0 || !interrupted()); ++round)
+  for (std::uint32_t round = 0; round < kRounds && !interrupted(); ++round)
     for (std::size_t k = 0; k < std::size(kCells); ++k) {
       auto costs = contact_costs(device, scene, size, kCellFrames, kCells[k] * automatic->cell);
+      if (!costs && round > 0 && interrupted()) return cells;
       if (!costs) return costs.take_error();
       if (round == 0 || costs->per_search() < cells[k].per_search()) cells[k] = std::move(*costs);
       progress.step();
@@ -95,12 +96,12 @@ Exit contacts(const ContactOptions& options) {
       complain(options.file.string() + ": cloth '" + cloth.name + "' is a mesh: sizes are compared on grids only");
       return kBadInput;
     }
+  listen_for_interrupts();
   if (const Result<void> made = make_folder(options.out); !made) return failed(made.error());
   compute::DeviceChoice choice;
   choice.name = options.device;
   const auto device = compute::Device::create(choice);
   if (!device) return failed(device.error());
-  listen_for_interrupts();
 
   std::printf("%s on %s: ms a search, pass by pass; then ms a frame\n", scene->name.c_str(), (*device)->name().c_str());
   std::vector<ContactCosts> rows;
@@ -108,16 +109,24 @@ Exit contacts(const ContactOptions& options) {
   for (const std::uint32_t size : sizes) {
     if (interrupted()) break;
     auto costs = contact_costs(**device, *scene, size, options.frames, 0);
+    if (interrupted()) break;
     if (!costs) return failed(costs.error());
     if (rows.empty()) print_heading(*costs);
     print_row(*costs);
     rows.push_back(std::move(*costs));
   }
+  const auto stopped = [&] {
+    if (!rows.empty())
+      if (const Result<void> written = write_text(options.out / "contacts.csv", csv(rows)); !written) return failed(written.error());
+    complain("Interrupted: " + std::string(rows.empty() ? "nothing is written" : "what is written is of the sizes before"));
+    return kInterrupted;
+  };
+  if (interrupted()) return stopped();
   std::printf("a search grows with n^%.2f\n", growth(rows));
 
   const std::uint32_t size = options.quick ? kQuickCellSize : kCellSize;
   auto cells = compare_cells(**device, *scene, size);
-  if (!cells) return failed(cells.error());
+  if (!cells) return interrupted() ? stopped() : failed(cells.error());
   const ContactCosts& chosen = (*cells)[kAutomatic];
   std::printf("%12s %12s %12s   %u x %u vertices\n", "cell m", "edges", "ms/search", size, size);
   double best = chosen.per_search();
@@ -133,7 +142,7 @@ Exit contacts(const ContactOptions& options) {
   if (const Result<void> written = write_png(options.out / "cells.png", picture(cell_plot(*cells))); !written) return failed(written.error());
   std::printf("Written: contacts.csv, cells.csv, cells.svg, cells.png in %s\n", options.out.string().c_str());
   if (!interrupted()) return kDone;
-  complain("Interrupted: what is written is of the sizes before");
+  complain("Interrupted: cells were compared less often than usual");
   return kInterrupted;
 }
 

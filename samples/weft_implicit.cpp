@@ -214,6 +214,7 @@ Exit implicit(const ImplicitOptions& options) {
     complain(sentence);
     return kFailed;
   };
+  listen_for_interrupts();
   if (const Result<void> made = make_folder(options.out); !made) return failed(made.error());
   compute::DeviceChoice choice;
   choice.name = options.device;
@@ -222,7 +223,6 @@ Exit implicit(const ImplicitOptions& options) {
   const std::vector<std::uint32_t> sides = options.quick ? std::vector<std::uint32_t>{10, 30} : std::vector<std::uint32_t>{10, 20, 30, 40, 50, 60, 100};
   const std::vector<std::uint32_t> iterations = options.quick ? std::vector<std::uint32_t>{10, 30} : std::vector<std::uint32_t>{10, 30, 50, 70};
 
-  listen_for_interrupts();
   std::printf("%s; a frame is one step of %g s\n", (*device)->name().c_str(), kStep);
   std::printf("%9s %-7s %10s %10s %10s %12s %12s %12s %12s\n%28s %21s %25s %25s\n", "particles", "solver", "iterations", "CPU fps", "Vulkan fps", "CPU", "Vulkan",
               "CPU", "Vulkan", "", "", "residual left", "rms distance, m");
@@ -230,6 +230,7 @@ Exit implicit(const ImplicitOptions& options) {
   {
     Progress progress("implicit", static_cast<std::uint32_t>(sides.size() * iterations.size() * 2), "rows");
     for (const std::uint32_t side : sides) {
+      if (interrupted()) break;
       const Result<Subject> subject = subject_of(side);
       if (!subject) return failed(subject.error());
       for (const Linear linear : {Linear::cg, Linear::jacobi})

@@ -67,6 +67,7 @@ Exit time(const TimeOptions& options) {
     complain(scene.error());
     return kBadInput;
   }
+  listen_for_interrupts();
   if (const Result<void> made = make_folder(options.out); !made) return failed(made.error());
   compute::DeviceChoice choice;
   choice.name = options.device;
@@ -81,7 +82,6 @@ Exit time(const TimeOptions& options) {
   std::printf("%s on %s: %u frames after %u to warm up\n", scene->name.c_str(), (*device)->name().c_str(), options.frames, options.warm_up);
   std::fflush(stdout);
 
-  listen_for_interrupts();
   PassTimes times(simulation.passes());
   std::vector<TracedFrame> traced;
   const Result<void> passes = advance_frames(simulation, options, "timing passes", [&](double) {

@@ -1,77 +1,15 @@
 // The program `weft`, run as its users run it: exit codes, sentences, and the files it leaves.
-#include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include "tests/command_line.h"
 
 #include <chrono>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <random>
 #include <sstream>
 #include <thread>
 
-#ifndef WEFT_BINARIES
-#define WEFT_BINARIES "bin"
-#endif
-
+namespace weft {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
-
-std::string read(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-struct Outcome {
-  int exit = -1;
-  std::string out, error;
-};
-
-class CommandLine : public testing::Test {
- protected:
-  fs::path folder = fs::temp_directory_path() / ("weft_command_line_" + std::to_string(std::random_device{}()));
-
-  void SetUp() override { fs::create_directories(folder); }
-  void TearDown() override { fs::remove_all(folder); }
-
-  fs::path write(const char* name, const std::string& text) {
-    std::ofstream(folder / name, std::ios::binary) << text;
-    return folder / name;
-  }
-
-  pid_t spawn(const std::vector<std::string>& arguments) {
-    const pid_t child = fork();
-    if (child != 0) return child;
-    const auto redirect = [&](const char* name, int to) { dup2(fileno(std::fopen((folder / name).c_str(), "wb")), to); };
-    redirect("stdout", STDOUT_FILENO);
-    redirect("stderr", STDERR_FILENO);
-    std::vector<char*> pointers;
-    std::string program = WEFT_BINARIES "/weft";
-    pointers.push_back(program.data());
-    std::vector<std::string> copies = arguments;
-    for (std::string& copy : copies) pointers.push_back(copy.data());
-    pointers.push_back(nullptr);
-    execv(program.c_str(), pointers.data());
-    _exit(127);
-  }
-
-  Outcome wait(pid_t child) {
-    int status = 0;
-    waitpid(child, &status, 0);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), read(folder / "stdout"), read(folder / "stderr")};
-  }
-
-  Outcome weft(const std::vector<std::string>& arguments) { return wait(spawn(arguments)); }
-
-  std::string out(const char* name = "out") { return (folder / name).string(); }
-};
-
-constexpr const char* kSheet = R"({"name": "sheet", "cloths": [{"grid": {"cells": [8, 8]}, "anchors": [{"corners": ["low_low"]}]}], "colliders": [{"centre": [0, -1, 0]}]})";
 
 std::vector<std::string> names_of(const json& list) {
   std::vector<std::string> names;
@@ -358,3 +296,5 @@ TEST_F(CommandLine, a_budget_chooses_by_the_curve_that_was_saved_for_the_device)
   EXPECT_EQ(weft(call).exit, 2);
   unsetenv("XDG_CACHE_HOME");
 }
+
+}  // namespace weft

@@ -8,7 +8,7 @@
 #include "engine/reference/intersections.h"
 #include "engine/shading/shading.h"
 #include "engine/simulation.h"
-#include "tests/faulty_vulkan.h"
+#include "tests/faulty/vulkan.h"
 #include "tests/gpu_fixture.h"
 #include "tests/sheets.h"
 
