@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "engine/vector.h"
+#include "engine/collider_pose.h"
 
 namespace weft {
 
@@ -16,13 +16,6 @@ struct FrameView {
   std::uint32_t stride = 16;                        // bytes
   VkFormat format = VK_FORMAT_R32G32B32A32_SFLOAT;  // w is not read
   std::uint32_t count = 0;                          // vertices
-};
-
-/// Where a collider of the scene stands in a frame, in the scene's order.
-struct ColliderPose {
-  Vec3 centre;           // m
-  Vec3 normal{0, 1, 0};  // unit; planes only
-  Rotation rotation{};   // from the shape's own axes: a capsule lies along y, a box has its sides along x, y, z; spheres spin by it
 };
 
 }  // namespace weft

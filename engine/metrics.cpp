@@ -1,11 +1,11 @@
 // What is measured on positions, in double precision: strain and the hash. Works on exported positions alone.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "engine/digest.h"
 #include "engine/fabric.h"
 #include "engine/metrics.h"
 
@@ -52,13 +52,9 @@ std::vector<float> vertex_strain(const CookedFabric& fabric, std::span<const gpu
 }
 
 std::uint64_t position_hash(std::span<const gpu::vec4> positions) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const gpu::vec4& p : positions)
-    for (const float value : {p.x, p.y, p.z}) {
-      std::uint32_t bits = std::bit_cast<std::uint32_t>(value);
-      for (int byte = 0; byte < 4; ++byte, bits >>= 8) hash = (hash ^ (bits & 0xff)) * 0x100000001b3u;
-    }
-  return hash;
+  Digest digest;
+  for (const gpu::vec4& p : positions) digest.add(std::as_bytes(std::span(&p, 1)).first(sizeof(gpu::vec3)));
+  return digest.value();
 }
 
 }  // namespace weft

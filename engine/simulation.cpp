@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/mend.h"
 #include "engine/reference/choice.h"
 #include "engine/simulation_state.h"
 
@@ -28,6 +29,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
 
 Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& device, const Scene& described, std::vector<Mesh> meshes,
                                                        const SimulationOptions& options) {
+  if (const std::string fault = non_finite_fault(described); !fault.empty()) return fail(fault);
   std::string chosen_by;
   std::uint64_t points = 0;
   for (std::size_t k = 0; k < std::min(described.cloths.size(), meshes.size()); ++k) points += meshes[k].points.size();
@@ -50,6 +52,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
   auto solver = Solver::create(device, state->cache, scene, state->fabric, {options.gather_storage, options.workgroup});
   if (!solver) return solver.take_error();
   state->solver = std::move(*solver);
+  std::copy_if(std::begin(kLasting), std::end(kLasting), std::back_inserter(state->lasting), [&](gpu::Binding b) { return state->solver->has(b); });
   // A cache that cannot be written costs the next start some time and nothing else.
   if (!options.pipeline_cache.empty())
     if (auto saved = state->cache.save(); !saved) state->fabric.notes.push_back(saved.error());
@@ -61,7 +64,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
   state->readback = std::move(*readback);
   for (const compute::Buffer& report : state->readback.buffers()) std::fill_n(report.mapped, report.bytes, std::byte{0});
   if (state->solver->has(gpu::candidates))
-    if (auto made = state->create_snapshot(); !made) return made.take_error();
+    if (auto made = state->create_kept(); !made) return made.take_error();
   // One advance records all of its dispatches at once.
   const double most_substeps = std::max(scene.solver.longest_advance, 1 / scene.solver.rate) / state->fabric.h + 1;
   double iterated = 0, linear = 0, once = 0;   // dispatches an iteration, one of a solve, and a substep
@@ -135,18 +138,12 @@ FrameView Simulation::normals() const {
   return view;
 }
 
-namespace {
-
-bool finite(Vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
-}  // namespace
-
 Result<void> Simulation::move_anchors(std::uint32_t first, std::span<const Vec3> targets) {
   const std::size_t anchors = state_->anchor_wishes.size();
   if (first > anchors || targets.size() > anchors - first)
     return fail("anchors ", first, " to ", first + targets.size(), " (exclusive) are beyond the simulation's ", anchors);
   for (std::size_t k = 0; k < targets.size(); ++k)
-    if (!finite(targets[k])) return fail("the target of anchor ", first + k, " is not finite");
+    if (!is_finite(targets[k])) return fail("the target of anchor ", first + k, " is not finite, or ", kFarthest, " m away or more");
   for (std::size_t k = 0; k < targets.size(); ++k) {
     state_->anchor_wishes[first + k] = targets[k];
     state_->anchor_is_led[first + k] = true;
@@ -158,7 +155,8 @@ Result<void> Simulation::move_collider(std::uint32_t collider, const ColliderPos
   if (collider >= state_->collider_poses.size()) return fail("collider ", collider, " is not below the scene's ", state_->collider_poses.size());
   const Rotation& r = pose.rotation;
   const float turn = std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w);
-  if (!finite(pose.centre) || !finite(pose.normal) || !std::isfinite(turn)) return fail("the pose of collider ", collider, " is not finite");
+  if (!is_finite(pose.centre) || !is_finite(pose.normal) || !std::isfinite(turn))
+    return fail("the pose of collider ", collider, " is not finite, or ", kFarthest, " m away or more");
   if (!(turn > 1e-6f)) return fail("the rotation of collider ", collider, " is a quaternion of length ", turn, ", not above 1e-6");
   ColliderPose wish = pose;
   wish.rotation = {r.x / turn, r.y / turn, r.z / turn, r.w / turn};
@@ -173,7 +171,7 @@ Result<void> Simulation::move_collider(std::uint32_t collider, const ColliderPos
 }
 
 Result<void> Simulation::set_gravity(Vec3 gravity) {
-  if (!finite(gravity)) return fail("the gravity is not finite");
+  if (!is_finite(gravity)) return fail("the gravity is not finite, or ", kFarthest, " m/s^2 or more");
   state_->gravity = gravity;
   return {};
 }

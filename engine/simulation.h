@@ -43,6 +43,7 @@
 #include "engine/mesh.h"
 #include "engine/metrics.h"
 #include "engine/scene.h"
+#include "engine/snapshot.h"
 
 namespace weft {
 
@@ -139,7 +140,7 @@ class Simulation {
   FrameView normals() const;
 
   /// Targets for the end of the next frame, in world space, in CookedFabric::anchors' order from `first` on; they replace the
-  /// scene's keys for these anchors from now on. Errors: beyond the last anchor; not finite.
+  /// scene's keys for these anchors from now on. Errors: beyond the last anchor; not finite, or 1e10 m away or more.
   Result<void> move_anchors(std::uint32_t first, std::span<const Vec3> targets);
   /// Pose for the end of the next frame, whole (a capsule or a box without a rotation stands along its own axes); replaces the scene's
   /// keys for this collider. It turns there the shorter way round. Errors: no such collider; not finite; a normal or rotation of length 0.
@@ -174,9 +175,16 @@ class Simulation {
   /// Copies all particles back, cloths' and mesh colliders' (CookedFabric's order). Waits for the last submitted frame.
   Result<std::vector<gpu::vec4>> read_positions() const;
   Result<std::vector<gpu::vec4>> read_velocities() const;
-  /// Overwrites the state of all particles, mesh colliders' too (CookedFabric's order; w is ignored): a pose to start from. Waits.
+  /// Overwrites the state of all particles, mesh colliders' too (CookedFabric's order; w is ignored): a pose to start from. Waits. A place
+  /// or a velocity that is not finite, or 1e10 and more, is counted in Counts::non_finite and mended: the particle stays, or goes along with
+  /// its neighbours, and is at rest; all others are as they would be without it.
   Result<void> write_positions(std::span<const gpu::vec4> positions);
   Result<void> write_velocities(std::span<const gpu::vec4> velocities);
+  /// The whole state, to go on from here later, in another process or to try something out. Waits; frames that a host has recorded must be done.
+  Result<Snapshot> save() const;
+  /// Goes on from there: what follows is bitwise the same as after save(). Waits. Errors: a snapshot of another scene, or one that this
+  /// scene cannot be in; no memory. Nothing has changed then.
+  Result<void> restore(const Snapshot& snapshot);
   /// What the renderer sees, copied back: positions and normals of all render vertices. Waits.
   Result<std::vector<Vec3>> read_vertex_positions() const;
   Result<std::vector<Vec3>> read_vertex_normals() const;

@@ -11,36 +11,29 @@
 #include "engine/simulation_state.h"
 
 namespace weft {
-namespace {
-
-// Everything else is made anew from these, or between frames always the same.
-constexpr gpu::Binding kState[] = {gpu::positions, gpu::velocities, gpu::references, gpu::paths, gpu::leashes,
-                                   gpu::detection, gpu::counters,   gpu::candidates};
-
-}  // namespace
 
 // Made again when there is more to keep than it holds: less than all of it must never be put back.
-Result<void> Simulation::State::create_snapshot() {
-  bool fits = snapshot.size() > 0;
-  for (std::size_t k = 0; k < snapshot.size(); ++k) fits &= snapshot[k].bytes >= solver->buffer(kState[k]).bytes;
+Result<void> Simulation::State::create_kept() {
+  bool fits = kept.size() > 0;
+  for (std::size_t k = 0; k < kept.size(); ++k) fits &= kept[k].bytes >= solver->buffer(lasting[k]).bytes;
   if (fits) return {};
   std::vector<compute::BufferRequest> requests;
-  for (const gpu::Binding binding : kState)
+  for (const gpu::Binding binding : lasting)
     requests.push_back({"kept " + solver->buffer(binding).name, solver->buffer(binding).bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT});
-  auto arena = compute::Arena::create(*device, compute::Memory::device, "weft snapshot", requests);
+  auto arena = compute::Arena::create(*device, compute::Memory::device, "weft kept frame", requests);
   if (!arena) return arena.take_error();
-  snapshot = std::move(*arena);
+  kept = std::move(*arena);
   return {};
 }
 
-// Between the solver's buffers and the snapshot; barriers are the caller's.
-void Simulation::State::copy_snapshot(VkCommandBuffer commands, bool back) const {
-  for (std::size_t k = 0; k < std::size(kState); ++k) {
-    const compute::Buffer& live = solver->buffer(kState[k]);
+// Between the solver's buffers and what is kept of them; barriers are the caller's.
+void Simulation::State::copy_kept(VkCommandBuffer commands, bool back) const {
+  for (std::size_t k = 0; k < lasting.size(); ++k) {
+    const compute::Buffer& live = solver->buffer(lasting[k]);
     // Of the candidates only those that there are.
-    const VkDeviceSize bytes = kState[k] == gpu::candidates ? std::max<VkDeviceSize>(1, found_at_start) * sizeof(gpu::uvec4) : snapshot[k].bytes;
+    const VkDeviceSize bytes = lasting[k] == gpu::candidates ? std::max<VkDeviceSize>(1, found_at_start) * sizeof(gpu::uvec4) : kept[k].bytes;
     const VkBufferCopy region{0, 0, std::min(bytes, live.bytes)};
-    device->vk().vkCmdCopyBuffer(commands, back ? snapshot[k].handle : live.handle, back ? live.handle : snapshot[k].handle, 1, &region);
+    device->vk().vkCmdCopyBuffer(commands, back ? kept[k].handle : live.handle, back ? live.handle : kept[k].handle, 1, &region);
   }
 }
 
@@ -84,7 +77,7 @@ Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
   found_at_start = contacts ? std::min(detection().candidates, solver->contact_sizes().capacity) : 0;
   for (;;) {
     if (contacts)
-      if (auto done = create_snapshot(); !done) return done;
+      if (auto done = create_kept(); !done) return done;
     if (timed_on_cpu()) {
       if (auto done = run_pass_by_pass(input, contacts); !done) return done;
       if (auto done = submit_frame({}, {}, false); !done) return done;   // what is left of the frame: the counters
@@ -96,7 +89,7 @@ Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
     auto room = make_room();
     if (!room) return room.take_error();
     if (!*room) return {};   // as far as it goes: safe, and counted
-    if (auto done = compute::run_once(*device, "weft restore", [&](VkCommandBuffer commands) { copy_snapshot(commands, true); }); !done) return done;
+    if (auto done = compute::run_once(*device, "weft repeat", [&](VkCommandBuffer commands) { copy_kept(commands, true); }); !done) return done;
     solver->set_parity(parity);
   }
 }

@@ -124,7 +124,7 @@ void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput&
   compute::Recorder recorder(*device, commands, timestamps);
   recorder.barrier(Use::all, Use::compute | Use::transfer | Use::indirect);   // earlier frames, and the renderer that still reads them
   if (keep) {
-    copy_snapshot(commands, false);
+    copy_kept(commands, false);
     recorder.barrier(Use::transfer, Use::compute | Use::transfer);
   }
   const auto steps = solver->frame(input);
@@ -174,7 +174,7 @@ Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<
 Result<void> Simulation::State::run_pass_by_pass(const FrameInput& input, bool keep) {
   cpu_times.clear();
   if (keep)
-    if (auto done = compute::run_once(*device, "weft snapshot", [&](VkCommandBuffer commands) { copy_snapshot(commands, false); }); !done) return done;
+    if (auto done = compute::run_once(*device, "weft kept frame", [&](VkCommandBuffer commands) { copy_kept(commands, false); }); !done) return done;
   const auto start = Clock::now();
   const auto steps = solver->frame(input);
   const auto run = [&](const Solver::Step* step) {

@@ -23,6 +23,10 @@ ColliderPose keyed_pose(const Collider& collider, const Key& key);
 /// 52 bytes each: what a device with a few GiB has for them.
 inline constexpr std::uint64_t kMostCandidates = std::uint64_t(1) << 26;
 
+/// What a frame leaves to the next one. All other buffers never change, are made anew, or are the same between any two frames.
+inline constexpr gpu::Binding kLasting[] = {gpu::positions, gpu::velocities, gpu::references, gpu::paths,    gpu::leashes,
+                                            gpu::detection, gpu::counters,   gpu::candidates, gpu::iterates, gpu::acceleration};
+
 struct Simulation::State {
   const compute::Device* device = nullptr;
   Scene scene;
@@ -31,11 +35,13 @@ struct Simulation::State {
   CookedFabric fabric;
   compute::PipelineCache cache;
   std::optional<Solver> solver;
+  std::vector<gpu::Binding> lasting;           // of kLasting, those that the plan has
   compute::Arena readback;                     // the counters and, with contacts, the detection, copied at every frame's end
-  compute::Arena snapshot;                     // with contacts: what advance needs to run its frame again
-  std::uint32_t found_at_start = 0;            // candidates in the snapshot
+  compute::Arena kept;                         // with contacts: what advance needs to run its frame again
+  std::uint32_t found_at_start = 0;            // candidates in it
   std::uint32_t lost_seen = 0;                 // candidates lost by frames that submit has made room after
   bool room_ends = false;                      // more was asked for and not to be had: not asked for again
+  std::optional<std::uint64_t> digest;         // of the scene and its fabric: what a snapshot must be of; made when it is asked for
   compute::CommandPool pool;
   std::array<FrameSlot, 2> slots;
   compute::OwnedSemaphore ready;
@@ -68,17 +74,22 @@ struct Simulation::State {
   Result<void> submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits, bool keep);
   Result<void> run_pass_by_pass(const FrameInput& input, bool keep);
   Result<void> run_to_the_end(const FrameInput& input);
-  Result<void> create_snapshot();
-  void copy_snapshot(VkCommandBuffer commands, bool back) const;
+  Result<void> create_kept();
+  void copy_kept(VkCommandBuffer commands, bool back) const;
   Result<bool> make_room();
   Result<void> make_room_later();
   Result<void> detect_anew();
   const gpu::Counters& counters() const;
   const gpu::Detection& detection() const { return *reinterpret_cast<const gpu::Detection*>(readback[1].mapped); }
   Result<void> draw_surface();
+  std::uint64_t own_digest();
+  Result<void> check(const Snapshot& snapshot);
+  Result<void> put_back(const Snapshot& snapshot);
   Result<void> wait() const;
   Result<std::vector<gpu::vec4>> read(gpu::Binding binding, std::size_t count) const;
-  Result<void> write(gpu::Binding binding, std::span<const gpu::vec4> values) const;
+  Result<void> write(gpu::Binding binding, std::vector<gpu::vec4> values) const;
+  Result<void> check_count(std::span<const gpu::vec4> values) const;
+  Result<void> count_non_finite(std::size_t more);
 };
 
 }  // namespace weft

@@ -65,6 +65,9 @@ class Solver {
   /// Which of the two iterates the next frame begins with; a frame that is to be run again needs it back.
   std::uint32_t parity() const { return parity_; }
   void set_parity(std::uint32_t parity) { parity_ = parity; }
+  /// Substeps modulo 3: where in gpu::Acceleration the next one finds its predecessors.
+  std::uint32_t turn() const { return turn_; }
+  void set_turn(std::uint32_t turn) { turn_ = turn; }
 
  private:
   struct PassResources {

@@ -29,6 +29,8 @@ struct RunOptions {
   std::uint32_t every = 0;      // 0: only the final frame is drawn
   bool picture = true;
   bool check = false;           // count crossings of cloth at every frame
+  std::uint32_t checkpoint = 0; // every how many frames the run can be gone on with; 0: never
+  bool fresh = false;           // do not go on with what is in `out`
   std::string device;           // as compute::DeviceChoice::name
   std::vector<Assignment> assignments;
 };

@@ -18,7 +18,7 @@ Spread spread_of(std::vector<double> values) {
   return {median, values[rank - 1]};
 }
 
-PassTimes::PassTimes(std::vector<PassUse> passes) : passes_(std::move(passes)) {
+PassTimes::PassTimes(std::vector<PassUse> passes, std::uint32_t first) : passes_(std::move(passes)), first_(first) {
   for (std::size_t i = 0; i < passes_.size(); ++i) column_[passes_[i].name] = i;
 }
 
@@ -51,11 +51,20 @@ std::string PassTimes::csv() const {
   for (const PassUse& pass : passes_) text << ',' << pass.name;
   text << '\n';
   for (std::size_t frame = 0; frame < rows_.size(); ++frame) {
-    text << frame;
+    text << first_ + frame;
     for (const double value : rows_[frame]) text << ',' << value;
     text << '\n';
   }
   return text.str();
+}
+
+double fastest_of(const CookedFabric& fabric, std::span<const gpu::vec4> before, std::span<const gpu::vec4> after, double seconds) {
+  double farthest = 0;
+  for (std::size_t i = 0; i < cloth_particles(fabric); ++i) {
+    const gpu::vec4 &a = before[i], &b = after[i];
+    farthest = std::max(farthest, std::hypot(double(b.x) - a.x, double(b.y) - a.y, double(b.z) - a.z));
+  }
+  return farthest / seconds;
 }
 
 Result<Figures> figures_of(const Simulation& simulation) {
@@ -103,11 +112,13 @@ std::string report_json(const Figures& figures, const PassTimes& times) {
   report["device"] = figures.device;
   report["frames"] = figures.frames;
   report["interrupted"] = figures.interrupted;
+  if (figures.resumed_at) report["resumed_at"] = *figures.resumed_at;
   report["particles"] = figures.particles;
   report["edges"] = figures.edges;
   report["bends"] = figures.bends;
   report["tethers"] = figures.tethers;
   report["timed_on_cpu"] = figures.timed_on_cpu;
+  report["timed"] = {{"first", times.first_frame()}, {"frames", times.frames()}};
   report["passes"] = Json::array();
   for (std::size_t i = 0; i < times.passes().size(); ++i) {
     const PassUse& pass = times.passes()[i];
@@ -118,6 +129,7 @@ std::string report_json(const Figures& figures, const PassTimes& times) {
   for (const BufferUse& buffer : figures.buffers) report["buffers"].push_back({{"name", buffer.name}, {"bytes", buffer.bytes}});
   report["frame"] = milliseconds(figures.frame);
   report["strain"] = {{"mean", figures.strain.mean}, {"rms", figures.strain.rms}, {"max", figures.strain.max}};
+  if (figures.speed) report["speed"] = *figures.speed;
   report["non_finite"] = figures.counts.non_finite;
   report["coincident"] = figures.counts.coincident;
   if (figures.intersections) report["intersections"] = {{"max", figures.intersections->max}, {"final", figures.intersections->final}};

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,11 +22,13 @@ Spread spread_of(std::vector<double> values);
 /// Milliseconds of every pass in every frame.
 class PassTimes {
  public:
-  explicit PassTimes(std::vector<PassUse> passes);
+  /// `first`: which of the scene's frames the first one is.
+  explicit PassTimes(std::vector<PassUse> passes, std::uint32_t first = 0);
 
   void add_frame(const std::vector<PassTiming>& timings);
 
   const std::vector<PassUse>& passes() const { return passes_; }
+  std::uint32_t first_frame() const { return first_; }
   std::size_t frames() const { return rows_.size(); }
   Spread spread(std::size_t pass) const;
   /// The sum of all passes, frame by frame.
@@ -35,6 +38,7 @@ class PassTimes {
 
  private:
   std::vector<PassUse> passes_;
+  std::uint32_t first_ = 0;
   std::map<std::string, std::size_t> column_;
   std::vector<std::vector<double>> rows_;
 };
@@ -49,6 +53,7 @@ struct Intersections {
 struct Figures {
   std::string scene, device;
   std::uint32_t frames = 0;      // that were simulated
+  std::optional<std::uint32_t> resumed_at;   // the first that this program simulated, where it went on with a checkpoint
   bool interrupted = false;
   bool timed_on_cpu = false;     // no timestamps on this device
   std::size_t particles = 0, edges = 0, bends = 0;   // of cloth
@@ -59,9 +64,14 @@ struct Figures {
   Strain strain;
   Counts counts;
   double clamped_seconds = 0;
+  std::optional<double> speed;   // m/s, of the fastest particle over the last frame; none unless that was simulated
   std::uint64_t hash = 0;
   std::optional<Intersections> intersections;   // none unless they were counted
 };
+
+/// m/s, of the fastest particle of cloth, if it takes so long from one place to the other. What is seen: in the velocities that substeps work
+/// with there is also the rounding of places.
+double fastest_of(const CookedFabric& fabric, std::span<const gpu::vec4> before, std::span<const gpu::vec4> after, double seconds);
 
 /// Everything about a simulation's state but times. Waits for it.
 Result<Figures> figures_of(const Simulation& simulation);

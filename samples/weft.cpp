@@ -62,6 +62,10 @@ Exit obey(int count, char** arguments) {
   every_option->type_name("K")->check(CLI::Range(1u, kMostFrames));
   run_command->add_flag("--no-picture", no_picture, "Draw nothing: needs no graphics queue")->excludes(every_option);
   run_command->add_flag("--check", run_options.check, "Count where cloth crosses cloth, at every frame");
+  CLI::Option* checkpoint_option =
+      run_command->add_option("--checkpoint", run_options.checkpoint, "Leave a snapshot every K frames; the same command goes on with it after a kill");
+  checkpoint_option->type_name("K")->check(CLI::Range(1u, kMostFrames));
+  run_command->add_flag("--fresh", run_options.fresh, "Begin anew, whatever snapshot is in the folder already")->needs(checkpoint_option);
   run_command->add_option("--device", run_options.device, "Index or part of the name; weft info lists them");
 
   TimeOptions time_options;

@@ -1,14 +1,16 @@
 // `weft run`: simulates a scene, and leaves pictures, times, figures and the final mesh in a folder.
 //
-// The scene is simulated twice. The first time makes pictures, figures and the times of whole frames; the second, on a
-// device of its own, has a timestamp pair around every pass. They are apart because timestamps take time themselves, and
-// because a software driver that has drawn once gives timestamps that mean nothing (llvmpipe bins them with the tiles).
+// The scene is simulated once, which makes pictures, figures and the times of whole frames; then, on a device of its own, its
+// middle again with a timestamp pair around every pass. They are apart because timestamps take time themselves, and
+// because a software driver that has drawn once gives timestamps that mean nothing (llvmpipe bins them with the tiles). The
+// second simulation begins with a snapshot of the first, so that a long run costs little more than itself.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 
 #include "engine/export.h"
 #include "engine/reference/intersections.h"
+#include "samples/checkpoint.h"
 #include "samples/commands.h"
 #include "samples/console.h"
 #include "samples/files.h"
@@ -28,28 +30,43 @@ std::string frame_name(std::uint32_t frame) {
   return name;
 }
 
-struct Frames {
-  std::vector<double> milliseconds;  // wall clock around submitting a frame and waiting for it
-  double clamped = 0;                // s
+// How much of a scene is timed pass by pass.
+constexpr std::uint32_t kMostTimed = 120;   // frames
+constexpr double kLongestTimed = 20;        // s; the frame at which it is over is the last
+
+using Clock = std::chrono::steady_clock;
+double milliseconds_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
+
+// A simulation on its way through a scene: where it is, what it has counted, and what is needed to time its middle.
+struct Passage {
+  Tally tally;
+  std::optional<std::uint32_t> resumed_at;
+  std::vector<double> milliseconds;  // wall clock around submitting a frame and waiting for it, of this program's frames
+  std::uint32_t timed_from = 0;      // frame
+  std::optional<Snapshot> middle;    // at that frame; none where it is the scene's start
+  std::optional<double> speed;       // m/s, over the last frame
 };
 
-// Calls `each` after every frame, until it fails or ctrl-C.
-template <class F>
-Result<Frames> simulate(Simulation& simulation, const std::string& what, F&& each) {
-  using Clock = std::chrono::steady_clock;
-  const Scene& scene = simulation.scene();
-  Frames frames;
-  Progress progress(what, scene.frames);
-  for (std::uint32_t frame = 0; frame < scene.frames && !interrupted(); ++frame) {
-    const Clock::time_point start = Clock::now();
-    const Result<Advance> advance = simulation.advance(1 / scene.solver.rate);
-    if (!advance) return fail("frame ", frame, ": ", advance.error());
-    frames.milliseconds.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
-    frames.clamped += advance->clamped;
-    if (Result<void> done = each(frame); !done) return done.take_error();
-    progress.step();
-  }
-  return frames;
+Result<void> advance(Simulation& simulation, Passage& passage) {
+  const Clock::time_point start = Clock::now();
+  const Result<Advance> advance = simulation.advance(1 / simulation.scene().solver.rate);
+  if (!advance) return fail("frame ", passage.tally.frames, ": ", advance.error());
+  passage.milliseconds.push_back(milliseconds_since(start));
+  passage.tally.clamped += advance->clamped;
+  ++passage.tally.frames;
+  return {};
+}
+
+Result<void> advance_and_time_particles(Simulation& simulation, Passage& passage) {
+  const auto before = simulation.read_positions();
+  if (!before) return fail(before.error());
+  const double start = simulation.time();
+  if (Result<void> done = advance(simulation, passage); !done) return done;
+  const auto after = simulation.read_positions();
+  if (!after) return fail(after.error());
+  // A longest advance may leave nothing of a frame.
+  if (simulation.time() > start) passage.speed = fastest_of(simulation.fabric(), *before, *after, simulation.time() - start);
+  return {};
 }
 
 // Of the cloths; mesh colliders come after them and are left out.
@@ -88,6 +105,7 @@ Result<void> count(const Simulation& simulation, Intersections& intersections) {
 void print(const Figures& figures, double rate) {
   std::printf("%u frames, %.3g s; strain: mean %.3g %%, rms %.3g %%, max %.3g %%\n", figures.frames, figures.frames / rate,
               100 * figures.strain.mean, 100 * figures.strain.rms, 100 * figures.strain.max);
+  if (figures.speed) std::printf("In the last frame no particle was faster than %.3g m/s\n", *figures.speed);
   if (figures.frame) std::printf("A whole frame takes %.3g ms (median), %.3g ms (95 %%)\n", figures.frame->median, figures.frame->p95);
   const char* what = figures.mesh_colliders ? "cloth or a mesh" : "cloth";
   if (const auto& found = figures.intersections; found && found->max == 0) std::printf("Cloth crosses %s in no frame\n", what);
@@ -116,8 +134,68 @@ Result<std::unique_ptr<compute::Device>> open_device(const std::string& name, bo
   return compute::Device::create(choice);
 }
 
+// Named after the scene, so that another scene's run in the same folder does not take it away.
+std::filesystem::path checkpoint_file(const Scene& scene, const RunOptions& options) { return options.out / (file_name(scene.name) + ".snapshot"); }
+
+// What belongs to a frame that is done: crossings, a picture, a checkpoint.
+Result<void> tend(Simulation& simulation, Painter& painter, const RunOptions& options, Tally& tally) {
+  if (tally.intersections)
+    if (Result<void> counted = count(simulation, *tally.intersections); !counted) return counted;
+  const std::uint32_t frame = tally.frames - 1;
+  if (options.every > 0 && frame % options.every == 0)
+    if (Result<void> drawn = painter.draw(simulation, options.out / frame_name(frame)); !drawn) return drawn;
+  if (options.checkpoint == 0 || (tally.frames % options.checkpoint != 0 && !interrupted())) return {};
+  return write_checkpoint(checkpoint_file(simulation.scene(), options), simulation, tally);
+}
+
+Result<void> go_through(Simulation& simulation, Painter& painter, const RunOptions& options, Passage& passage) {
+  const Scene& scene = simulation.scene();
+  passage.timed_from = std::max(passage.tally.frames, scene.frames > kMostTimed ? (scene.frames - kMostTimed) / 2 : 0);
+  Progress progress("simulating " + scene.name, scene.frames);
+  progress.step(passage.tally.frames);
+  while (passage.tally.frames < scene.frames && !interrupted()) {
+    if (passage.tally.frames == passage.timed_from && passage.timed_from > 0) {
+      Result<Snapshot> middle = simulation.save();
+      if (!middle) return middle.take_error();
+      passage.middle = std::move(*middle);
+    }
+    const bool last = passage.tally.frames + 1 == scene.frames;
+    if (Result<void> done = last ? advance_and_time_particles(simulation, passage) : advance(simulation, passage); !done) return done;
+    if (Result<void> done = tend(simulation, painter, options, passage.tally); !done) return done;
+    progress.step();
+  }
+  return {};
+}
+
+// Where the run begins: at the scene's start, or where one that was ended left it.
+Exit begin(Simulation& simulation, const RunOptions& options, Passage& passage) {
+  const std::filesystem::path file = checkpoint_file(simulation.scene(), options);
+  if (options.checkpoint > 0 && !options.fresh && std::filesystem::exists(file)) {
+    const Result<Tally> tally = resume(file, simulation, options.check);
+    if (!tally) {
+      complain(tally.error() + "; --fresh begins anew");
+      return kBadInput;
+    }
+    if (tally->frames > simulation.scene().frames) {
+      complain(file.string() + ": is of frame " + std::to_string(tally->frames) + ", and the run has " + std::to_string(simulation.scene().frames));
+      return kBadInput;
+    }
+    passage.tally = *tally;
+    passage.resumed_at = tally->frames;
+    std::printf("Going on after frame %u, where %s was left\n", tally->frames, file.string().c_str());
+    return kDone;
+  }
+  // A scene of no frames is a picture of its rest pose, and normals are made by a frame.
+  if (simulation.scene().frames == 0)
+    if (const Result<Advance> none = simulation.advance(0); !none) return failed(none.error());
+  // The pose the simulation starts from counts too, and is the final one of a scene of no frames.
+  if (options.check)
+    if (const Result<void> counted = count(simulation, passage.tally.intersections.emplace()); !counted) return failed(counted.error());
+  return kDone;
+}
+
 // Pictures, the final mesh, and all figures but those of passes.
-Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& figures) {
+Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& figures, Passage& passage) {
   const auto device = open_device(options.device, options.picture);
   if (!device) return failed(device.error());
   const Started started = start(**device, scene, false);
@@ -131,49 +209,43 @@ Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& f
   std::printf("%s: %zu particles, %zu edges, %zu bends, %llu tethers on %s\n", scene.name.c_str(), std::size_t(cloth_particles(fabric)), fabric.links.size(),
               fabric.bends.size(), static_cast<unsigned long long>(fabric.tether_count), (*device)->name().c_str());
   for (const std::string& note : fabric.notes) std::printf("note: %s\n", note.c_str());
+  if (const Exit exit = begin(simulation, options, passage); exit != kDone) return exit;
   std::fflush(stdout);
-
-  // A scene of no frames is a picture of its rest pose, and normals are made by a frame.
-  if (scene.frames == 0)
-    if (const Result<Advance> none = simulation.advance(0); !none) return failed(none.error());
-  std::optional<Intersections> intersections;
-  if (options.check) {
-    // The pose the simulation starts from counts too, and is the final one of a scene of no frames.
-    if (const Result<void> counted = count(simulation, intersections.emplace()); !counted) return failed(counted.error());
-  }
-  const Result<Frames> frames = simulate(simulation, "simulating " + scene.name, [&](std::uint32_t frame) -> Result<void> {
-    if (intersections)
-      if (Result<void> counted = count(simulation, *intersections); !counted) return counted;
-    if (options.every == 0 || frame % options.every != 0) return {};
-    return painter.draw(simulation, options.out / frame_name(frame));
-  });
-  if (!frames) return failed(frames.error());
+  if (const Result<void> gone = go_through(simulation, painter, options, passage); !gone) return failed(gone.error());
 
   if (const Result<void> drawn = painter.draw(simulation, options.out / (file_name(scene.name) + ".png")); !drawn) return failed(drawn.error());
   if (const Result<void> written = write_mesh(simulation, options.out / "final.ply"); !written) return failed(written.error());
   Result<Figures> measured = figures_of(simulation);
   if (!measured) return failed(measured.error());
   figures = std::move(*measured);
-  figures.frames = static_cast<std::uint32_t>(frames->milliseconds.size());
-  figures.clamped_seconds = frames->clamped;
-  figures.intersections = intersections;
-  if (!frames->milliseconds.empty()) figures.frame = spread_of(frames->milliseconds);
+  figures.frames = passage.tally.frames;
+  figures.resumed_at = passage.resumed_at;
+  figures.clamped_seconds = passage.tally.clamped;
+  figures.intersections = passage.tally.intersections;
+  figures.speed = passage.speed;
+  if (!passage.milliseconds.empty()) figures.frame = spread_of(passage.milliseconds);
   return kDone;
 }
 
-Exit time_passes(const Scene& scene, const RunOptions& options, Figures& figures, PassTimes& times) {
+Exit time_passes(const Scene& scene, const RunOptions& options, const Passage& passage, Figures& figures, PassTimes& times) {
   const auto device = open_device(options.device, false);
   if (!device) return failed(device.error());
   const Started started = start(**device, scene, true);
   if (!started.simulation) return started.exit;
   Simulation& simulation = *started.simulation;
-  times = PassTimes(simulation.passes());
+  times = PassTimes(simulation.passes(), passage.timed_from);
   figures.timed_on_cpu = simulation.timed_on_cpu();
-  const Result<Frames> frames = simulate(simulation, "timing passes", [&](std::uint32_t) -> Result<void> {
+  if (passage.middle)
+    if (const Result<void> restored = simulation.restore(*passage.middle); !restored) return failed(restored.error());
+  const std::uint32_t frames = std::min(kMostTimed, scene.frames - std::min(scene.frames, passage.timed_from));
+  Passage timed;
+  Progress progress("timing passes", frames);
+  for (const Clock::time_point start = Clock::now(); timed.tally.frames < frames && milliseconds_since(start) < 1000 * kLongestTimed && !interrupted();) {
+    if (const Result<void> done = advance(simulation, timed); !done) return failed(done.error());
     times.add_frame(simulation.timings());
-    return {};
-  });
-  return frames ? kDone : failed(frames.error());
+    progress.step();
+  }
+  return kDone;
 }
 
 }  // namespace
@@ -190,8 +262,9 @@ Exit run(const RunOptions& options) {
   listen_for_interrupts();
   Figures figures;
   PassTimes times({});
-  if (const Exit exit = simulate_and_draw(*scene, options, figures); exit != kDone) return exit;
-  if (const Exit exit = time_passes(*scene, options, figures, times); exit != kDone) return exit;
+  Passage passage;
+  if (const Exit exit = simulate_and_draw(*scene, options, figures, passage); exit != kDone) return exit;
+  if (const Exit exit = time_passes(*scene, options, passage, figures, times); exit != kDone) return exit;
 
   figures.interrupted = interrupted();
   if (const Result<void> written = write_text(options.out / "timings.csv", times.csv()); !written) return failed(written.error());
@@ -199,7 +272,12 @@ Exit run(const RunOptions& options) {
   print(figures, scene->solver.rate);
   std::printf("Written: %stimings.csv, report.json, final.ply in %s\n", options.picture ? (file_name(scene->name) + ".png, ").c_str() : "",
               options.out.string().c_str());
-  if (!interrupted()) return kDone;
+  if (!interrupted()) {
+    // A run that is over is not gone on with.
+    std::error_code nobody_minds;
+    if (options.checkpoint > 0) std::filesystem::remove(checkpoint_file(*scene, options), nobody_minds);
+    return kDone;
+  }
   complain("Interrupted after " + std::to_string(figures.frames) + " of " + std::to_string(scene->frames) + " frames, " +
            std::to_string(times.frames()) + " of them timed pass by pass: what is written is of these");
   return kInterrupted;

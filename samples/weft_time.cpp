@@ -21,18 +21,20 @@ constexpr std::size_t kMostTraced = 100;  // frames: a trace of more is too larg
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// Calls `each` after every frame that counts, with the frame's wall time in milliseconds.
+// Calls `each` after every frame that counts, with the frame's wall time in milliseconds. The seconds that were not simulated are returned.
 template <class F>
-Result<void> advance_frames(Simulation& simulation, const TimeOptions& options, const char* what, F&& each) {
+Result<double> advance_frames(Simulation& simulation, const TimeOptions& options, const char* what, F&& each) {
+  double clamped = 0;
   Progress progress(what, options.warm_up + options.frames);
   for (std::uint32_t frame = 0; frame < options.warm_up + options.frames && !interrupted(); ++frame) {
     const Clock::time_point start = Clock::now();
     const Result<Advance> advance = simulation.advance(1 / simulation.scene().solver.rate);
     if (!advance) return fail("frame ", frame, ": ", advance.error());
+    clamped += advance->clamped;
     if (frame >= options.warm_up) each(1000 * seconds_since(start));
     progress.step();
   }
-  return {};
+  return clamped;
 }
 
 void print_table(const PassTimes& times) {
@@ -56,6 +58,7 @@ void print_frame(const Figures& figures, const Spread& frame, double create_seco
               static_cast<double>(bytes) / particles, create_seconds);
   std::printf("strain: mean %.4g %%, rms %.4g %%, max %.4g %%; not finite: %u\n", 100 * figures.strain.mean, 100 * figures.strain.rms,
               100 * figures.strain.max, figures.counts.non_finite);
+  if (figures.clamped_seconds > 0) std::printf("%.3g s were not simulated: solver.longest_advance is shorter than a frame\n", figures.clamped_seconds);
   if (figures.timed_on_cpu) std::printf("This device has no timestamps: passes were timed on the CPU\n");
 }
 
@@ -82,9 +85,9 @@ Exit time(const TimeOptions& options) {
   std::printf("%s on %s: %u frames after %u to warm up\n", scene->name.c_str(), (*device)->name().c_str(), options.frames, options.warm_up);
   std::fflush(stdout);
 
-  PassTimes times(simulation.passes());
+  PassTimes times(simulation.passes(), options.warm_up);
   std::vector<TracedFrame> traced;
-  const Result<void> passes = advance_frames(simulation, options, "timing passes", [&](double) {
+  const Result<double> passes = advance_frames(simulation, options, "timing passes", [&](double) {
     times.add_frame(simulation.timings());
     if (traced.size() < kMostTraced) traced.push_back({simulation.gpu_milliseconds(), simulation.dispatch_times()});
   });
@@ -93,13 +96,14 @@ Exit time(const TimeOptions& options) {
   const Started plain = start(**device, *scene, false);
   if (!plain.simulation) return plain.exit;
   std::vector<double> wall;
-  const Result<void> frames = advance_frames(*plain.simulation, options, "timing whole frames", [&](double ms) { wall.push_back(ms); });
+  const Result<double> frames = advance_frames(*plain.simulation, options, "timing whole frames", [&](double ms) { wall.push_back(ms); });
   if (!frames) return failed(frames.error());
 
   Result<Figures> figures = figures_of(simulation);
   if (!figures) return failed(figures.error());
   figures->frames = options.warm_up + static_cast<std::uint32_t>(times.frames());
   figures->interrupted = interrupted();
+  figures->clamped_seconds = *passes;
   if (!wall.empty()) figures->frame = spread_of(wall);
   print_table(times);
   print_frame(*figures, spread_of(wall), create_seconds);

@@ -89,6 +89,9 @@ TEST_F(CommandLine, run_leaves_a_picture_times_a_report_and_the_final_mesh) {
   EXPECT_EQ(report["tethers"], 80);
   EXPECT_EQ(report["non_finite"], 0);
   EXPECT_EQ(report["hash"].get<std::string>().size(), 16u);
+  EXPECT_NEAR(report["speed"], 9.81 * 5 / 60, 0.2) << "the free corner falls, and is already held back a little";
+  EXPECT_EQ(report["timed"]["first"], 0);
+  EXPECT_EQ(report["timed"]["frames"], 5);
   EXPECT_FALSE(report["device"].get<std::string>().empty());
   for (const char* key : {"mean", "rms", "max"}) EXPECT_GE(report["strain"][key], 0) << key;
   for (const char* key : {"ms_median", "ms_p95"}) EXPECT_GT(report["frame"][key], 0) << key;

@@ -135,6 +135,30 @@ TEST_F(SimulationApi, a_hitch_is_clamped_and_reported) {
   EXPECT_EQ(must(simulation->advance(kFrame)).clamped, 0);
 }
 
+// F15: whatever the frames of the host are like, each second of theirs was simulated, is left over for the next, or was reported.
+TEST_F(SimulationApi, no_second_is_lost_without_a_word_however_uneven_the_frames) {
+  Scene scene = sheet(2);
+  scene.solver.longest_advance = 0.05;
+  const auto simulation = must(Simulation::create(device(), scene));
+  const double h = simulation->fabric().h, frames[] = {0.001, 0.5, 0, 0.0166, 0.05, 3, 0.0007, 0.0499, 1e-9, 0.12};
+  double given = 0, simulated = 0, clamped = 0;
+  std::uint32_t substeps = 0;
+  for (int k = 0; k < 60; ++k) {
+    const double seconds = frames[k % 10];
+    Advance done;
+    if (k % 3 == 0) done = must(simulation->advance(seconds));
+    else if (k % 3 == 1) done = must(simulation->submit(seconds));
+    else must(compute::run_once(device(), "the host's", [&](VkCommandBuffer commands) { done = must(simulation->record(commands, seconds)); }));
+    EXPECT_NEAR(done.clamped, std::max(0.0, seconds - 0.05), 1e-12);
+    EXPECT_NEAR(done.simulated, done.substeps * h, 1e-12);
+    given += seconds, simulated += done.simulated, clamped += done.clamped, substeps += done.substeps;
+    const double left_over = given - simulated - clamped;
+    EXPECT_GE(left_over, -1e-6 * h);   // plan_frame takes a millionth of a substep for rounding
+    EXPECT_LT(left_over, h);
+  }
+  EXPECT_NEAR(simulation->time(), substeps * h, 1e-9);
+}
+
 template <class T>
 void expect_refused(Result<T> result, const std::string& word) {
   ASSERT_FALSE(result);

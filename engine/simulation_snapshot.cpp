@@ -1,0 +1,172 @@
+// Saving and restoring the whole state.
+//
+// Between frames both iterates are where the particles are, so that they follow from the positions, and it does not matter which of them
+// a frame begins with; where anchors and mesh colliders are says their particles' positions; keys say where they tell the rest.
+// Everything is looked at before anything is changed, so that a snapshot that does not fit leaves the simulation as it was.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "engine/mend.h"
+#include "engine/simulation_state.h"
+
+namespace weft {
+namespace {
+
+template <class T>
+std::vector<T> elements(const std::vector<std::byte>& bytes) {
+  std::vector<T> values(bytes.size() / sizeof(T));
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+  return values;
+}
+
+const std::vector<std::byte>* find(const Snapshot& snapshot, const std::string& name) {
+  for (const Snapshot::Content& content : snapshot.contents)
+    if (content.name == name) return &content.bytes;
+  return nullptr;
+}
+
+bool is_pose(const ColliderPose& pose) {
+  const Rotation& r = pose.rotation;
+  return is_finite(pose.centre) && is_finite(pose.normal) && std::isfinite(r.x + r.y + r.z + r.w);
+}
+
+// w is the scene's: an inverse mass, or a material that a shader looks up.
+Result<void> check_values(const char* name, const std::vector<gpu::vec4>& values, const std::vector<gpu::vec4>& cooked) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!is_finite(values[i]) || std::memcmp(&values[i].w, &cooked[i].w, sizeof(float)) != 0)
+      return fail("the snapshot's ", name, " of particle ", i, " are not such as a simulation has");
+  return {};
+}
+
+// Of the candidates only those that there are.
+std::size_t bytes_of(const compute::Buffer& buffer, gpu::Binding binding, const gpu::Detection& detection, std::uint32_t capacity) {
+  return binding == gpu::candidates ? std::min(detection.candidates, capacity) * sizeof(gpu::uvec4) : static_cast<std::size_t>(buffer.bytes);
+}
+
+gpu::Detection detection_of(const Snapshot& snapshot) {
+  gpu::Detection detection{};
+  if (const auto* bytes = find(snapshot, "detection"); bytes && bytes->size() >= sizeof detection) std::memcpy(&detection, bytes->data(), sizeof detection);
+  return detection;
+}
+
+}  // namespace
+
+// It goes through all that was cooked: not every simulation needs it.
+std::uint64_t Simulation::State::own_digest() {
+  if (!digest) digest = digest_of(scene, fabric);
+  return *digest;
+}
+
+Result<Snapshot> Simulation::save() const {
+  State& s = *state_;
+  if (auto done = s.wait(); !done) return done.take_error();
+  Snapshot snapshot;
+  snapshot.digest = s.own_digest();
+  snapshot.substeps = s.ticks;
+  snapshot.left_over = s.pending;
+  snapshot.gravity = s.gravity;
+  snapshot.turn = s.solver->turn();
+  snapshot.capacity = s.solver->contact_sizes().capacity;
+  snapshot.losses_seen = s.lost_seen;
+  for (std::uint32_t k = 0; k < s.anchor_is_led.size(); ++k)
+    if (s.anchor_is_led[k]) snapshot.anchors.push_back({k, s.anchor_wishes[k].has_value(), s.anchor_wishes[k].value_or(Vec3())});
+  for (std::size_t k = 0; k < s.collider_poses.size(); ++k)
+    snapshot.colliders.push_back({s.collider_is_led[k], s.collider_wishes[k].has_value(), s.collider_poses[k], s.collider_wishes[k].value_or(ColliderPose())});
+  for (const gpu::Binding binding : s.lasting) {   // `detection` comes before `candidates`
+    const compute::Buffer& buffer = s.solver->buffer(binding);
+    std::vector<std::byte> bytes(bytes_of(buffer, binding, detection_of(snapshot), snapshot.capacity));
+    if (auto done = compute::read_back(*s.device, buffer, bytes); !done) return done.take_error();
+    snapshot.contents.push_back({buffer.name, std::move(bytes)});
+  }
+  return snapshot;
+}
+
+Result<void> Simulation::State::check(const Snapshot& snapshot) {
+  if (snapshot.digest != own_digest())
+    return fail("the snapshot was taken of another scene than ", scene.name.empty() ? "this one" : scene.name,
+                ", or with other settings, fabrics or meshes than it has now");
+  const auto unfit = [&](const auto&... what) { return fail("the snapshot is damaged: ", what...); };
+  if (!(snapshot.left_over >= 0 && snapshot.left_over <= fabric.h)) return unfit("of a substep ", snapshot.left_over, " s are left over");
+  if (!is_finite(snapshot.gravity)) return unfit("its gravity is not finite");
+  if (snapshot.turn > 2) return unfit("its turn of ", snapshot.turn, " is above 2");
+  if (snapshot.capacity > kMostCandidates) return unfit("room for ", snapshot.capacity, " candidates is more than ", kMostCandidates);
+  for (const Snapshot::AnchorLead& lead : snapshot.anchors)
+    if (lead.anchor >= anchor_is_led.size() || !is_finite(lead.target)) return unfit("it leads anchor ", lead.anchor, " of ", anchor_is_led.size(), " to a place that is none");
+  if (snapshot.colliders.size() != collider_poses.size()) return unfit("it has ", snapshot.colliders.size(), " colliders instead of ", collider_poses.size());
+  for (std::size_t k = 0; k < snapshot.colliders.size(); ++k)
+    if (!is_pose(snapshot.colliders[k].pose) || !is_pose(snapshot.colliders[k].wish)) return unfit("the pose of collider ", k, " is not finite");
+  if (snapshot.contents.size() != lasting.size()) return unfit("it has ", snapshot.contents.size(), " buffers instead of ", lasting.size());
+  const gpu::Detection found = detection_of(snapshot);
+  for (const gpu::Binding binding : lasting) {
+    const compute::Buffer& buffer = solver->buffer(binding);
+    const std::size_t wanted = bytes_of(buffer, binding, found, snapshot.capacity);
+    const auto* bytes = find(snapshot, buffer.name);
+    if (!bytes || bytes->size() != wanted) return unfit("its buffer ", buffer.name, " has ", bytes ? bytes->size() : 0, " bytes instead of ", wanted);
+    if (binding == gpu::positions)
+      if (auto good = check_values("positions", elements<gpu::vec4>(*bytes), fabric.positions); !good) return good;
+    if (binding == gpu::velocities)
+      if (auto good = check_values("velocities", elements<gpu::vec4>(*bytes), fabric.velocities); !good) return good;
+    if (binding != gpu::candidates) continue;
+    for (const gpu::uvec4& packed : elements<gpu::uvec4>(*bytes))
+      for (const std::uint32_t particle : gpu::unpack_candidate(packed).particle)
+        if (particle >= fabric.positions.size()) return unfit("a candidate has particle ", particle, " of ", fabric.positions.size());
+  }
+  return {};
+}
+
+Result<void> Simulation::restore(const Snapshot& snapshot) {
+  if (auto good = state_->check(snapshot); !good) return good;
+  if (auto done = state_->wait(); !done) return done;
+  return state_->put_back(snapshot);
+}
+
+Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
+  const bool contacts = solver->has(gpu::candidates);
+  if (contacts && snapshot.capacity > solver->contact_sizes().capacity) {
+    // Room that is not had leaves everything as it was; once there is more, what was found so far is gone.
+    if (auto grown = solver->grow(snapshot.capacity); !grown) return grown;
+    if (auto done = detect_anew(); !done) return done;
+    if (auto done = create_kept(); !done) return done;
+  }
+  const std::vector<gpu::vec4> positions = elements<gpu::vec4>(*find(snapshot, "positions"));
+  std::vector<gpu::vec4> iterate = positions;
+  for (std::size_t i = 0; i < iterate.size(); ++i) iterate[i].w = fabric.iterate_weights[i];
+  std::vector<compute::Upload> uploads;
+  for (const gpu::Binding binding : {gpu::predicted, gpu::relaxed}) uploads.push_back({&solver->buffer(binding), std::as_bytes(std::span(iterate))});
+  for (const gpu::Binding binding : lasting) {
+    const compute::Buffer& buffer = solver->buffer(binding);
+    uploads.push_back({&buffer, *find(snapshot, buffer.name)});
+  }
+  if (auto done = compute::upload_all(*device, uploads); !done) return done;
+
+  // What the frame's end would have copied there.
+  std::memcpy(readback[0].mapped, find(snapshot, "counters")->data(), sizeof(gpu::Counters));
+  const gpu::Detection found = detection_of(snapshot);
+  std::memcpy(readback[1].mapped, &found, sizeof found);
+  solver->set_turn(snapshot.turn);
+  lost_seen = snapshot.losses_seen;
+  ticks = snapshot.substeps;
+  pending = snapshot.left_over;
+  gravity = snapshot.gravity;
+  for (gpu::Anchor& anchor : anchors) {
+    const gpu::vec4& p = positions[anchor.particle];
+    anchor.from = anchor.to = {p.x, p.y, p.z};
+  }
+  anchor_is_led.assign(anchor_is_led.size(), false);
+  anchor_wishes.assign(anchor_wishes.size(), std::nullopt);
+  for (const Snapshot::AnchorLead& lead : snapshot.anchors) {
+    anchor_is_led[lead.anchor] = true;
+    if (lead.waits) anchor_wishes[lead.anchor] = lead.target;
+  }
+  for (std::size_t k = 0; k < collider_poses.size(); ++k) {
+    const Snapshot::ColliderState& state = snapshot.colliders[k];
+    collider_poses[k] = state.pose;
+    collider_is_led[k] = state.led;
+    collider_wishes[k] = state.waits ? std::optional(state.wish) : std::nullopt;
+    collider_keys[k] = pose_at(scene.colliders[k].keys, now());
+  }
+  return draw_surface();
+}
+
+}  // namespace weft

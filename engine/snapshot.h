@@ -1,0 +1,77 @@
+// The whole state of a simulation between two frames, as values and as bytes: Simulation::save makes one, Simulation::restore takes
+// it, and what follows is bitwise the same as if nothing had happened in between, in another process too.
+//
+//     weft::save_snapshot("now.snapshot", *simulation->save());
+//     simulation->restore(*weft::load_snapshot("now.snapshot"));
+//
+// A snapshot holds what a frame changes and the next one needs, and nothing that is made anew from the scene: it fits the scene and
+// the meshes that it was taken of, and says so by their digest. On another device it can be restored too; there the bits differ as devices do.
+//
+// A file, little-endian and without padding:
+//
+//     "WEFTSNAP"   version, 4 bytes   length of all of it, 8 bytes   the members below in their order   digest of all that, 8 bytes
+//
+// where a list is its length (8 bytes) and its elements. Files of other versions are refused, not translated.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "compute/result.h"
+#include "engine/collider_pose.h"
+#include "engine/fabric.h"
+#include "engine/scene.h"
+
+namespace weft {
+
+struct Snapshot {
+  /// An anchor that the host leads.
+  struct AnchorLead {
+    std::uint32_t anchor = 0;   // in CookedFabric::anchors' order
+    bool waits = false;         // the target is the next frame's
+    Vec3 target;                // m
+  };
+  struct ColliderState {
+    bool led = false;           // by the host, instead of by keys
+    bool waits = false;         // the wish is the next frame's
+    ColliderPose pose, wish;
+  };
+  /// A buffer of the GPU, from its start on.
+  struct Content {
+    std::string name;           // as shared.h has it
+    std::vector<std::byte> bytes;
+  };
+
+  std::uint64_t digest = 0;      // digest_of the scene and its fabric
+  std::uint64_t substeps = 0;    // so far: the clock
+  double left_over = 0;          // s, less than a substep: for the next frame
+  Vec3 gravity;                  // m/s^2
+  std::uint32_t turn = 0;        // substeps modulo 3, as the solver counts them
+  std::uint32_t capacity = 0;    // candidates there was room for; 0 without contacts
+  std::uint32_t losses_seen = 0; // candidates lost by frames that submit has made room after
+  std::vector<AnchorLead> anchors;
+  std::vector<ColliderState> colliders;   // of every collider of the scene
+  std::vector<Content> contents;
+  std::vector<std::byte> note;   // the host's own, given back as it is: how far its run was, say
+};
+
+/// Of everything in a scene and its fabric that the simulation depends on: not of names, frames, camera, light and appearance.
+std::uint64_t digest_of(const Scene& scene, const CookedFabric& fabric);
+
+std::vector<std::byte> snapshot_bytes(const Snapshot& snapshot);
+
+/// Errors: bytes that are no snapshot, of another version, cut, longer than they say, or damaged. Allocates no more than a small multiple of
+/// what it is given. Whether the snapshot fits a simulation is for restore to say.
+Result<Snapshot> parse_snapshot(std::span<const std::byte> bytes);
+
+/// Whole or not at all: under a temporary name in the same folder, then renamed.
+Result<void> save_snapshot(const std::filesystem::path& file, const Snapshot& snapshot);
+/// Errors: as parse_snapshot; a file that cannot be read. Reads no more than the beginning of what is no snapshot.
+Result<Snapshot> load_snapshot(const std::filesystem::path& file);
+
+}  // namespace weft

@@ -1,0 +1,108 @@
+// Saving and restoring a simulation: bitwise the same as never having stopped, for every method, and refusals that change nothing.
+// In a fresh process: command_line_test.cpp kills a program.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <string>
+
+#include "tests/every_method.h"
+
+namespace weft {
+namespace {
+
+using SimulationSnapshot = GpuTest;
+
+constexpr double kFrame = 0.0123;   // s, no whole number of substeps
+
+void frame(Simulation& simulation, int k) {
+  const Vec3 target{0.5f, 0.01f * static_cast<float>(k), -0.5f}, centre{0.3f, -0.5f + 0.01f * static_cast<float>(k), 0};
+  must(simulation.move_anchors(1, std::span(&target, 1)));
+  must(simulation.move_collider(1, {.centre = centre, .normal = {0, 1, 0}, .rotation = {}}));
+  if (k == 3) must(simulation.set_gravity({0, -5, 1}));
+  must(simulation.advance(kFrame));
+}
+
+void expect_same(const Simulation& a, const Simulation& b) {
+  const auto bits = [](const std::vector<gpu::vec4>& values) { return std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(gpu::vec4)); };
+  EXPECT_EQ(hash_of(a), hash_of(b));
+  EXPECT_TRUE(bits(must(a.read_velocities())) == bits(must(b.read_velocities())));
+  EXPECT_EQ(must(a.read_vertex_normals()), must(b.read_vertex_normals()));
+  EXPECT_EQ(a.time(), b.time());
+  const Counts x = a.counts(), y = b.counts();
+  EXPECT_EQ(std::memcmp(&x, &y, sizeof x), 0) << "contacts " << x.contacts_most << " and " << y.contacts_most << ", detections " << x.detections << " and " << y.detections;
+}
+
+TEST_F(SimulationSnapshot, going_on_from_a_snapshot_is_bitwise_the_same_as_never_having_stopped) {
+  for (const Subject& subject : subjects()) {
+    SCOPED_TRACE(subject.name);
+    const auto whole = must(Simulation::create(device(), subject.scene));
+    for (int k = 0; k < 9; ++k) frame(*whole, k);
+    const Vec3 later{0.45f, 0.1f, -0.5f};
+    must(whole->move_anchors(1, std::span(&later, 1)));   // not taken yet
+    Snapshot snapshot = must(whole->save());
+    snapshot.note = {std::byte{1}};
+    const auto bytes = snapshot_bytes(snapshot);
+    const auto resumed = must(Simulation::create(device(), subject.scene));
+    must(resumed->advance(1.0 / 60));   // it need not be a fresh one
+    must(resumed->restore(must(parse_snapshot(bytes))));
+    expect_same(*whole, *resumed);
+    for (Simulation* simulation : {whole.get(), resumed.get()}) must(simulation->advance(kFrame));
+    for (int k = 10; k < 17; ++k)
+      for (Simulation* simulation : {whole.get(), resumed.get()}) frame(*simulation, k);
+    expect_same(*whole, *resumed);
+    EXPECT_EQ(whole->counts().non_finite, 0u);
+    EXPECT_EQ(whole->counts().unaccelerated > 0, subject.scene.solver.method == Method::chebyshev);
+    EXPECT_EQ(whole->counts().contacts_most > 16, subject.scene.contacts.enabled);
+    must(whole->restore(snapshot));   // back in time, too
+    must(whole->advance(kFrame));
+    for (int k = 10; k < 17; ++k) frame(*whole, k);
+    expect_same(*whole, *resumed);
+  }
+}
+
+TEST_F(SimulationSnapshot, a_snapshot_that_does_not_fit_is_refused_and_changes_nothing) {
+  const auto simulation = must(Simulation::create(device(), moving(6)));
+  frame(*simulation, 0);
+  const Snapshot good = must(simulation->save());
+  const std::vector<std::byte> before = snapshot_bytes(good);
+  const auto refuse = [&](const char* word, auto&& change) {
+    Snapshot bad = good;
+    change(bad);
+    const auto restored = simulation->restore(bad);
+    ASSERT_FALSE(restored) << word;
+    EXPECT_NE(restored.error().find(word), std::string::npos) << restored.error();
+    EXPECT_TRUE(snapshot_bytes(must(simulation->save())) == before) << word;
+  };
+  const auto other = must(Simulation::create(device(), moving(7)));
+  refuse("another scene", [&](Snapshot& s) { s = must(other->save()); });
+  // What no simulation writes, but a program that makes up a digest could.
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const auto poke = [](Snapshot& s, std::size_t content, std::size_t at, float value) { std::memcpy(s.contents[content].bytes.data() + at, &value, sizeof value); };
+  refuse("particle 2", [&](Snapshot& s) { poke(s, 0, 36, nan); });
+  refuse("velocities of particle 0", [&](Snapshot& s) { poke(s, 1, 12, 1e9f); });
+  refuse("buffer positions has 16", [](Snapshot& s) { s.contents[0].bytes.resize(16); });
+  refuse("buffer positions has 0", [](Snapshot& s) { s.contents[0].name = "place"; });
+  refuse("buffers instead of", [](Snapshot& s) { s.contents.pop_back(); });
+  refuse("left over", [](Snapshot& s) { s.left_over = std::numeric_limits<double>::quiet_NaN(); });
+  refuse("gravity", [&](Snapshot& s) { s.gravity.z = nan; });
+  refuse("turn", [](Snapshot& s) { s.turn = 3; });
+  refuse("leads anchor 2", [](Snapshot& s) { s.anchors[0].anchor = 2; });
+  refuse("colliders instead of 3", [](Snapshot& s) { s.colliders.clear(); });
+  refuse("collider 1", [&](Snapshot& s) { s.colliders[1].wish.rotation.x = nan; });
+
+  Scene touching = moving(6);
+  touching.contacts.enabled = true;
+  const auto contacts = must(Simulation::create(device(), touching));
+  for (int k = 0; k < 30; ++k) must(contacts->advance(1.0 / 60));
+  Snapshot found = must(contacts->save());
+  const auto candidates = std::find_if(found.contents.begin(), found.contents.end(), [](const auto& c) { return c.name == "candidates"; });
+  ASSERT_NE(candidates, found.contents.end());
+  ASSERT_GE(candidates->bytes.size(), 16u) << "the folded sheet has none";
+  std::memset(candidates->bytes.data(), 0xff, 3);
+  const auto restored = contacts->restore(found);
+  ASSERT_FALSE(restored);
+  EXPECT_NE(restored.error().find("a candidate has particle"), std::string::npos) << restored.error();
+}
+
+}  // namespace
+}  // namespace weft
