@@ -8,6 +8,7 @@
 #include <system_error>
 #include <type_traits>
 
+#include "compute/file.h"
 #include "engine/digest.h"
 
 namespace weft {
@@ -181,20 +182,7 @@ Result<Snapshot> parse_snapshot(std::span<const std::byte> bytes) {
 }
 
 Result<void> save_snapshot(const std::filesystem::path& file, const Snapshot& snapshot) {
-  const std::vector<std::byte> bytes = snapshot_bytes(snapshot);
-  std::filesystem::path partial = file;
-  partial += ".partial";
-  std::ofstream stream(partial, std::ios::binary | std::ios::trunc);
-  stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  stream.close();
-  std::error_code code;
-  if (stream) {
-    std::filesystem::rename(partial, file, code);
-    if (!code) return {};
-  }
-  std::error_code ignored;
-  std::filesystem::remove(partial, ignored);
-  return fail(file.string(), ": cannot be written: ", code ? code.message() : "is the folder there, writable, and the disk not full?");
+  return write_file(file, snapshot_bytes(snapshot));
 }
 
 Result<Snapshot> load_snapshot(const std::filesystem::path& file) {
