@@ -150,9 +150,10 @@ Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<
   const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT, nullptr};
   if (const VkResult began = device->vk().vkBeginCommandBuffer(slot.commands, &begin); began != VK_SUCCESS)
     return fail("a frame's command buffer could not be begun: ", compute::result_name(began));
-  const std::uint32_t parity = solver->parity();
+  const std::uint32_t parity = solver->parity(), turn = solver->turn();
   const auto give_up = [&](Error why) {   // the next frame begins as if this one had not been recorded
     solver->set_parity(parity);
+    solver->set_turn(turn);
     return why;
   };
   record_frame(slot.commands, input, timestamps, keep);

@@ -182,8 +182,7 @@ Result<Snapshot> parse_snapshot(std::span<const std::byte> bytes) {
 }
 
 Result<void> save_snapshot(const std::filesystem::path& file, const Snapshot& snapshot) {
-  const std::vector<std::byte> bytes = snapshot_bytes(snapshot);
-  return write_file(file, bytes);
+  return write_file(file, snapshot_bytes(snapshot));
 }
 
 Result<Snapshot> load_snapshot(const std::filesystem::path& file) {

@@ -8,6 +8,7 @@
 #include "engine/reference/intersections.h"
 #include "engine/shading/shading.h"
 #include "engine/simulation.h"
+#include "engine/snapshot.h"
 #include "tests/faulty/vulkan.h"
 #include "tests/gpu_fixture.h"
 #include "tests/sheets.h"
@@ -100,6 +101,16 @@ Scene folding_sheet() {
   return scene;
 }
 
+// So close that the first search finds more pairs than there is room for.
+Scene close_sheets() {
+  Scene scene = sheet(4);
+  scene.cloths.push_back(scene.cloths[0]);
+  scene.cloths[1].transform.translate = {0, 0.004f, 0};
+  scene.contacts.enabled = true;
+  scene.contacts.capacity = 16;
+  return scene;
+}
+
 Result<void> draw(Device& device, const Simulation& simulation, std::unique_ptr<Shading>& shading) {
   const ShadedCloth cloth{&simulation.meshes()[0].render, &simulation.scene().cloths[0].appearance};
   auto made = Shading::create(device, simulation.scene(), {&cloth, 1}, {32, 32});
@@ -141,14 +152,8 @@ TEST_F(Faults, memory_that_runs_out_in_a_frame_is_a_sentence_and_the_next_frame_
 }
 
 TEST_F(Faults, memory_that_runs_out_while_contacts_get_more_room_is_told_and_nothing_crosses) {
-  // Two sheets so close that the first search finds more pairs than there is room for.
-  Scene scene = sheet(4);
-  scene.cloths.push_back(scene.cloths[0]);
-  scene.cloths[1].transform.translate = {0, 0.004f, 0};
-  scene.contacts.enabled = true;
-  scene.contacts.capacity = 16;
   at_every_call(
-      VK_ERROR_OUT_OF_DEVICE_MEMORY, 1, [&] { return must(Simulation::create(device(), scene)); },
+      VK_ERROR_OUT_OF_DEVICE_MEMORY, 1, [&] { return must(Simulation::create(device(), close_sheets())); },
       [](const std::unique_ptr<Simulation>& simulation) -> Result<void> {
         if (auto done = plain(simulation->advance(1.0 / 60)); !done) return done;
         // Too little room is no end: what has none is held still, and a note says why.
@@ -164,6 +169,25 @@ TEST_F(Faults, memory_that_runs_out_while_contacts_get_more_room_is_told_and_not
         std::vector<Vec3> positions;
         for (const gpu::vec4& p : particles) positions.push_back({p.x, p.y, p.z});
         EXPECT_EQ(count_crossings(positions, simulation->fabric().triangles, simulation->fabric().cloth_triangles), 0u);
+      });
+}
+
+TEST_F(Faults, memory_that_runs_out_while_a_state_is_put_back_is_a_sentence_and_it_can_be_put_back_again) {
+  const auto first = must(Simulation::create(device(), close_sheets()));
+  must(first->advance(1.0 / 60));
+  const Snapshot snapshot = must(first->save());
+  must(first->advance(1.0 / 60));
+  const std::uint64_t expected = hash_of(*first);
+  at_every_call(
+      VK_ERROR_OUT_OF_DEVICE_MEMORY, 1, [&] { return must(Simulation::create(device(), close_sheets())); },
+      [&](const std::unique_ptr<Simulation>& simulation) -> Result<void> {
+        if (auto done = simulation->restore(snapshot); !done) return done;
+        return plain(simulation->save());
+      },
+      [&](const std::unique_ptr<Simulation>& simulation) {
+        must(simulation->restore(snapshot));
+        must(simulation->advance(1.0 / 60));
+        EXPECT_EQ(hash_of(*simulation), expected);
       });
 }
 

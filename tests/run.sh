@@ -13,7 +13,7 @@ fi
 
 install_missing "${packages_to_run[@]}" "${packages_to_test[@]}"
 
-build "$root" asan weft_assets weft_cpu_tests fuzz_mesh fuzz_scene
+build "$root" asan weft_assets weft_cpu_tests fuzz_mesh fuzz_scene fuzz_snapshot
 ctest --test-dir "$root/build/asan" --output-on-failure --no-tests=error -L '^cpu$'
 
 build "$root" tsan weft_thread_tests
