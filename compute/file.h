@@ -1,7 +1,7 @@
 // Files that are there whole or not at all: everything that Weft writes goes through here.
 //
-// The bytes go into a new file beside the target, which takes the target's name only when all of them are written. A full disk,
-// a lost power line or a kill leaves what was there before, or nothing, but never half of something.
+// The bytes go into a new file beside the target, which takes the target's name only when all of them are written. A full disk or a kill
+// leaves what was there before, or nothing, but never half of something. (A kill may leave the new file, NAME.*.part.)
 #pragma once
 
 #include <cstddef>

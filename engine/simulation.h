@@ -189,8 +189,9 @@ class Simulation {
   Result<void> write_velocities(std::span<const gpu::vec4> velocities);
   /// The whole state, to go on from here later, in another process or to try something out. Waits; frames that a host has recorded must be done.
   Result<Snapshot> save() const;
-  /// Goes on from there: what follows is bitwise the same as after save(). Waits. Errors: a snapshot of another scene, or one that this
-  /// scene cannot be in; no memory. Nothing has changed then.
+  /// Goes on from there: what follows is bitwise the same as after save() (with submit and record, which do not wait for room for contacts,
+  /// if there was as much room then). Waits. Errors: a snapshot of another scene, or one that this scene cannot be in: nothing has changed
+  /// then. No memory: the simulation is in one of the two states, and what follows may search for contacts once more.
   Result<void> restore(const Snapshot& snapshot);
   /// What the renderer sees, copied back: positions and normals of all render vertices. Waits.
   Result<std::vector<Vec3>> read_vertex_positions() const;

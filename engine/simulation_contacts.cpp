@@ -44,6 +44,8 @@ Result<bool> Simulation::State::make_room() {
   // Half as much again as was found: the frame would have found more if it had not been held up.
   const std::uint64_t wanted = std::min<std::uint64_t>(std::max<std::uint64_t>(2 * room, counters().contacts_most + counters().contacts_most / 2), kMostCandidates);
   if (wanted <= room || room_ends) return false;
+  // First: what was found so far is gone as soon as there is more room, and nobody may take what is there instead for pairs.
+  if (auto done = detect_anew(); !done) return done.take_error();
   if (auto grown = solver->grow(static_cast<std::uint32_t>(wanted)); !grown) {
     room_ends = true;
     fabric.notes.push_back("contacts: no room for " + std::to_string(wanted) + " candidates: " + grown.error());
@@ -66,8 +68,7 @@ Result<void> Simulation::State::make_room_later() {
   if (auto done = wait(); !done) return done;
   lost_seen = counters().contacts_lost;
   auto room = make_room();
-  if (!room) return room.take_error();
-  return *room ? detect_anew() : Result<void>();
+  return room ? Result<void>() : room.take_error();
 }
 
 // Runs what was planned, again with more room while candidates are lost for want of it.

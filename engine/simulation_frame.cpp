@@ -91,6 +91,7 @@ void Simulation::State::move_collider_meshes() {
 }
 
 void Simulation::State::move_scene(FrameInput& input) {
+  input.anchors_move = anchors_are_owed;   // where a frame has failed
   for (gpu::Anchor& anchor : anchors) anchor.from = anchor.to;
   if (anchors_are_keyed) {
     const std::vector<Vec3> keyed = anchor_targets(scene, fabric, now());
@@ -115,6 +116,7 @@ void Simulation::State::move_scene(FrameInput& input) {
                          gpu_vector(to.centre), gpu_vector(from.normal), gpu_vector(to.normal), gpu_vector(spin),
                          {turn.x, turn.y, turn.z, turn.w}, gpu_vector(half_size)});
   }
+  anchors_are_owed = input.anchors_move;
   input.anchors = anchors;
   input.colliders = colliders;
 }
@@ -203,6 +205,7 @@ Result<Advance> Simulation::advance(double seconds) {
   if (!advance) return advance;
   if (auto done = s.wait(); !done) return done.take_error();
   if (auto done = s.run_to_the_end(input); !done) return done.take_error();
+  s.anchors_are_owed = false;
   return advance;
 }
 
@@ -212,13 +215,16 @@ Result<Advance> Simulation::submit(double seconds, std::span<const VkSemaphoreSu
   if (!advance) return advance;
   if (auto done = state_->make_room_later(); !done) return done.take_error();
   if (auto done = state_->submit_frame(input, waits, false); !done) return done.take_error();
+  state_->anchors_are_owed = false;
   return advance;
 }
 
 Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) {
   FrameInput input;
   auto advance = state_->plan_frame(seconds, input);
-  if (advance) state_->record_frame(commands, input, nullptr, false);
+  if (!advance) return advance;
+  state_->record_frame(commands, input, nullptr, false);
+  state_->anchors_are_owed = false;
   return advance;
 }
 

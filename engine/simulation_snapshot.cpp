@@ -98,6 +98,7 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
     if (!is_pose(snapshot.colliders[k].pose) || !is_pose(snapshot.colliders[k].wish)) return unfit("the pose of collider ", k, " is not finite");
   if (snapshot.contents.size() != lasting.size()) return unfit("it has ", snapshot.contents.size(), " buffers instead of ", lasting.size());
   const gpu::Detection found = detection_of(snapshot);
+  if (!std::isfinite(found.reach)) return unfit("its leashes have no length");
   for (const gpu::Binding binding : lasting) {
     const compute::Buffer& buffer = solver->buffer(binding);
     const std::size_t wanted = bytes_of(buffer, binding, found, snapshot.capacity);
@@ -124,9 +125,9 @@ Result<void> Simulation::restore(const Snapshot& snapshot) {
 Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
   const bool contacts = solver->has(gpu::candidates);
   if (contacts && snapshot.capacity > solver->contact_sizes().capacity) {
-    // Room that is not had leaves everything as it was; once there is more, what was found so far is gone.
-    if (auto grown = solver->grow(snapshot.capacity); !grown) return grown;
+    // Once there is more room what was found so far is gone; should anything fail from there on, it must be searched for again.
     if (auto done = detect_anew(); !done) return done;
+    if (auto grown = solver->grow(snapshot.capacity); !grown) return grown;
     if (auto done = create_kept(); !done) return done;
   }
   const std::vector<gpu::vec4> positions = elements<gpu::vec4>(*find(snapshot, "positions"));

@@ -28,12 +28,12 @@ constexpr Check kHinges[] = {{"angle left", 1e-3, "rad", at_end, bend_angle}, kF
 // No correction is longer than the cube of 1 m, and half of it is the other end's: 0.5 m in a substep of 1/600 s.
 constexpr Check kComeBack[] = {kHeld, {"top speed", 300, "m/s", always, top_speed}, kPins, kFinite};
 constexpr Check kTwist[] = {kApart, kNoneLost, kPins, kFinite};
-constexpr Check kStack[] = {kApart, kNoneLost, {"sheets out of order", 0, "", always, out_of_order}, {"top speed at the end", 0.2, "m/s", at_end, top_speed}, kFinite};
+constexpr Check kStack[] = {kApart, kNoneLost, {"sheets out of order", 0, "", always, out_of_order}, {"top speed at the end", 0.01, "m/s", at_end, top_speed}, kFinite};
 constexpr Check kDrop[] = {kApart, kNoneLost, kFinite};
 constexpr Check kSurvives[] = {kPins, kFinite};
 constexpr Check kSticks[] = {{"slid, of a slide without friction", 1e-3, "", at_end, slide_error}, kFinite};
 constexpr Check kSlides[] = {{"slid, against Coulomb's law", 0.01, "", at_end, slide_error}, kFinite};
-constexpr Check kBullet[] = {kApart, kNoneLost, kPins, kFinite, {"top speed at the end", 100, "m/s", at_end, top_speed}};
+constexpr Check kBullet[] = {kApart, kNoneLost, kPins, kFinite, {"top speed at the end", 20, "m/s", at_end, top_speed}};
 constexpr Check kAppears[] = {{"depth", 1e-5, "m", at_end, deepest}, kPins, kFinite};
 constexpr Check kHitch[] = {{"seconds nobody tells of", 1e-9, "s", always, unaccounted}, kHeld, kPins, kFinite};
 // Links of eight edges take half of the edges' load and give way evenly where the edges would not: they shift strain by up to (4 / 20)^2.

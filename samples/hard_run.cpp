@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "samples/console.h"
+
 namespace weft::command {
 
 Result<Scene> scene_of(const HardCase& hard, const std::filesystem::path& scenes) {
@@ -20,7 +22,7 @@ Result<std::vector<double>> measure(const compute::Device& device, const HardCas
   const auto frames = std::max(1l, std::lround(hard.seconds * scene.solver.rate));
   std::vector<double> figures(hard.checks.size());
   double asked = 0, clamped = 0;
-  for (long frame = 0; frame < frames; ++frame) {
+  for (long frame = 0; frame < frames && !interrupted(); ++frame) {
     const double seconds = hard.hitch > 0 && frame == frames / 2 ? hard.hitch : 1 / scene.solver.rate;
     const auto advance = simulation.advance(seconds);
     if (!advance) return fail(hard.name, ", frame ", frame, ": ", advance.error());
@@ -28,7 +30,7 @@ Result<std::vector<double>> measure(const compute::Device& device, const HardCas
     clamped += advance->clamped;
     const auto positions = simulation.read_positions(), velocities = simulation.read_velocities();
     if (!positions || !velocities) return fail((positions ? velocities : positions).error());
-    const Glance at{scene, simulation.fabric(), *start, *start_velocities, *positions, *velocities, simulation.time(), asked, clamped, simulation.counts()};
+    const Glance at{simulation.scene(), simulation.fabric(), *start, *start_velocities, *positions, *velocities, simulation.time(), asked, clamped, simulation.counts()};
     for (std::size_t k = 0; k < figures.size(); ++k) {
       const Check& check = hard.checks[k];
       if (check.when == When::at_end && frame + 1 < frames) continue;

@@ -58,8 +58,9 @@ Result<void> add_invariance(const compute::Device& device, const std::filesystem
     const double off = 100 * difference(*seen, *base).mean;
     // Whatever else did not hold breaks any bound.
     const std::vector<std::string> faults = broken(perturbation, *seen, *base, kBand);
-    const bool whole = faults.empty() || faults == std::vector<std::string>{"sag"} || (!perturbation.judged && faults.empty());
-    row->measured = whole && !std::isnan(off) ? std::max(row->measured, off) : INFINITY;
+    const bool whole = faults.empty() || faults == std::vector<std::string>{"sag"};
+    // Not a number holds no bound, not even one that is infinite.
+    row->measured = whole && !std::isnan(row->measured) ? std::max(off, row->measured) : NAN;
   }
   for (HardRow& row : groups) print(row);
   rows.insert(rows.end(), groups.begin(), groups.end());
@@ -78,6 +79,7 @@ Result<std::vector<HardRow>> run_suite(const compute::Device& device, const std:
     if (!scene) return fail(scene.error());
     const auto figures = measure(device, hard, *scene);
     if (!figures) return fail(figures.error());
+    if (interrupted()) return rows;   // a case that was cut short tells nothing
     for (std::size_t k = 0; k < figures->size(); ++k) {
       const Check& check = hard.checks[k];
       print(rows.emplace_back(HardRow{std::string(hard.name), std::string(hard.families), std::string(check.what), std::string(check.unit), std::string(hard.scene),
@@ -99,15 +101,23 @@ std::string csv(const std::vector<HardRow>& rows) {
 std::string markdown(const std::vector<HardRow>& rows, bool whole) {
   std::string text = "| | case | figure | bound | measured | margin |\n|---|---|---|---|---|---|\n";
   std::size_t zero = 0;
+  std::vector<std::string> all_zero;   // cases without any other figure
   for (const HardRow& row : rows) {
     if (row.bound == 0 && row.measured == 0) {
       ++zero;
+      if (all_zero.empty() || all_zero.back() != row.name) all_zero.push_back(row.name);
       continue;
     }
+    std::erase(all_zero, row.name);
     text += "| " + row.families + " | " + row.name + " | " + row.what + " | " + (std::isinf(row.bound) ? "" : with_unit(row.bound, row.unit)) + " | " +
             with_unit(row.measured, row.unit) + " | " + margin(row) + " |\n";
   }
   text += "\nAnother " + std::to_string(zero) + " figures have the bound 0 and are 0: particles not finite, pins off their place, crossings, contacts lost, sheets out of order.\n";
+  if (!all_zero.empty()) {
+    text += "The whole of a case they are in ";
+    for (std::size_t k = 0; k < all_zero.size(); ++k) text += (k == 0 ? "" : k + 1 == all_zero.size() ? " and " : ", ") + ("*" + all_zero[k] + "*");
+    text += ".\n";
+  }
   if (!whole) text += "Without the large cases and with a few perturbations only (`--quick`).\n";
   return text;
 }

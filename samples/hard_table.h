@@ -21,7 +21,7 @@ Result<std::vector<HardRow>> run_suite(const compute::Device& device, const std:
 
 std::string csv(const std::vector<HardRow>& rows);
 
-/// A line a case: its figures that are more than a count of zero.
+/// A line a figure, but for those that have to be 0 and are: they are counted, and cases that have no other are named.
 std::string markdown(const std::vector<HardRow>& rows, bool whole);
 
 /// Replaces what stands between the two marks in a file. Errors: no file, no marks.

@@ -160,7 +160,9 @@ Result<void> Engine::stop_weft() {
 
 Result<void> Engine::move_things() {
   std::vector<Vec3> targets;
-  for (const weft::AnchorTarget& anchor : cloth_->simulation->fabric().anchors) targets.push_back(anchor.rest + beam(time_) - cloth_->beam);
+  // What is cooked is told from the simulation's origin; targets are in the world.
+  const Vec3 moved = cloth_->simulation->origin() + beam(time_) - cloth_->beam;
+  for (const weft::AnchorTarget& anchor : cloth_->simulation->fabric().anchors) targets.push_back(anchor.rest + moved);
   if (auto done = cloth_->simulation->move_anchors(0, targets); !done) return done;
   return cloth_->simulation->move_collider(kBall, {.centre = ball(time_)});
 }

@@ -24,7 +24,6 @@ struct Perturbation {
   Vec3 away = {};                // m: where the scene is moved to
   double hitch = 0;              // s: a frame that long halfway through
   Vec3 jolt = {};                // m: anchors and colliders jump halfway through, within a frame
-  Vec3 teleport = {};            // m: everything does
   bool judged = true;            // what is left at the end, strain and place, must be what was there without
 };
 

@@ -100,6 +100,10 @@ Exit harden_suite(const compute::Device& device, const HardenOptions& options) {
   std::printf("%zu hard cases on %s\n", hard_cases().size(), device.name().c_str());
   const auto rows = run_suite(device, options.file, options.quick, options.only);
   if (!rows) return failed(rows.error());
+  if (rows->empty() && !interrupted()) {
+    complain("--only " + options.only + ": no hard case has this in its name");
+    return kBadInput;
+  }
   if (const Result<void> written = write_text(options.out / "hard_cases.csv", csv(*rows)); !written) return failed(written.error());
   if (!options.readme.empty() && !interrupted())
     if (const Result<void> replaced = replace_table(options.readme, markdown(*rows, !options.quick)); !replaced) return failed(replaced.error());

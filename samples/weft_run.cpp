@@ -144,7 +144,7 @@ Result<void> tend(Simulation& simulation, Painter& painter, const RunOptions& op
   const std::uint32_t frame = tally.frames - 1;
   if (options.every > 0 && frame % options.every == 0)
     if (Result<void> drawn = painter.draw(simulation, options.out / frame_name(frame)); !drawn) return drawn;
-  if (options.checkpoint == 0 || (tally.frames % options.checkpoint != 0 && !interrupted())) return {};
+  if (options.checkpoint == 0 || tally.frames % options.checkpoint != 0) return {};
   return write_checkpoint(checkpoint_file(simulation.scene(), options), simulation, tally);
 }
 
@@ -164,7 +164,8 @@ Result<void> go_through(Simulation& simulation, Painter& painter, const RunOptio
     if (Result<void> done = tend(simulation, painter, options, passage.tally); !done) return done;
     progress.step();
   }
-  return {};
+  if (options.checkpoint == 0 || passage.tally.frames == 0 || !interrupted()) return {};
+  return write_checkpoint(checkpoint_file(scene, options), simulation, passage.tally);
 }
 
 // Where the run begins: at the scene's start, or where one that was ended left it.

@@ -80,8 +80,7 @@ void main() {
   const float keep = min(pair.keep, gap + push.recover);
   const vec2 least = least_of_sides(signs(pair.edges) * (n * x), pair.edges);
   const float half_gap = 0.5 * (least.x + least.y), height = half_gap - least.x;
-  // Some room for what the other constraints do to the prediction; not much, because a contact that does not push still takes its
-  // share of others that do (with half the distance a pile of six sheets sank until contact_limit held it).
+  // Some room for what other contacts and constraints do to the prediction.
   const bool touches = dot(n, p * weights) < keep + 0.1 * pair.keep || half_gap < kFloor * length(origin);
   contact_normals[i] = vec4(n, touches ? keep : -height);
   if (!touches) return;

@@ -34,7 +34,10 @@ Touch touch_at(uint place) {
   const vec3 origin = FETCH(predicted, touch.pair.particle[0]).xyz;
   touch.iterate = mat4x3(vec3(0), FETCH(predicted, touch.pair.particle[1]).xyz - origin, FETCH(predicted, touch.pair.particle[2]).xyz - origin,
                          FETCH(predicted, touch.pair.particle[3]).xyz - origin);
-  touch.depth = touch.normal.w - dot(touch.normal.xyz, touch.iterate * touch.weights);
+  // precise: what is added up and what is taken as a share of the sum must be the same.
+  precise const vec3 between = touch.iterate * touch.weights;
+  precise const float depth = touch.normal.w - dot(touch.normal.xyz, between);
+  touch.depth = depth;
   touch.pushes = touch.depth > 0 && touch.depth < 1e10;
   return touch;
 }

@@ -12,8 +12,9 @@ GATHER(materials)
 // From the substep's start x, where the constraints left the particle, p, and the velocity v that it was predicted with: its next
 // iterate, a prediction unless the frame is over.
 vec4 finish_substep(uint i, vec3 x, vec4 p, vec3 v, float keep) {
-  if (dot(p.xyz, p.xyz) < 1e20 && dot(v, v) < 1e20) {
-    v += push.inverse_h * (p.xyz - predicted_position(x, v, push.h));
+  const vec3 corrected = v + push.inverse_h * (p.xyz - predicted_position(x, v, push.h));
+  if (dot(p.xyz, p.xyz) < 1e20 && dot(corrected, corrected) < 1e20) {
+    v = corrected;
   } else {
     atomicAdd(counters[0].non_finite, 1);
     p.xyz = x;

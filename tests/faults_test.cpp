@@ -151,6 +151,24 @@ TEST_F(Faults, memory_that_runs_out_in_a_frame_is_a_sentence_and_the_next_frame_
       });
 }
 
+TEST_F(Faults, pins_that_a_failed_frame_was_to_move_get_there_with_the_next) {
+  Vec3 target;
+  at_every_call(
+      VK_ERROR_OUT_OF_HOST_MEMORY, 2,
+      [&] {
+        auto simulation = must(Simulation::create(device(), hung_sheet()));
+        target = simulation->fabric().anchors[0].rest + Vec3{0, 0.25f, 0};
+        must(simulation->move_anchors(0, {&target, 1}));
+        return simulation;
+      },
+      [](const std::unique_ptr<Simulation>& simulation) { return plain(simulation->submit(1.0 / 60)); },
+      [&](const std::unique_ptr<Simulation>& simulation) {
+        must(simulation->advance(1.0 / 60));
+        const gpu::vec4 p = must(simulation->read_positions())[simulation->fabric().anchors[0].particle];
+        EXPECT_EQ((Vec3{p.x, p.y, p.z}), target);
+      });
+}
+
 TEST_F(Faults, memory_that_runs_out_while_contacts_get_more_room_is_told_and_nothing_crosses) {
   at_every_call(
       VK_ERROR_OUT_OF_DEVICE_MEMORY, 1, [&] { return must(Simulation::create(device(), close_sheets())); },

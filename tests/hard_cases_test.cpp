@@ -43,7 +43,7 @@ INSTANTIATE_TEST_SUITE_P(Small, HardCases, testing::ValuesIn(small_cases()), [](
   return name;
 });
 
-// Family 11: what physics does not see changes nothing. 2 % of the sheet's size is what physics.md calls the same sag.
+// Family 11: what physics does not see changes nothing. The same sag: within 2 % of the sheet's size.
 class Perturbed : public GpuTest {};
 
 TEST_F(Perturbed, no_rate_mass_size_place_start_or_hitch_changes_how_a_sheet_hangs) {

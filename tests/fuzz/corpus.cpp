@@ -14,7 +14,8 @@ int main(int count, char** folders) {
   std::size_t files = 0;
   for (int k = 1; k < count; ++k) {
     std::vector<std::filesystem::path> paths;
-    for (const auto& entry : std::filesystem::directory_iterator(folders[k])) paths.push_back(entry.path());
+    for (const auto& entry : std::filesystem::directory_iterator(folders[k]))
+      if (entry.is_regular_file()) paths.push_back(entry.path());
     std::sort(paths.begin(), paths.end());
     for (const std::filesystem::path& path : paths) {
       std::printf("%s\n", path.c_str());   // the last line names the file that a crash came from
