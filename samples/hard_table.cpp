@@ -105,10 +105,10 @@ std::string markdown(const std::vector<HardRow>& rows, bool whole) {
   for (const HardRow& row : rows) {
     if (row.bound == 0 && row.measured == 0) {
       ++zero;
-      if (all_zero.empty() || all_zero.back() != row.name) all_zero.push_back(row.name);
+      const bool more = std::any_of(rows.begin(), rows.end(), [&](const HardRow& r) { return r.name == row.name && !(r.bound == 0 && r.measured == 0); });
+      if (!more && (all_zero.empty() || all_zero.back() != row.name)) all_zero.push_back(row.name);
       continue;
     }
-    std::erase(all_zero, row.name);
     text += "| " + row.families + " | " + row.name + " | " + row.what + " | " + (std::isinf(row.bound) ? "" : with_unit(row.bound, row.unit)) + " | " +
             with_unit(row.measured, row.unit) + " | " + margin(row) + " |\n";
   }
