@@ -166,7 +166,7 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
                                   // Contacts: from `triangles` on. A block is at least 8 slots.
                                   triangles, edges, particles, particles, particles, particles, contacts.slots, contacts.slots + 1ull,
                                   contacts.slots / 8 + 1ull, 3 * (triangles + edges), 1, contacts.capacity, contacts.capacity, contacts.capacity,
-                                  particles, particles, 2 * particles,
+                                  particles, particles, WEFT_ROUNDS / 4 * particles,
                                   // Springs, and the system of the method implicit.
                                   particles, fours, 4 * fours, 4 * fours, 2 * particles, (relaxed ? 3 : 1) * particles, (relaxed ? 1 : 5) * particles,
                                   particles, 1, fabric.materials.size(),

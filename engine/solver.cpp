@@ -125,7 +125,7 @@ Result<void> Solver::create_buffers(const Scene& scene, const CookedFabric& fabr
   detection[0].due = 1;
   const std::size_t particles = has(gpu::candidates) ? fabric.positions.size() : 0;
   const std::uint32_t whole = std::bit_cast<std::uint32_t>(1.0f);
-  const std::vector<gpu::uvec4> fractions(2 * particles, {whole, whole, whole, whole});
+  const std::vector<gpu::uvec4> fractions(WEFT_ROUNDS / 4 * particles, {whole, whole, whole, whole});
   const std::vector<gpu::ivec4> sums(particles);
   const std::vector<gpu::vec4> nowhere(particles);
   const std::vector<std::uint32_t> zeros(std::max<std::size_t>(particles, contacts_.slots));

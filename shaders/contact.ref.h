@@ -191,7 +191,7 @@ struct Limit {
   bool unsafe = false;             // the rounds were not enough: everybody keeps to its half
 };
 
-constexpr int kLastRound = 7;
+constexpr int kLastRound = 15;
 
 inline Limit limit_motion(std::span<const Pair> pairs, std::span<const Contact> contacts, const Points& x, const Points& p,
                           std::span<const double> inverse_masses) {

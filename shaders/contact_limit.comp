@@ -41,7 +41,7 @@ float largest(vec3 v) { return max(abs(v.x), max(abs(v.y), abs(v.z))); }
 // Of what particle i may go by the rounds before this one.
 float fraction_before(uint i, uint round) {
   uint least = 0x3f800000u;   // 1.0; positive floats are ordered like their bits
-  for (uint r = 0; r < round; ++r) least = min(least, fractions[2 * i + r / 4][r % 4]);
+  for (uint r = 0; r < round; ++r) least = min(least, fractions[WEFT_ROUNDS / 4 * i + r / 4][r % 4]);
   return uintBitsToFloat(least);
 }
 
@@ -120,7 +120,7 @@ vec4 fractions_to(Sides sides, vec2 least) {
 
 void lower(Candidate pair, uint round, vec4 t, vec4 before) {
   for (int j = 0; j < 4; ++j)
-    if (t[j] < before[j]) atomicMin(fractions[2 * pair.particle[j] + round / 4][round % 4], floatBitsToUint(t[j]));
+    if (t[j] < before[j]) atomicMin(fractions[WEFT_ROUNDS / 4 * pair.particle[j] + round / 4][round % 4], floatBitsToUint(t[j]));
   if (round < kLastRound && any(lessThan(t, before))) atomicOr(detection[0].lowered[round], 1);
 }
 

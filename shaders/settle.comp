@@ -22,10 +22,19 @@ const uint kWhole = 0x3f800000u;   // 1.0
 
 // Of its way that particle i may go. Its entries are made ready for the next substep.
 float fraction_of(uint i) {
-  const uvec4 first = fractions[2 * i], then = fractions[2 * i + 1], rounds = min(first, then);
-  uint least = min(min(rounds.x, rounds.y), min(rounds.z, first.w));
-  if (detection[0].unsafe != 0) least = min(least, then.w);
-  if (rounds != uvec4(kWhole)) fractions[2 * i] = fractions[2 * i + 1] = uvec4(kWhole);
+  const uint fours = WEFT_ROUNDS / 4;
+  uint least = kWhole, fixed_planes = kWhole;
+  for (uint k = 0; k < fours; ++k) {
+    uvec4 rounds = fractions[fours * i + k];
+    if (rounds == uvec4(kWhole)) continue;
+    fractions[fours * i + k] = uvec4(kWhole);
+    if (k + 1 == fours) {
+      fixed_planes = rounds.w;
+      rounds.w = kWhole;
+    }
+    least = min(least, min(min(rounds.x, rounds.y), min(rounds.z, rounds.w)));
+  }
+  if (detection[0].unsafe != 0) least = min(least, fixed_planes);
   if (contact_counts[i] != 0) contact_counts[i] = 0;
   return uintBitsToFloat(least);
 }

@@ -51,7 +51,7 @@
                                                     During a detection near_faces: uvec2, particle and triangle */       \
   X(37, contact_counts, uint)     /* particles      contacts of this substep; 0 between substeps */                      \
   X(38, contact_sums,   ivec4)    /* particles      xyz sum of corrections in units of `quantum`, w unused; 0 between iterations */ \
-  X(39, fractions,      uvec4)    /* 2 x particles  bits of the fraction of its way it may go, a round each; 1.0 between substeps */ \
+  X(39, fractions,      uvec4)    /* rounds / 4 x particles  bits of the fraction of its way it may go, a round each; 1.0 between substeps */ \
   X(40, spring_rows,    uvec2)    /* particles      first four of springs, number of fours */                            \
   X(41, spring_ends,    uvec4)    /* fours          other particles of four springs; its own number where there is none */ \
   X(42, springs,        vec4)     /* 4 x fours      rest length (m), stiffness (N/m), damping (N s/m), 1 if it only pulls */ \
@@ -249,7 +249,7 @@ struct Groups {
 #define WEFT_LEVELS 16
 
 #define WEFT_HORIZON 10u   // substeps, at most, that paths lead
-#define WEFT_ROUNDS 8u     // of contact_limit, two times four fractions a particle
+#define WEFT_ROUNDS 16u    // of contact_limit, in fours: fractions a particle
 
 // Detection looks for pairs that can come within their distance while every particle stays on a leash about the straight path
 // that it was on when they were detected (detect_path.comp says why that loses nothing). The group counts let the GPU itself
@@ -306,7 +306,7 @@ struct Push {
 #define WEFT_LAST_ITERATION 1u  // of the substep: velocities follow
 #define WEFT_LAST_SUBSTEP 2u    // of the frame: no further prediction
 #define WEFT_FIRST_ITERATION 4u // of the substep: multipliers start at zero
-#define WEFT_ROUND_SHIFT 8u      // bits 8 to 10: which round of a pass that runs in several
+#define WEFT_ROUND_SHIFT 8u      // bits 8 to 11: which round of a pass that runs in several
 #define WEFT_TURN_SHIFT 16u      // bits 16 and 17: substeps modulo 3
 #define WEFT_ANCHORS_MOVE 8u    // in this frame: each anchor's next place is known to the anchor pass alone
 
@@ -317,7 +317,7 @@ struct Push {
 #ifdef __cplusplus
 
 static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 40 && sizeof(Push) == 108 && sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 316);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 40 && sizeof(Push) == 108 && sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 348);
 static_assert(sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);
 

@@ -133,9 +133,9 @@ TEST_F(ContactEdgeCase, a_prediction_that_is_not_finite_takes_nobody_along) {
 }
 
 // Layers that fall together and far, close to each other, the lowest stopped: the GPU's rounds against the twin's.
-TEST_F(ContactEdgeCase, ten_layers_do_not_cross_over_one_that_is_stopped) {
+TEST_F(ContactEdgeCase, twenty_layers_do_not_cross_over_one_that_is_stopped) {
   Tufts t;
-  for (std::uint32_t layer = 0; layer < 10; ++layer)
+  for (std::uint32_t layer = 0; layer < 20; ++layer)
     for (const auto& [x, z] : {std::pair(-0.02, -0.01), std::pair(0.02, -0.01), std::pair(0.0, 0.02)}) {
       const double y = 0.001 * layer;
       t.x.push_back(reference::Vector(x, y, z).cast<float>().cast<double>());
