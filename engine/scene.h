@@ -163,6 +163,9 @@ struct SolverSettings {
   double longest_advance = 0.1; // s: a longer advance() is clamped to this, and the surplus reported
 };
 
+/// Pairs that there may be room for, 52 bytes each: what a device with a few GiB has for them.
+inline constexpr std::uint32_t kMostCandidates = 1u << 26;
+
 /// Cloth against cloth, itself included, and against mesh colliders. Off unless the scene asks for it or has a mesh collider.
 struct Contacts {
   bool enabled = false;

@@ -44,7 +44,6 @@ constexpr std::size_t kMostCloths = 64;
 constexpr std::size_t kMostColliders = 64;
 constexpr std::size_t kMostAnchors = 1024;
 constexpr std::size_t kMostKeys = 100'000;
-constexpr std::size_t kMostCandidates = 64 << 20;  // a gigabyte of pairs
 constexpr std::size_t kMostVertices = 4'000'000;  // as many as a mesh may have
 
 using Names = std::span<const std::string_view>;

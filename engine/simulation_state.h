@@ -20,9 +20,6 @@ struct FrameSlot {
 /// Where a collider stands when its keys say `key`.
 ColliderPose keyed_pose(const Collider& collider, const Key& key);
 
-/// 52 bytes each: what a device with a few GiB has for them.
-inline constexpr std::uint64_t kMostCandidates = std::uint64_t(1) << 26;
-
 /// What a frame leaves to the next one. All other buffers never change, are made anew, or are the same between any two frames.
 inline constexpr gpu::Binding kLasting[] = {gpu::positions, gpu::velocities, gpu::references, gpu::paths,    gpu::leashes,
                                             gpu::detection, gpu::counters,   gpu::candidates, gpu::iterates, gpu::acceleration};

@@ -1,3 +1,4 @@
+// The figures, each with the closed form that it is held against.
 #include "samples/hard_measures.h"
 
 #include <Eigen/Geometry>

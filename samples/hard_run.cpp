@@ -1,3 +1,4 @@
+// Plays a hard case and takes its figures, frame by frame.
 #include "samples/hard_run.h"
 
 #include <algorithm>

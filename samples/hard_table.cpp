@@ -1,3 +1,4 @@
+// Runs the list of hard cases, and writes what came of it.
 #include "samples/hard_table.h"
 
 #include <algorithm>
@@ -5,7 +6,6 @@
 #include <cstdio>
 #include <fstream>
 #include <iterator>
-#include <map>
 
 #include "samples/console.h"
 #include "samples/files.h"

@@ -1,3 +1,4 @@
+// Plays a scene under one perturbation, and tells how it differs from the scene as it is.
 #include "samples/hardening.h"
 
 #include <algorithm>
@@ -5,9 +6,9 @@
 #include <cmath>
 #include <random>
 
-#include "engine/reference/intersections.h"
 #include "engine/simulation.h"
 #include "samples/console.h"
+#include "samples/hard_measures.h"
 
 namespace weft::command {
 
@@ -56,17 +57,10 @@ double box_diagonal(const std::vector<Mesh>& meshes, std::size_t cloths) {
 Result<void> look(const Simulation& simulation, Endurance& seen) {
   const auto positions = simulation.read_positions();
   if (!positions) return fail(positions.error());
-  const CookedFabric& fabric = simulation.fabric();
-  const std::vector<Vec3> targets = anchor_targets(simulation.scene(), fabric, simulation.time());
-  for (std::size_t k = 0; k < targets.size(); ++k)
-    seen.pins_off = std::max(seen.pins_off, double(length(place((*positions)[fabric.anchors[k].particle]) - targets[k])));
-  std::uint32_t lost = 0;
-  for (const gpu::vec4& p : *positions) lost += !std::isfinite(p.x + p.y + p.z);
-  seen.non_finite = std::max({seen.non_finite, lost, simulation.counts().non_finite});
-  if (!contacts_on(simulation.scene())) return {};
-  std::vector<Vec3> places;
-  for (const gpu::vec4& p : *positions) places.push_back(place(p));
-  seen.crossings = std::max(seen.crossings, count_crossings(places, fabric.triangles, fabric.cloth_triangles));
+  const Glance at{simulation.scene(), simulation.fabric(), {}, {}, *positions, {}, simulation.time(), 0, 0, simulation.counts()};
+  seen.pins_off = std::max(seen.pins_off, figure::pins_off(at));
+  seen.non_finite = std::max(seen.non_finite, static_cast<std::uint32_t>(figure::not_finite(at)));
+  if (contacts_on(simulation.scene())) seen.crossings = std::max(seen.crossings, static_cast<std::uint64_t>(figure::crossings(at)));
   return {};
 }
 

@@ -70,11 +70,6 @@ Result<std::optional<Curve>> saved_curve(const compute::Device& device, const Sc
 }  // namespace
 
 Started start(const compute::Device& device, const Scene& scene, bool timings) {
-  Result<std::vector<Mesh>> meshes = make_meshes(scene);
-  if (!meshes) {
-    complain(meshes.error());
-    return {nullptr, kBadInput};
-  }
   const auto curve = saved_curve(device, scene);
   if (!curve) {
     complain(curve.error());
@@ -84,10 +79,11 @@ Started start(const compute::Device& device, const Scene& scene, bool timings) {
   options.curve = *curve ? &**curve : nullptr;
   options.timings = timings;
   options.pipeline_cache = pipeline_cache();
-  auto simulation = Simulation::create(device, scene, options);   // makes them again: far from the origin these are rounded
+  auto simulation = Simulation::create(device, scene, options);
   if (simulation) return {std::move(*simulation), kDone};
   complain(simulation.error());
-  return {nullptr, cook(scene, *meshes) ? kFailed : kBadInput};
+  const Result<std::vector<Mesh>> meshes = make_meshes(scene);
+  return {nullptr, meshes && cook(scene, *meshes) ? kFailed : kBadInput};
 }
 
 }  // namespace weft::command

@@ -1,5 +1,6 @@
 // `weft harden SCENE`: runs a scene through every perturbation and tells what held. `weft harden FOLDER`: runs the hard cases, whose scenes
 // are in that folder, and tells how far each stays from its bound.
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -48,6 +49,7 @@ Result<Count> run_all(const compute::Device& device, const Scene& scene, const H
   std::printf("%-31s %6s %8s %8s %8s %6s %6s %8s %8s %8s %7s\n", "", "finite", "off m", "max %", "rms %", "", "ings", "off %", "off %", "back", "s");
   const auto base = endure(device, scene, {}, frames);
   if (!base) return base.error().empty() ? fail("nothing ran") : fail(base.error());
+  if (interrupted()) return Count();   // it was not run to its end
   Count count{1, 0};
   const auto tell = [&](const Perturbation& perturbation, const Endurance& seen) {
     const std::vector<std::string> faults = broken(perturbation, seen, *base, options.band);
@@ -63,7 +65,7 @@ Result<Count> run_all(const compute::Device& device, const Scene& scene, const H
     if (interrupted()) break;
     const auto seen = endure(device, scene, perturbation, frames);
     if (!seen) return fail(seen.error());
-    if (interrupted()) break;   // it was not run to its end
+    if (interrupted()) break;
     tell(perturbation, *seen);
     ++count.runs;
     progress.step();
@@ -79,7 +81,6 @@ Exit harden_scene(const compute::Device& device, const HardenOptions& options) {
   }
   // Everything a scene's author can have got wrong is told before anything runs.
   if (const Started started = start(device, *scene, false); !started.simulation) return started.exit;
-  listen_for_interrupts();
   std::printf("%s on %s: perturbed, then compared with the scene as it is; held: mean within %g %% of its size\n", scene->name.c_str(), device.name().c_str(),
               100 * options.band);
   Json report{{"scene", scene->name}, {"device", device.name()}, {"band", options.band}, {"rows", Json::array()}};
@@ -96,7 +97,6 @@ Exit harden_scene(const compute::Device& device, const HardenOptions& options) {
 }
 
 Exit harden_suite(const compute::Device& device, const HardenOptions& options) {
-  listen_for_interrupts();
   std::printf("%zu hard cases on %s\n", hard_cases().size(), device.name().c_str());
   const auto rows = run_suite(device, options.file, options.quick, options.only);
   if (!rows) return failed(rows.error());
@@ -128,6 +128,7 @@ Exit harden(const HardenOptions& options) {
     complain("--readme: goes with the folder of the hard cases, not with a scene");
     return kBadInput;
   }
+  listen_for_interrupts();
   if (const Result<void> made = make_folder(options.out); !made) return failed(made.error());
   compute::DeviceChoice choice;
   choice.name = options.device;

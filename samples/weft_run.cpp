@@ -258,9 +258,9 @@ Exit run(const RunOptions& options) {
     return kBadInput;
   }
   if (options.frames) scene->frames = *options.frames;
+  listen_for_interrupts();
   if (const Result<void> made = make_folder(options.out); !made) return failed(made.error());
 
-  listen_for_interrupts();
   Figures figures;
   PassTimes times({});
   Passage passage;

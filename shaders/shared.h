@@ -249,7 +249,7 @@ struct Groups {
 #define WEFT_LEVELS 16
 
 #define WEFT_HORIZON 10u   // substeps, at most, that paths lead
-#define WEFT_ROUNDS 16u    // of contact_limit, in fours: fractions a particle
+#define WEFT_ROUNDS 16u    // of contact_limit, a multiple of four: a particle has a fraction for each
 
 // Detection looks for pairs that can come within their distance while every particle stays on a leash about the straight path
 // that it was on when they were detected (detect_path.comp says why that loses nothing). The group counts let the GPU itself
