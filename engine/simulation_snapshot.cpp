@@ -1,7 +1,7 @@
 // Saving and restoring the whole state.
 //
-// Between frames both iterates are where the particles are, so that they follow from the positions, and it does not matter which of them
-// a frame begins with; where anchors and mesh colliders are says their particles' positions; keys say where they tell the rest.
+// Between frames both iterates are where the particles are, or where they are led to, so that they follow from positions and anchors, and
+// it does not matter which of them a frame begins with; keys tell the rest.
 // Everything is looked at before anything is changed, so that a snapshot that does not fit leaves the simulation as it was.
 #include <algorithm>
 #include <cmath>
@@ -44,6 +44,18 @@ std::size_t bytes_of(const compute::Buffer& buffer, gpu::Binding binding, const 
   return binding == gpu::candidates ? std::min(detection.candidates, capacity) * sizeof(gpu::uvec4) : static_cast<std::size_t>(buffer.bytes);
 }
 
+// Of a snapshot: where the particles are led that others lead, the vertices of mesh colliders among them.
+constexpr const char* kAnchors = "anchors";
+
+std::vector<gpu::Anchor> anchors_of(const Snapshot& snapshot) {
+  const auto* bytes = find(snapshot, kAnchors);
+  return bytes ? elements<gpu::Anchor>(*bytes) : std::vector<gpu::Anchor>();
+}
+
+bool leads_alike(const gpu::Anchor& a, const gpu::Anchor& b) {
+  return a.particle == b.particle && is_finite(Vec3{a.to.x, a.to.y, a.to.z});
+}
+
 gpu::Detection detection_of(const Snapshot& snapshot) {
   gpu::Detection detection{};
   if (const auto* bytes = find(snapshot, "detection"); bytes && bytes->size() >= sizeof detection) std::memcpy(&detection, bytes->data(), sizeof detection);
@@ -79,6 +91,8 @@ Result<Snapshot> Simulation::save() const {
     if (auto done = compute::read_back(*s.device, buffer, bytes); !done) return done.take_error();
     snapshot.contents.push_back({buffer.name, std::move(bytes)});
   }
+  const auto anchors = std::as_bytes(std::span(s.anchors));
+  snapshot.contents.push_back({kAnchors, {anchors.begin(), anchors.end()}});
   return snapshot;
 }
 
@@ -96,7 +110,9 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
   if (snapshot.colliders.size() != collider_poses.size()) return unfit("it has ", snapshot.colliders.size(), " colliders instead of ", collider_poses.size());
   for (std::size_t k = 0; k < snapshot.colliders.size(); ++k)
     if (!is_pose(snapshot.colliders[k].pose) || !is_pose(snapshot.colliders[k].wish)) return unfit("the pose of collider ", k, " is not finite");
-  if (snapshot.contents.size() != lasting.size()) return unfit("it has ", snapshot.contents.size(), " buffers instead of ", lasting.size());
+  if (snapshot.contents.size() != lasting.size() + 1) return unfit("it has ", snapshot.contents.size(), " buffers instead of ", lasting.size() + 1);
+  if (const auto led = anchors_of(snapshot); !std::equal(led.begin(), led.end(), anchors.begin(), anchors.end(), leads_alike))
+    return unfit("its ", led.size(), " anchors are not the scene's ", anchors.size(), " or are led to a place that is none");
   const gpu::Detection found = detection_of(snapshot);
   if (!std::isfinite(found.reach)) return unfit("its leashes have no length");
   for (const gpu::Binding binding : lasting) {
@@ -130,9 +146,13 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
     if (auto grown = solver->grow(snapshot.capacity); !grown) return grown;
     if (auto done = create_kept(); !done) return done;
   }
-  const std::vector<gpu::vec4> positions = elements<gpu::vec4>(*find(snapshot, "positions"));
-  std::vector<gpu::vec4> iterate = positions;
+  std::vector<gpu::vec4> iterate = elements<gpu::vec4>(*find(snapshot, "positions"));
   for (std::size_t i = 0; i < iterate.size(); ++i) iterate[i].w = fabric.iterate_weights[i];
+  anchors = anchors_of(snapshot);
+  for (const gpu::Anchor& anchor : anchors) {
+    gpu::vec4& p = iterate[anchor.particle];
+    p = {anchor.to.x, anchor.to.y, anchor.to.z, p.w};
+  }
   std::vector<compute::Upload> uploads;
   for (const gpu::Binding binding : {gpu::predicted, gpu::relaxed}) uploads.push_back({&solver->buffer(binding), std::as_bytes(std::span(iterate))});
   for (const gpu::Binding binding : lasting) {
@@ -150,10 +170,6 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
   ticks = snapshot.substeps;
   pending = snapshot.left_over;
   gravity = snapshot.gravity;
-  for (gpu::Anchor& anchor : anchors) {
-    const gpu::vec4& p = positions[anchor.particle];
-    anchor.from = anchor.to = {p.x, p.y, p.z};
-  }
   anchor_is_led.assign(anchor_is_led.size(), false);
   anchor_wishes.assign(anchor_wishes.size(), std::nullopt);
   for (const Snapshot::AnchorLead& lead : snapshot.anchors) {

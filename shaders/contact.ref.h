@@ -116,6 +116,7 @@ class Layers {
       start_[j] = normal.dot(from - x[pair.particle[0]]);
       way_[j] = normal.dot(to - from);
       fixed_[j] = inverse_masses[pair.particle[j]] == 0;
+      least_[j] = fixed_[j] ? std::max(0.0, 1 - pair.keep / std::max((to - from).norm(), 1e-30)) : 0;
       size = std::max({size, from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff()});
     }
     const double low = lowest_of_a(start_), high = highest_of_b(start_);
@@ -153,35 +154,39 @@ class Layers {
     for (std::size_t j = 0; j < 4; ++j) end[j] = start_[j] + fractions[j] * way_[j];
     return end;
   }
-  /// The room between the sides, less the margin, in proportion to what they want; what a particle that cannot stop takes comes first.
+  /// The room between the sides, less the margin, in proportion to what they want. What anchors want comes before, and what they
+  /// must have before that.
   Four divide(double a, double b) const {
     const double room = 2 * half_gap_ - margin_;
     if (room <= 0) return stop(margin_ / 2, -margin_ / 2);
-    double taken_by_a = 0, taken_by_b = 0;
-    for (int j = 0; j < 4; ++j) {
-      const auto k = static_cast<std::size_t>(j);
-      if (!fixed_[k]) continue;
-      if (pair_.on_a(j)) taken_by_a = std::max(taken_by_a, half_gap_ - start_[k] - way_[k]);
-      else taken_by_b = std::max(taken_by_b, half_gap_ + start_[k] + way_[k]);
+    double share = a + b > 0 ? room * a / (a + b) : room / 2;
+    for (const Four& fractions : {Four{1, 1, 1, 1}, least_}) {
+      double taken_by_a = 0, taken_by_b = 0;
+      for (int j = 0; j < 4; ++j) {
+        const auto k = static_cast<std::size_t>(j);
+        if (!fixed_[k]) continue;
+        if (pair_.on_a(j)) taken_by_a = std::max(taken_by_a, half_gap_ - start_[k] - fractions[k] * way_[k]);
+        else taken_by_b = std::max(taken_by_b, half_gap_ + start_[k] + fractions[k] * way_[k]);
+      }
+      share = std::min(std::max(share, taken_by_a), room - taken_by_b);
     }
-    const double wanted = a + b > 0 ? room * a / (a + b) : room / 2;
-    const double share = std::min(std::max(wanted, taken_by_a), room - taken_by_b);
     return stop(half_gap_ - share, room - share - half_gap_);
   }
-  /// Nobody of A ends below `a`, nobody of B above `b`.
+  /// Nobody of A ends below `a`, nobody of B above `b`, unless it is led and must.
   Four stop(double a, double b) const {
     Four fractions{1, 1, 1, 1};
     for (int j = 0; j < 4; ++j) {
       const auto k = static_cast<std::size_t>(j);
       const double towards = pair_.on_a(j) ? 1 : -1, room = towards * (start_[k] - (pair_.on_a(j) ? a : b)), way = towards * way_[k];
-      if (fixed_[k] || room + way >= 0 || way >= slip_) continue;
-      fractions[k] = way < 0 ? std::clamp(-room / way, 0.0, 1.0) : 0;
+      if (room + way >= 0 || way >= slip_) continue;
+      fractions[k] = way < 0 ? std::clamp(-room / way, least_[k], 1.0) : 0;
     }
     return fractions;
   }
 
   const Pair& pair_;
   Four start_{}, way_{};   // m
+  Four least_{};           // of its way that an anchor must go, so as to lag no further than the pair keeps
   std::array<bool, 4> fixed_{};
   double half_gap_ = 0, margin_ = 0, slip_ = 0, least_gap_ = 0;   // m
 };

@@ -14,8 +14,9 @@
 // were enough, and gives every particle the fraction that keeps it on its side of a plane that its pair does not move at
 // all; settle uses that one if some pair was not safe.
 //
-// Limits: particles of inverse mass 0 go their whole way; what they leave of the room belongs to the other side. If they
-// leave none, because anchors or meshes are driven into each other or through cloth that cannot go away, cloth is held where it is.
+// Particles of inverse mass 0, anchors and corners of meshes, come first: what they leave of the room belongs to the other side.
+// Where cloth does not get out of their way in time they stop too, but never further from their target than the pair keeps;
+// from there on they are driven through whatever does not give way, which is held where it is.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -47,7 +48,8 @@ float fraction_before(uint i, uint round) {
 
 struct Sides {
   bool edges;
-  bvec4 fixed_way;   // of particles with inverse mass 0
+  bvec4 led;         // of inverse mass 0
+  vec4 least;        // of its way that each must go: 0 unless it is led, and far from its target
   vec4 height, way;  // m
   float margin;      // m, to which sides that would cross are parted
   float noise;       // m, what rounding can do to a height
@@ -65,7 +67,9 @@ Sides sides_of(Candidate pair, vec3 n) {
   const vec4 towards = signs(pair.edges);
   Sides sides;
   sides.edges = pair.edges;
-  sides.fixed_way = equal(vec4(x[0].w, x[1].w, x[2].w, x[3].w), vec4(0));
+  sides.led = equal(vec4(x[0].w, x[1].w, x[2].w, x[3].w), vec4(0));
+  const vec4 lengths = vec4(length(ways[0]), length(ways[1]), length(ways[2]), length(ways[3]));
+  sides.least = mix(vec4(0), max(vec4(0), 1 - pair.keep / max(lengths, vec4(1e-30))), sides.led);
   sides.way = towards * (n * ways);
   const vec4 height = towards * (n * mat4x3(vec3(0), x[1].xyz - x[0].xyz, x[2].xyz - x[0].xyz, x[3].xyz - x[0].xyz));
   const vec2 least = least_of_sides(height, pair.edges);
@@ -85,16 +89,20 @@ vec2 advance(Sides sides, vec4 end) {
   return max(vec2(0), least_of_sides(sides.height, sides.edges) - least_of_sides(end, sides.edges));
 }
 
-// What particles of inverse mass 0 take of the room, whatever the pair agrees on (m).
-vec2 fixed_advance(Sides sides) { return advance(sides, mix(vec4(1e30), sides.height + sides.way, sides.fixed_way)); }
+// What those that are led take of the room if they go these fractions of their ways (m).
+vec2 advance_of_led(Sides sides, vec4 fractions) { return advance(sides, mix(vec4(1e30), sides.height + fractions * sides.way, sides.led)); }
+
+// A's share of the room, so that each side has what it needs: B first, if there is not enough for both.
+float with_needs(float share, vec2 needs, float room) { return min(max(share, needs.x), room - needs.y); }
 
 // The heights below which neither side may end, if they divide the free room like that: side A's part and all parts. Without
 // room nobody advances, nor slips by rounding.
 vec2 divided(Sides sides, float part, float parts) {
-  const vec2 half_gap = least_of_sides(sides.height, sides.edges), fixed_way = fixed_advance(sides);
+  const vec2 half_gap = least_of_sides(sides.height, sides.edges);
   const float room = half_gap.x + half_gap.y - sides.margin;
   if (room <= 0) return vec2(0.5 * sides.margin);
-  const float share = min(max(parts > 0 ? room * (part / parts) : 0.5 * room, fixed_way.x), room - fixed_way.y);
+  const float wanted = with_needs(parts > 0 ? room * (part / parts) : 0.5 * room, advance_of_led(sides, vec4(1)), room);
+  const float share = with_needs(wanted, advance_of_led(sides, sides.least), room);
   return half_gap - vec2(share, room - share);
 }
 
@@ -108,13 +116,13 @@ vec2 least_heights(Sides sides, vec4 end) {
   return nearer.x > 0 ? vec2(sides.margin - least.y, slip) : vec2(slip, sides.margin - least.x);
 }
 
-// The fractions with which all particles that are free to stop end at these heights at least.
+// The fractions with which all particles end at these heights at least, as far as they may stop.
 vec4 fractions_to(Sides sides, vec2 least) {
   const vec4 bound = sides.edges ? least.xxyy : least.xyyy;
-  const vec4 stopped = clamp((sides.height - bound) / max(-sides.way, vec4(1e-30)), vec4(0), vec4(1));
+  const vec4 stopped = clamp((sides.height - bound) / max(-sides.way, vec4(1e-30)), sides.least, vec4(1));
   const bvec4 beyond = lessThan(sides.height + sides.way, bound), comes = lessThan(sides.way, vec4(sides.noise));
   vec4 t = vec4(1);
-  for (int j = 0; j < 4; ++j) t[j] = beyond[j] && comes[j] && !sides.fixed_way[j] ? stopped[j] : 1;
+  for (int j = 0; j < 4; ++j) t[j] = beyond[j] && comes[j] ? stopped[j] : 1;
   return t;
 }
 

@@ -50,11 +50,29 @@ vec3 allowed(uint i, vec3 x, vec3 p, float leash) {
   return fraction < 1 ? x + fraction * (end - x) : end;
 }
 
+bool strays_from(vec3 end, vec3 expected, float reach) {
+  const vec3 off = end - expected;
+  return !(dot(off, off) <= reach * reach);
+}
+
 // A particle that is held, its leash 0, waits for the next detection.
 void watch(vec3 end, vec3 expected, vec3 prediction, vec3 expected_then, float leash) {
   const float reach = detection[0].reach;
-  const vec3 off = end - expected;
-  if (leash == 0 || !(dot(off, off) <= reach * reach) || strays(prediction, expected_then, reach)) detection[0].due = 1;
+  if (leash == 0 || strays_from(end, expected, reach) || strays(prediction, expected_then, reach)) detection[0].due = 1;
+}
+
+// A particle that is led goes to its target, or as far as contact_limit lets it: then it goes on from there in the next substep.
+void lead(uint i, vec3 target, vec3 expected, vec3 expected_then, float leash) {
+  vec3 end = target;
+  const float fraction = detection[0].touched.x > 0 ? fraction_of(i) : 1;
+  if (fraction < 1) {
+    const vec3 x = FETCH(positions, i).xyz;
+    end = x + fraction * (target - x);
+    atomicAdd(counters[0].truncated, 1);
+    if (strays_from(end, expected, detection[0].reach)) detection[0].due = 1;
+  }
+  positions[i].xyz = end;
+  if ((push.flags & WEFT_ANCHORS_MOVE) == 0) watch(end, expected, target, expected_then, leash);
 }
 
 void main() {
@@ -65,8 +83,7 @@ void main() {
   const vec3 expected = expected_at(i, age + 1), expected_then = expected_at(i, age + 2);
   const float leash = uintBitsToFloat(leashes[i]);
   if (p.w == 0) {
-    positions[i].xyz = p.xyz;
-    if ((push.flags & WEFT_ANCHORS_MOVE) == 0) watch(p.xyz, expected, p.xyz, expected_then, leash);
+    lead(i, p.xyz, expected, expected_then, leash);
     return;
   }
   const vec3 x = FETCH(positions, i).xyz;

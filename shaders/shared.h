@@ -211,7 +211,7 @@ struct Counters {
   uint coincident;    // links whose ends were at one place
   uint contacts_most; // candidates that one detection found, at most
   uint contacts_lost; // candidates that found no place, all detections together
-  uint truncated;     // times that a particle was stopped short: by a plane, its leash or a lost candidate
+  uint truncated;     // times that a particle was stopped short: by a plane, its leash or a lost candidate; anchors only by a plane
   uint detections;
   uint unconverged;   // implicit solves that left more than WEFT_CONVERGED of the residual
   uint stopped;       // implicit solves that broke off with the best there was

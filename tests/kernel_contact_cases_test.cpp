@@ -132,6 +132,41 @@ TEST_F(ContactEdgeCase, a_prediction_that_is_not_finite_takes_nobody_along) {
   EXPECT_EQ(reference::meetings(t.pairs, t.x, got), 0u);
 }
 
+// What is led may lag as far as a pair keeps, and none goes further than that here: so all can stop.
+TEST_F(ContactEdgeCase, nothing_crosses_where_what_is_led_can_wait) {
+  for (const std::uint64_t seed : {20u, 21u, 22u}) {
+    Random random(seed);
+    Tufts t = reference::tufts(random, 40, 12, 0.02);
+    std::vector<double> keeps(t.x.size(), INFINITY);
+    for (const reference::Pair& pair : t.pairs)
+      for (const std::uint32_t particle : pair.particle) keeps[particle] = std::min(keeps[particle], pair.keep);
+    int led = 0;
+    for (std::size_t i = 0; i < t.x.size(); ++i) {
+      if (t.inverse_masses[i] > 0) continue;
+      const reference::Vector way = t.p[i] - t.x[i] + reference::Vector(0.01, -0.01, 0.01);
+      t.p[i] = (t.x[i] + std::min(1.0, 0.99 * keeps[i] / way.norm()) * way).cast<float>().cast<double>();
+      ++led;
+    }
+    ASSERT_GT(led, 5);
+    const Scene scene = scene_of(t);
+    const CookedFabric fabric = fabric_of(t, scene.solver);
+    Passes passes(device(), scene, fabric, t, false);
+    for (const char* pass : {"contact_prepare", "contact_weigh", "contact_solve", "contact_apply"}) passes.run(pass);
+    passes.limit();
+    const auto fractions = passes.fractions();
+    int waiting = 0;
+    for (std::size_t i = 0; i < fractions.size(); ++i) waiting += t.inverse_masses[i] == 0 && fractions[i] < 1;
+    EXPECT_GT(waiting, 0);
+    passes.run("settle");
+    EXPECT_EQ(reference::meetings(t.pairs, t.x, points(passes.particles(gpu::positions))), 0u) << seed;
+    const auto next = passes.iterate();
+    for (std::size_t i = 0; i < t.x.size(); ++i) {
+      if (t.inverse_masses[i] > 0) continue;
+      EXPECT_EQ(vector(next[i]), t.p[i]) << "where it goes on to";
+    }
+  }
+}
+
 // Layers that fall together and far, close to each other, the lowest stopped: the GPU's rounds against the twin's.
 TEST_F(ContactEdgeCase, twenty_layers_do_not_cross_over_one_that_is_stopped) {
   Tufts t;
