@@ -144,7 +144,7 @@ class Simulation {
   FrameView normals() const;
 
   /// Targets for the end of the next frame, in world space, in CookedFabric::anchors' order from `first` on; they replace the
-  /// scene's keys for these anchors from now on. Among contacts an anchor may wait for cloth in its way, up to the cloth's thickness from there. Errors: beyond the last anchor; not finite, or 1e10 m away or more.
+  /// scene's keys for these anchors from now on. Among contacts an anchor may wait for cloth in its way, up to eight thicknesses of the cloth from there. Errors: beyond the last anchor; not finite, or 1e10 m away or more.
   Result<void> move_anchors(std::uint32_t first, std::span<const Vec3> targets);
   /// Pose for the end of the next frame, whole (a capsule or a box without a rotation stands along its own axes); replaces the scene's
   /// keys for this collider. It turns there the shorter way round. Errors: no such collider; not finite; a normal or rotation of length 0.

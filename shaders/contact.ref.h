@@ -106,6 +106,9 @@ constexpr double kLimitMargin = 0.1;
 /// Of the largest coordinate: what it leaves at least, because positions are rounded.
 constexpr double kLimitFloor = 0x1p-20;
 
+/// Times the distance that a pair keeps: how far from its target it may hold an anchor.
+constexpr double kPatience = 8;
+
 /// A pair seen along its normal: A above the middle at 0, B below it.
 class Layers {
  public:
@@ -116,7 +119,7 @@ class Layers {
       start_[j] = normal.dot(from - x[pair.particle[0]]);
       way_[j] = normal.dot(to - from);
       fixed_[j] = inverse_masses[pair.particle[j]] == 0;
-      least_[j] = fixed_[j] ? std::max(0.0, 1 - pair.keep / std::max((to - from).norm(), 1e-30)) : 0;
+      least_[j] = fixed_[j] ? std::max(0.0, 1 - kPatience * pair.keep / std::max((to - from).norm(), 1e-30)) : 0;
       size = std::max({size, from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff()});
     }
     const double low = lowest_of_a(start_), high = highest_of_b(start_);
@@ -186,7 +189,7 @@ class Layers {
 
   const Pair& pair_;
   Four start_{}, way_{};   // m
-  Four least_{};           // of its way that an anchor must go, so as to lag no further than the pair keeps
+  Four least_{};           // of its way that an anchor must go, so that it does not lag too far
   std::array<bool, 4> fixed_{};
   double half_gap_ = 0, margin_ = 0, slip_ = 0, least_gap_ = 0;   // m
 };

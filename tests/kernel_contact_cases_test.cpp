@@ -132,7 +132,7 @@ TEST_F(ContactEdgeCase, a_prediction_that_is_not_finite_takes_nobody_along) {
   EXPECT_EQ(reference::meetings(t.pairs, t.x, got), 0u);
 }
 
-// What is led may lag as far as a pair keeps, and none goes further than that here: so all can stop.
+// What is led may lag by some distances that a pair keeps, and none goes further than that here: so all can stop.
 TEST_F(ContactEdgeCase, nothing_crosses_where_what_is_led_can_wait) {
   for (const std::uint64_t seed : {20u, 21u, 22u}) {
     Random random(seed);
@@ -144,7 +144,7 @@ TEST_F(ContactEdgeCase, nothing_crosses_where_what_is_led_can_wait) {
     for (std::size_t i = 0; i < t.x.size(); ++i) {
       if (t.inverse_masses[i] > 0) continue;
       const reference::Vector way = t.p[i] - t.x[i] + reference::Vector(0.01, -0.01, 0.01);
-      t.p[i] = (t.x[i] + std::min(1.0, 0.99 * keeps[i] / way.norm()) * way).cast<float>().cast<double>();
+      t.p[i] = (t.x[i] + std::min(1.0, 0.99 * reference::kPatience * keeps[i] / way.norm()) * way).cast<float>().cast<double>();
       ++led;
     }
     ASSERT_GT(led, 5);
