@@ -86,6 +86,7 @@ class Cook {
     lay_out_links();
     if (scene_.solver.method == Method::gauss_seidel) cooking::colour_links(fabric_);
     if (!fabric_.bends.empty()) lay_out_bends();
+    if (!fabric_.hinges.empty()) cooking::lay_out_hinges(scene_.solver.averaging, fabric_);
     lay_out_tethers();
     if (on_springs(scene_.solver.method)) lay_out_springs();
     for (const gpu::vec4& p : fabric_.positions)
@@ -129,6 +130,11 @@ class Cook {
   }
 
   void add_bends(const Cloth& cloth, const Mesh& mesh) {
+    if (cloth.bend_rest == BendRest::mesh) {
+      if (const auto softened = cooking::add_hinges(mesh, particle_of_, cloth.fabric.bend, fabric_); softened > 0)
+        note(cloth, softened, " hinges lie on slivers; their stiffness was limited");
+      return;
+    }
     std::uint32_t clamped = 0;
     for (gpu::Bend bend : cooking::bend_stencils(mesh, cloth.fabric.bend, clamped)) {
       for (std::uint32_t& p : bend.particle) p = particle_of_[p];

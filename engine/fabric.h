@@ -88,6 +88,8 @@ struct CookedFabric {
   std::vector<gpu::Bend> bends;
   PairRows bend;                             // entries: (particle, coefficient bits); one iteration a substep only
   PairRows bend_uses;                        // entries: (bend, K w bits); several iterations only
+  std::vector<gpu::Hinge> hinges;            // of cloths that bend about their meshes; these have no `bends`
+  PairRows hinge_uses;                       // entries: (4 hinge + which of its particles, w bits)
   std::vector<ParticleSpring> springs;       // methods on springs only
   double largest_step = 0;                   // s: a longer substep of mass_spring or verlet could blow up
   SpringRows spring_rows;

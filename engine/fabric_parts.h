@@ -65,6 +65,11 @@ void colour_links(CookedFabric& fabric);
 /// Bending stencils over points; split_weight is left at 0. `clamped` counts slivers whose cotangents were limited.
 std::vector<gpu::Bend> bend_stencils(const Mesh& mesh, double rigidity, std::uint32_t& clamped);
 
+/// Hinges of a cloth that bends about its mesh, `particle_of` its points; lay_out_hinges adds masses and uses. Returns how many slivers'
+/// stiffness was limited. See fabric_hinges.cpp.
+std::uint32_t add_hinges(const Mesh& mesh, std::span<const std::uint32_t> particle_of, double rigidity, CookedFabric& fabric);
+void lay_out_hinges(Averaging averaging, CookedFabric& fabric);
+
 /// The nearest `count` of `anchors` (points) to every point with their geodesic distances, nearest first; fewer where fewer
 /// are connected. See geodesic.cpp.
 struct Reach {

@@ -6,6 +6,8 @@
 //        __________            half the angle to either side of the middle; a radius of 0 is an edge
 //       (__________
 //
+// A mesh that is not flat turns with it: what is off the plane through its particle nearest to the middle stays as far off.
+//
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -41,13 +43,24 @@ Box box_of(std::span<const gpu::vec4> positions) {
 // From -1 to 1: the generator's words are the same everywhere, its distributions are not.
 double random_part(std::mt19937& words) { return 2 * (words() / 4294967296.0) - 1; }
 
-Vector3d folded(Vector3d place, const Box& box, const Start& start) {
+// Of the particle nearest to the middle of the longest side: how high it is.
+double height_of_fold(std::span<const gpu::vec4> positions, const Box& box) {
+  double nearest = INFINITY, height = 0;
+  for (const gpu::vec4& p : positions) {
+    const Vector3d place = Vector3d(p.x, p.y, p.z) - box.centre;
+    if (std::abs(place[box.axes[0]]) < nearest) nearest = std::abs(place[box.axes[0]]), height = place[box.axes[2]];
+  }
+  return height;
+}
+
+Vector3d folded(Vector3d place, double fold, const Box& box, const Start& start) {
   const int along = box.axes[0], up = box.axes[2];
   const double turn = start.degrees * std::numbers::pi / 180 / 2, arc = start.radius * std::abs(turn);   // of one half
   const double s = place[along], bent = std::min(std::abs(s), arc), side = s < 0 ? -1 : 1;
   const double angle = arc > 0 ? std::abs(turn) * bent / arc : std::abs(turn), straight = std::abs(s) - bent, sign = turn < 0 ? -1 : 1;
-  place[along] = side * (start.radius * (arc > 0 ? std::sin(angle) : 0) + straight * std::cos(angle));
-  place[up] += sign * (start.radius * (arc > 0 ? 1 - std::cos(angle) : 0) + straight * std::sin(angle));
+  const double off = place[up] - fold;
+  place[along] = side * (start.radius * (arc > 0 ? std::sin(angle) : 0) + straight * std::cos(angle) - sign * off * std::sin(angle));
+  place[up] = fold + sign * (start.radius * (arc > 0 ? 1 - std::cos(angle) : 0) + straight * std::sin(angle)) + off * std::cos(angle);
   return place;
 }
 
@@ -59,6 +72,7 @@ void take_start(const Cloth& cloth, const ClothRange& range, CookedFabric& fabri
   const std::span<gpu::vec4> velocities = std::span(fabric.velocities).subspan(range.first_particle, range.particles);
   const Box box = box_of(positions);
   const int longest = box.axes[0];
+  const double fold = height_of_fold(positions, box);
   std::mt19937 words(kSeed);
   for (std::size_t i = 0; i < positions.size(); ++i) {
     gpu::vec4 &p = positions[i], &v = velocities[i];
@@ -71,7 +85,7 @@ void take_start(const Cloth& cloth, const ClothRange& range, CookedFabric& fabri
         if (box.half[longest] > 0) place[longest] += kMostStretch * from_end * from_end / (4 * box.half[longest]);
         break;
       }
-      case StartPose::folded: place = folded(place, box, start); break;
+      case StartPose::folded: place = folded(place, fold, box, start); break;
       case StartPose::flattened: place[longest] = 0; break;
       case StartPose::scrambled:
         for (int axis = 0; axis < 3; ++axis) place[axis] = box.half[longest] * random_part(words);

@@ -38,21 +38,20 @@ constexpr Pass kPasses[] = {
     {"implicit_relax", "implicit_relax",   Stage::linear,        Domain::particles,           kImplicit | kRelaxed,  kPlain,                 false,  false},
     {"implicit_drift", "implicit_drift",   Stage::iteration,     Domain::cloths,              kImplicit,             kPlain,                 false,  false},
     {"implicit_step",  "implicit_step",    Stage::iteration,     Domain::particles,           kImplicit,             kPlain,                 true,   true},
-    {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kBending,              kIterated | kOthers,    true,   false},
-    {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kPlain,                kBending | kIterated | kOthers, true, true},
-    {"stretch",        "stretch_iterated", Stage::iteration,     Domain::particles,           kBending | kIterated,  kOthers,                true,   false},
-    {"stretch",        "stretch_iterated", Stage::iteration,     Domain::particles,           kIterated,             kBending | kOthers,     true,   true},
+    {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kPlain,                kIterated | kOthers,    true,   true},
+    {"stretch",        "stretch_iterated", Stage::iteration,     Domain::particles,           kIterated,             kOthers,                true,   true},
     {"stretch",        "stretch_coloured", Stage::iteration,     Domain::coloured,            kGaussSeidel,          kIterated,              false,  false},
     {"stretch",        "stretch_coloured_iterated", Stage::iteration, Domain::coloured,       kGaussSeidel | kIterated, kPlain,              false,  false},
-    {"hold",           "hold",             Stage::iteration,     Domain::particles,           kGaussSeidel,          kBending,               true,   true},
+    {"hold",           "hold",             Stage::iteration,     Domain::particles,           kGaussSeidel,          kBending | kHinges,     true,   true},
     {"spring",         "spring",           Stage::iteration,     Domain::particles,           kSprings,              kPlain,                 true,   false},
     {"hold",           "hold",             Stage::iteration,     Domain::particles,           kSprings,              kPlain,                 true,   true},
     {"stretch",        "stretch_accelerated", Stage::iteration,  Domain::particles,           kChebyshev,            kPlain,                 true,   false},
     {"bend",           "bend",             Stage::iteration,     Domain::particles,           kBending,              kIterated | kImplicit,  true,   true},
     {"bend_lambda",    "bend_lambda",      Stage::iteration,     Domain::bends,               kBending | kIterated,  kChebyshev,             false,  false},
     {"bend_lambda",    "bend_lambda_accelerated", Stage::iteration, Domain::bends,            kBending | kChebyshev, kPlain,                 false,  false},
-    {"bend_gather",    "bend_gather",      Stage::iteration,     Domain::particles,           kBending | kIterated,  kChebyshev,             true,   true},
-    {"bend_gather",    "bend_gather",      Stage::iteration,     Domain::particles,           kBending | kChebyshev, kPlain,                 true,   false},
+    {"bend_gather",    "bend_gather",      Stage::iteration,     Domain::particles,           kBending | kIterated,  kPlain,                 true,   true},
+    {"hinge",          "hinge",            Stage::iteration,     Domain::hinges,              kHinges,               kPlain,                 false,  false},
+    {"hinge_gather",   "hinge_gather",     Stage::iteration,     Domain::particles,           kHinges,               kPlain,                 true,   true},
     {"accelerate",     "accelerate",       Stage::iteration,     Domain::particles,           kChebyshev,            kPlain,                 true,   true},
     {"contact_weigh",  "contact_weigh",    Stage::contact,       Domain::contacts,            kContacts,             kPlain,                 false,  false},
     {"contact_solve",  "contact_solve",    Stage::contact,       Domain::contacts,            kContacts,             kPlain,                 false,  false},
@@ -64,8 +63,10 @@ constexpr Pass kPasses[] = {
     {"surface",        "surface",          Stage::frame_end,     Domain::vertices,            kPlain,                kPlain,                 false,  false},
 };
 
-std::string fused_with(const Pass& pass, std::uint32_t features) {
-  if (!pass.settles) return features & kContacts ? pass.fused : "";
+bool called_for(const Pass& pass, std::uint32_t features) { return (features & pass.needs) == pass.needs && (features & pass.without) == 0; }
+
+std::string fused_with(const Pass& pass, bool settles, std::uint32_t features) {
+  if (!settles) return features & kContacts ? pass.fused : "";
   return std::string(features & kTethers ? "+tether" : "") + (features & kColliders ? "+collide" : "") + (features & kContacts ? "" : "+settle");
 }
 
@@ -94,6 +95,7 @@ std::uint32_t features_of(const Scene& scene, const CookedFabric& fabric) {
   const bool implicit = scene.solver.method == Method::implicit;
   if (implicit) features |= kImplicit | (scene.solver.linear == Linear::jacobi ? kRelaxed : kPlain);
   if (!fabric.bends.empty() && !on_springs(scene.solver.method)) features |= kBending;
+  if (!fabric.hinges.empty()) features |= kHinges;
   if (!fabric.tethers.empty()) features |= kTethers;
   if (scene.colliders.size() > fabric.collider_meshes.size()) features |= kColliders;
   if (scene.solver.iterations > 1 && !implicit) features |= kIterated;
@@ -106,9 +108,12 @@ std::uint32_t features_of(const Scene& scene, const CookedFabric& fabric) {
 
 Result<Plan> make_plan(std::uint32_t features, bool gather_storage) {
   Plan plan;
+  const Pass* last = nullptr;   // of those that can settle
+  for (const Pass& pass : kPasses)
+    if (pass.settles && called_for(pass, features)) last = &pass;
   for (const Pass& pass : kPasses) {
-    if ((features & pass.needs) != pass.needs || (features & pass.without) != 0) continue;
-    const std::string fused = fused_with(pass, features);
+    if (!called_for(pass, features)) continue;
+    const std::string fused = fused_with(pass, &pass == last, features);
     PlannedPass planned{&pass, pass.name + fused, shader_named(pass.shader + fused, gather_storage)};
     auto touched = compute::reflect(planned.spirv);
     if (!touched) return fail("pass ", planned.label, ": ", touched.error());
@@ -154,7 +159,7 @@ ContactSizes contact_sizes(const Scene& scene, const CookedFabric& fabric) {
 
 std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const CookedFabric& fabric, const ContactSizes& contacts) {
   const std::uint64_t particles = fabric.positions.size(), vertices = fabric.surface_rows.size();
-  const std::uint64_t stretch_pairs = fabric.stretch.pairs.size(), bends = fabric.bends.size();
+  const std::uint64_t stretch_pairs = fabric.stretch.pairs.size(), bends = fabric.bends.size(), hinges = fabric.hinges.size();
   const std::uint64_t triangles = fabric.triangles.size(), edges = fabric.edges.size();
   const std::uint64_t fours = std::max<std::uint64_t>(1, fabric.spring_rows.ends.size());
   const std::uint64_t links = std::max<std::uint64_t>(1, fabric.coloured_links.size());   // none where all are held
@@ -172,7 +177,8 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
                                   particles, 1, fabric.materials.size(),
                                   // Gauss-Seidel; Chebyshev.
                                   links, links, stretch_pairs, bends, 3 * particles, 1,
-                                  contacts.capacity, particles};
+                                  contacts.capacity, particles,
+                                  hinges, 4 * hinges, particles, fabric.hinge_uses.pairs.size()};
   constexpr auto grows = [](gpu::Binding binding) {
     return binding == gpu::candidates || binding == gpu::contact_normals || binding == gpu::contact_weights || binding == gpu::contact_list;
   };
@@ -198,6 +204,7 @@ std::uint32_t domain_size(Domain domain, const CookedFabric& fabric, const Conta
     case Domain::once: return static_cast<std::uint32_t>(fabric.positions.size());   // a single thread, or one group a cloth, is told how many there are
     case Domain::anchors: return moved_particles(fabric);
     case Domain::bends: return static_cast<std::uint32_t>(fabric.bends.size());
+    case Domain::hinges: return static_cast<std::uint32_t>(fabric.hinges.size());
     case Domain::vertices: return static_cast<std::uint32_t>(fabric.surface_rows.size());
     case Domain::primitives: return static_cast<std::uint32_t>(fabric.triangles.size() + fabric.edges.size());
     case Domain::slots: return contacts.slots;

@@ -32,6 +32,7 @@ inline constexpr std::uint32_t kRelaxed = 128;   // ... solved by Jacobi instead
 inline constexpr std::uint32_t kGaussSeidel = 256;
 inline constexpr std::uint32_t kChebyshev = 512;   // with kIterated
 inline constexpr std::uint32_t kSprings = 1024;   // springs by symplectic Euler or Verlet instead of links and bends
+inline constexpr std::uint32_t kHinges = 4096;   // bending about a mesh's own angles
 }  // namespace feature
 
 // assemble and linear: of an implicit substep, which has one iteration with many of `linear` before it; contact: several times an iteration
@@ -40,7 +41,7 @@ enum class Stage { frame_begin, substep_begin, detect, assemble, linear, iterati
 /// One thread per. The later ones are dispatched with group counts that the GPU itself writes into gpu::Detection, none where
 /// there is nothing to do.
 enum class Domain {
-  particles, anchors, bends, vertices, once,
+  particles, anchors, bends, hinges, vertices, once,
   cloths,                                         // a workgroup, not a thread, per
   coloured,                                       // links of one colour, a dispatch a colour
   detected_particles, primitives, slots,          // where a detection is due
@@ -57,7 +58,7 @@ struct Pass {
   std::uint32_t needs;     // features the scene must have ...
   std::uint32_t without;   // ... and must not have
   bool relaxes;            // writes the next iterate: `predicted` and `relaxed` swap afterwards
-  bool settles;            // ends the iteration: fused with tethers, colliders and, without contacts, the velocity (settle.glsl)
+  bool settles;            // can end the iteration: the last of these does, fused with tethers, colliders and, without contacts, the velocity (settle.glsl)
   const char* fused = "";  // with contacts: what the shader's name ends in
   std::uint32_t rounds = 1;   // dispatches one after another; the round is in push.flags
 };

@@ -106,6 +106,9 @@ struct Start {
   Vec3 velocity;                // m/s
 };
 
+/// About which shape a cloth bends: flat, whatever its mesh is, or the mesh's own, with its folds and curves.
+enum class BendRest { flat, mesh };
+
 struct Cloth {
   std::string name = "cloth";
   std::optional<Grid> grid;     // either a grid ...
@@ -114,6 +117,7 @@ struct Cloth {
   Start start;
   Fabric fabric;
   bool bending = true;
+  BendRest bend_rest = BendRest::flat;   // mesh: methods jacobi and gauss_seidel only
   bool tethers = true;          // takes effect when there are anchors
   std::uint32_t tethers_per_vertex = 4;   // 1 ... 8
   double tether_slack = 0;      // fraction of the geodesic distance, 0 ... 1

@@ -50,6 +50,7 @@ using Names = std::span<const std::string_view>;
 inline constexpr std::array<std::string_view, 2> kTopologies = {"diagonal", "centre"};
 inline constexpr std::array<std::string_view, 4> kCorners = {"low_low", "high_low", "low_high", "high_high"};
 inline constexpr std::array<std::string_view, 6> kStartPoses = {"rest", "stretched", "folded", "flattened", "scrambled", "collapsed"};
+inline constexpr std::array<std::string_view, 2> kBendRests = {"flat", "mesh"};
 inline constexpr std::array<std::string_view, 5> kShapes = {"plane", "sphere", "capsule", "box", "mesh"};
 inline constexpr std::array<std::string_view, 7> kMethods = {"jacobi", "gauss_seidel", "chebyshev", "mass_spring", "verlet", "implicit", "auto"};
 inline constexpr std::array<std::string_view, 2> kLinears = {"cg", "jacobi"};
@@ -164,6 +165,7 @@ void fields(V& v, Cloth& cloth) {
   v.object("start", cloth.start);
   v.fabric("fabric", cloth.fabric);
   v.flag("bending", cloth.bending);
+  v.choice("bend_rest", cloth.bend_rest, kBendRests);
   v.tethers("tethers", cloth);
   v.optional_object("springs", cloth.springs);
   v.list("anchors", cloth.anchors, 0, kMostAnchors);

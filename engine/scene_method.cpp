@@ -56,6 +56,8 @@ std::string method_fault(const Scene& scene) {
     if (!on_springs(method) && cloth.springs) return named + " solves no springs, and " + path + "springs are there: \"implicit\" and \"mass_spring\" do";
     if (on_springs(method) && !cloth.springs && (std::isinf(cloth.fabric.stretch) || std::isinf(cloth.fabric.shear)))
       return named + " needs springs that give way, and " + path + "fabric is \"rigid\": give its stretch and shear in N/m, or springs";
+    if (cloth.bend_rest == BendRest::mesh && (on_springs(method) || method == Method::chebyshev))
+      return named + " bends cloth about a flat shape, and " + path + "bend_rest is \"mesh\": \"jacobi\" and \"gauss_seidel\" bend it about the mesh's";
     if (method == Method::verlet && cloth.springs && cloth.springs->bend.stiffness > 0)
       return named + " has links to 8 neighbours that only pull, and " + path + "springs.bend is there: \"mass_spring\" has it";
   }

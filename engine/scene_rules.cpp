@@ -55,6 +55,8 @@ void check(const Read& read, const Cloth& cloth) {
   if (!grid && !mesh) read.faults.add(read.path, "has neither a grid nor a mesh: give one of them");
   if (cloth.bending && cloth.fabric.bend == 0)
     read.faults.add(read.path + ".fabric.bend", "0 is not above 0 (N m); for a cloth that does not resist bending say \"bending\": false");
+  if (!cloth.bending && cloth.bend_rest == BendRest::mesh)
+    read.faults.add(read.path + ".bend_rest", "\"mesh\" is the shape that a cloth bends about, and this one does not resist bending: leave one of the two away");
   for (std::size_t i = 0; i < cloth.anchors.size(); ++i) {
     const Anchor& anchor = cloth.anchors[i];
     const std::string path = join(read.path, ".anchors[", i, "]");

@@ -241,6 +241,7 @@ std::uint64_t digest_of(const Scene& described, const CookedFabric& fabric) {
   add(digest, fabric.stretch.pairs);
   add(digest, fabric.coloured_links);
   add(digest, fabric.bends);
+  add(digest, fabric.hinges);
   add(digest, fabric.bend.pairs);
   add(digest, fabric.spring_rows.ends);
   add(digest, fabric.spring_rows.springs);

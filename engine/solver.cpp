@@ -157,7 +157,8 @@ Result<void> Solver::create_buffers(const Scene& scene, const CookedFabric& fabr
       {gpu::acceleration, bytes_of(acceleration)},         {gpu::contact_sums, bytes_of(sums)},                 {gpu::fractions, bytes_of(fractions)},
       {gpu::spring_rows, bytes_of(fabric.spring_rows.rows)}, {gpu::spring_ends, bytes_of(fabric.spring_rows.ends)},
       {gpu::springs, bytes_of(fabric.spring_rows.springs)}, {gpu::free_cloths, bytes_of(free_cloths)},
-      {gpu::linear, bytes_of(linear)},
+      {gpu::linear, bytes_of(linear)},                     {gpu::hinges, bytes_of(fabric.hinges)},
+      {gpu::hinge_use_rows, bytes_of(fabric.hinge_uses.rows)}, {gpu::hinge_uses, bytes_of(fabric.hinge_uses.pairs)},
   };
   std::vector<compute::Upload> uploads;
   for (const auto& [binding, bytes] : contents)

@@ -60,6 +60,7 @@ constexpr HardCase kCases[] = {
     {.name = "without tethers, 33 x 33", .families = "3", .scene = "hung_loose", .seconds = 5, .checks = kLoose, .cells = 32},
     {.name = "without tethers, 201 x 201", .families = "3", .scene = "hung_loose", .seconds = 5, .checks = kLoose, .cells = 200, .large = true},
     {.name = "hinges", .families = "4", .scene = "hinges", .seconds = 5, .checks = kHinges},
+    {.name = "creases", .families = "4", .scene = "creases", .seconds = 5, .checks = kHinges},
     {.name = "scrambled", .families = "5", .scene = "scrambled", .seconds = 4, .checks = kComeBack},
     {.name = "flattened", .families = "5", .scene = "flattened", .seconds = 4, .checks = kComeBack},
     {.name = "collapsed", .families = "5", .scene = "collapsed", .seconds = 4, .checks = kComeBack},

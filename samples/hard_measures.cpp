@@ -123,6 +123,13 @@ double bend_angle(const Glance& at) {
     const Vector3d edge = b - a, first = edge.cross(c - a), second = (d - a).cross(edge);
     most = std::max(most, std::atan2(first.cross(second).norm(), first.dot(second)));
   }
+  for (const gpu::Hinge& hinge : at.fabric.hinges) {
+    const Vector3d a = vector(at.positions[hinge.particle[0]]), b = vector(at.positions[hinge.particle[1]]);
+    const Vector3d c = vector(at.positions[hinge.particle[2]]), d = vector(at.positions[hinge.particle[3]]);
+    const Vector3d edge = b - a, first = edge.cross(c - a), second = (d - a).cross(edge);
+    const double angle = std::atan2(edge.normalized().dot(first.cross(second)), first.dot(second));
+    most = std::max(most, std::abs(std::remainder(angle - std::atan2(hinge.rest_sine, hinge.rest_cosine), 2 * std::numbers::pi)));
+  }
   return most;
 }
 

@@ -18,7 +18,7 @@ double spin(const Glance& at);                 // rad/s: angular momentum over s
 double fall_error(const Glance& at);           // of the integrator's closed form
 double sideways(const Glance& at);             // m across gravity
 
-double bend_angle(const Glance& at);           // rad, the largest between two triangles
+double bend_angle(const Glance& at);           // rad, the largest off the rest between two triangles
 double deepest(const Glance& at);              // m, into the planes and spheres where they stand at first
 double out_of_order(const Glance& at);         // cloths whose centre is not above the centre of the one before
 double unaccounted(const Glance& at);          // s that were neither simulated nor given back nor kept for the next frame

@@ -69,7 +69,11 @@
   X(54, iterates,       vec4)     /* 3 x particles  the iterate before the last, the last (m), and the substep's first step (m) */ \
   X(55, acceleration,   Acceleration) /* 1          whether Chebyshev's acceleration is steady */                          \
   X(56, contact_list,   uint)     /* capacity       the candidates that touch, later those that could cross (contact_list.glsl) */ \
-  X(57, contact_lacks,  uint)     /* particles      what its contacts lack, together (contact_share.glsl); 0 between iterations */
+  X(57, contact_lacks,  uint)     /* particles      what its contacts lack, together (contact_share.glsl); 0 between iterations */ \
+  X(58, hinges,         Hinge)    /* hinges         edges that bend about an angle */                                    \
+  X(59, hinge_impulses, vec4)     /* 4 x hinges     of each of its particles: xyz gradient times change of the multiplier; the first's w: the multiplier */ \
+  X(60, hinge_use_rows, uvec2)    /* particles      first use pair, number of uses */                                    \
+  X(61, hinge_uses,     uvec4)    /* use pairs      (4 x hinge + which of its particles, inverse mass as float bits) twice */
 
 // Texel views (GATHER) live in a second descriptor set under the same numbers.
 #define WEFT_STORAGE_SET 0
@@ -147,6 +151,14 @@ struct Bend {
   float k[4];         // K of the stencil: sums to 0
   float compliance;   // 1/(B q) (m^2/N m ... per unit of |l|^2)
   float split_weight; // sum n_j w_j K_j^2 (1/kg)
+};
+
+/// Bending about a rest angle (hinge.comp): the edge (particle[0], particle[1]) and its opposite vertices.
+struct Hinge {
+  uint particle[4];
+  float weight[4];    // n_j w_j (1/kg)
+  float rest_cosine, rest_sine;   // of the angle at rest, 0 where flat
+  float compliance;   // rad^2/J
 };
 
 /// One-sided link to an anchor; anchor == WEFT_NONE ends a particle's list. Lists are padded to an even length.
@@ -316,7 +328,7 @@ struct Push {
 
 #ifdef __cplusplus
 
-static_assert(sizeof(Bend) == 40 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
+static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 40 && sizeof(Push) == 108 && sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 348);
 static_assert(sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);
