@@ -77,7 +77,7 @@ Result<Figures> figures_of(const Simulation& simulation) {
   figures.timed_on_cpu = simulation.timed_on_cpu();
   figures.particles = cloth_particles(fabric);
   figures.edges = fabric.links.size();
-  figures.bends = fabric.bends.size();
+  figures.bends = fabric.bends.size() + fabric.hinges.size();
   figures.tethers = fabric.tether_count;
   figures.contacts = contacts_on(simulation.scene());
   figures.chebyshev = simulation.scene().solver.method == Method::chebyshev;

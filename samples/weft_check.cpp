@@ -37,7 +37,7 @@ Exit check_scene(const std::filesystem::path& file) {
   }
   for (const std::string& note : fabric->notes) std::printf("note: %s\n", note.c_str());
   std::printf("%s: nothing is wrong: %zu particles, %zu edges, %zu bends, %llu tethers, %zu anchored, %zu colliders\n", file.string().c_str(),
-              std::size_t(cloth_particles(*fabric)), fabric->links.size(), fabric->bends.size(), static_cast<unsigned long long>(fabric->tether_count),
+              std::size_t(cloth_particles(*fabric)), fabric->links.size(), fabric->bends.size() + fabric->hinges.size(), static_cast<unsigned long long>(fabric->tether_count),
               fabric->anchors.size(), scene->colliders.size());
   return kDone;
 }

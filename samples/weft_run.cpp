@@ -208,7 +208,7 @@ Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& f
 
   const CookedFabric& fabric = simulation.fabric();
   std::printf("%s: %zu particles, %zu edges, %zu bends, %llu tethers on %s\n", scene.name.c_str(), std::size_t(cloth_particles(fabric)), fabric.links.size(),
-              fabric.bends.size(), static_cast<unsigned long long>(fabric.tether_count), (*device)->name().c_str());
+              fabric.bends.size() + fabric.hinges.size(), static_cast<unsigned long long>(fabric.tether_count), (*device)->name().c_str());
   for (const std::string& note : fabric.notes) std::printf("note: %s\n", note.c_str());
   if (const Exit exit = begin(simulation, options, passage); exit != kDone) return exit;
   std::fflush(stdout);

@@ -51,6 +51,7 @@ inline std::vector<Subject> subjects() {
   }
   Scene& iterated = all.emplace_back("iterated", moving()).scene;
   iterated.solver.iterations = 3;
+  all.emplace_back("hinges", moving()).scene.cloths[0].bend_rest = BendRest::mesh;
   all.push_back({"mass_spring", springy(Method::mass_spring)});
   all.push_back({"verlet", springy(Method::verlet)});
   all.push_back({"implicit", springy(Method::implicit)});

@@ -48,6 +48,22 @@ TEST(Start, a_fold_bends_about_the_middle_and_stretches_nothing) {
   }
 }
 
+// Two leaves that make an angle at rest, higher at their ends by half their length: tan 26.57 degrees.
+TEST(Start, a_fold_turns_each_side_of_a_bent_mesh_as_it_is) {
+  Scene scene = sheet(StartPose::folded);
+  scene.cloths[0].start.degrees = 90;
+  auto meshes = make_meshes(scene);
+  ASSERT_TRUE(meshes);
+  for (Vec3& p : meshes->front().points) p.y += 0.5f * std::abs(p.x - 3);
+  const auto fabric = cook(scene, *meshes);
+  ASSERT_TRUE(fabric) << fabric.error();
+  for (const StretchLink& link : fabric->links)
+    if (!link.only_pulls) { EXPECT_NEAR(length_of(*fabric, link), link.rest, 1e-5 * link.rest); }
+  double highest = 0;
+  for (const gpu::vec4& p : fabric->positions) highest = std::max(highest, double(p.y));
+  EXPECT_NEAR(highest, 1 + std::sqrt(1.25) * std::sin(std::atan(0.5) + M_PI / 4), 1e-5);
+}
+
 TEST(Start, a_fold_round_an_arc_keeps_its_halves_two_radii_apart) {
   Scene scene = sheet(StartPose::folded);
   scene.cloths[0].start.radius = 0.1;

@@ -21,6 +21,8 @@ std::vector<std::uint32_t> combinations() {
   for (std::uint32_t features = 0; features <= kLinks; ++features) {
     found.push_back(features);
     found.push_back(features | kGaussSeidel);
+    found.push_back(features | kHinges);
+    found.push_back(features | kGaussSeidel | kHinges);
     if ((features & (kIterated | kContacts | kTethers)) == kIterated) found.push_back(features | kChebyshev);
     if ((features & (kIterated | kBending)) != 0) continue;   // links and bends: not of the method implicit
     found.push_back(features | kSprings);
@@ -53,13 +55,15 @@ std::vector<std::string> labels(std::uint32_t features) {
 bool has(const Plan& plan, gpu::Binding binding) { return plan.buffers() >> binding & 1; }
 
 TEST(Plan, exactly_one_pass_settles_and_it_is_the_last_of_its_iteration) {
-  for_every_plan([](const Plan& plan, std::uint32_t, bool) {
-    EXPECT_EQ(std::count_if(plan.passes.begin(), plan.passes.end(), [](const PlannedPass& p) { return p.pass->settles; }), 1);
-    std::vector<const Pass*> iteration;
+  for_every_plan([](const Plan& plan, std::uint32_t features, bool) {
+    std::vector<const PlannedPass*> iteration;
     for (const PlannedPass& planned : plan.passes)
-      if (planned.pass->stage == Stage::iteration) iteration.push_back(planned.pass);
+      if (planned.pass->stage == Stage::iteration) iteration.push_back(&planned);
     ASSERT_FALSE(iteration.empty());
-    EXPECT_TRUE(iteration.back()->settles && iteration.back()->relaxes);
+    EXPECT_TRUE(iteration.back()->pass->settles && iteration.back()->pass->relaxes);
+    const bool something = features & (feature::kTethers | feature::kColliders) || !(features & feature::kContacts);
+    for (const PlannedPass* planned : iteration)
+      EXPECT_EQ(planned->label != planned->pass->name, planned == iteration.back() && something) << planned->label;
   });
 }
 
@@ -148,6 +152,8 @@ TEST(Plan, every_buffer_of_a_feature_is_there_with_it_and_absent_without) {
     for (const gpu::Binding once : {gpu::bend_rows, gpu::bend_entries}) EXPECT_EQ(has(plan, once), bending && !iterated) << once;
     for (const gpu::Binding often : {gpu::bends, gpu::bend_lambda, gpu::bend_impulses, gpu::bend_uses, gpu::bend_use_rows})
       EXPECT_EQ(has(plan, often), bending && iterated) << often;
+    for (const gpu::Binding hinges : {gpu::hinges, gpu::hinge_impulses, gpu::hinge_uses, gpu::hinge_use_rows})
+      EXPECT_EQ(has(plan, hinges), (features & feature::kHinges) != 0) << hinges;
     for (const gpu::Binding links : {gpu::stretch_rows, gpu::stretch_links}) EXPECT_EQ(has(plan, links), !implicit && !explicit_springs && !coloured) << links;
     for (const gpu::Binding springs : {gpu::spring_rows, gpu::spring_ends, gpu::springs}) EXPECT_EQ(has(plan, springs), implicit || explicit_springs) << springs;
     for (const gpu::Binding springs : {gpu::spring_blocks, gpu::inverses, gpu::exchanged, gpu::krylov,
@@ -175,6 +181,9 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   EXPECT_EQ(labels(kSprings | kTethers), (Labels{"predict", "spring", "hold+tether+settle", "surface"}));
   EXPECT_EQ(labels(kGaussSeidel), (Labels{"predict", "stretch", "hold+settle", "surface"}));
   EXPECT_EQ(labels(kGaussSeidel | kBending), (Labels{"predict", "stretch", "bend+settle", "surface"}));
+  EXPECT_EQ(labels(kHinges | kTethers), (Labels{"predict", "stretch", "hinge", "hinge_gather+tether+settle", "surface"}));
+  EXPECT_EQ(labels(kHinges | kBending), (Labels{"predict", "stretch", "bend", "hinge", "hinge_gather+settle", "surface"}));
+  EXPECT_EQ(labels(kGaussSeidel | kHinges), (Labels{"predict", "stretch", "hinge", "hinge_gather+settle", "surface"}));
   EXPECT_EQ(labels(kChebyshev | kIterated | kBending | kColliders),
             (Labels{"predict", "stretch", "bend_lambda", "bend_gather", "accelerate+collide+settle", "surface"}));
   EXPECT_EQ(labels(kContacts), (Labels{"predict+watch", "detect_arm", "detect_path", "grid_count", "grid_total", "grid_scan", "grid_fill", "search_faces", "search_edges",
@@ -211,7 +220,13 @@ Subject subject(std::uint32_t features) {
   cloth.grid = Grid{{1, 1}, 5, 4, Topology::diagonal, true};
   cloth.bending = features & feature::kBending;
   cloth.tethers = features & feature::kTethers;
+  if (features & feature::kHinges) {
+    made.scene.cloths.push_back(made.scene.cloths[0]);
+    made.scene.cloths[1].bending = true;
+    made.scene.cloths[1].bend_rest = BendRest::mesh;
+  }
   if (features & feature::kAnchors) {
+    Cloth& cloth = made.scene.cloths[0];
     cloth.anchors.resize(1);
     cloth.anchors[0].top = 0;
   }

@@ -71,6 +71,7 @@ TEST(Scene, every_key_arrives) {
   EXPECT_EQ(sheet.grid->topology, Topology::centre);
   EXPECT_TRUE(sheet.grid->upright);
   EXPECT_EQ(sheet.fabric, *fabric_preset("silk"));
+  EXPECT_EQ(sheet.bend_rest, BendRest::mesh);
   EXPECT_FALSE(sheet.tethers);
   EXPECT_EQ(sheet.anchors.at(0).corners, (std::vector<Corner>{Corner::low_high, Corner::high_high}));
 

@@ -27,6 +27,7 @@ Result<Trajectory> integrate_newton(const Scene& scene, const CookedFabric& fabr
                                     const Progress& progress) {
   if (!scene.colliders.empty()) return fail("colliders[0]: the reference has no colliders; it was given ", scene.colliders.size());
   if (contacts_on(scene)) return fail("contacts: the reference has none");
+  if (!fabric.hinges.empty()) return fail("bend_rest: the reference bends cloth about a flat shape; the scene has ", fabric.hinges.size(), " hinges about its mesh's");
   const auto steps = steps_a_frame(scene, settings.h);
   if (!steps) return fail(steps.error());
 

@@ -4,7 +4,7 @@
 // links, bends, tethers and anchors, and solves each step to its end (newton.cpp). So a GPU's distance to it at the same h is
 // the solver's error alone, and the distance between two references, at h and at h / 16, is the error of the time step.
 //
-// Limitations: no colliders and no contacts; a scene with them is refused. Rigid links and tethers give way by a millionth of
+// Limitations: no colliders, no contacts and no cloth that bends about its mesh; a scene with them is refused. Rigid links and tethers give way by a millionth of
 // what their particles' masses do (energies.h).
 #pragma once
 
@@ -41,7 +41,7 @@ struct NewtonSettings {
 };
 
 /// Newton on the incremental potential, implicit Euler with steps of `h`; `frames` frames at the scene's rate, from the pose
-/// that was cooked, at rest. Errors: a collider or contacts, an h that does not divide the frame, a run that was stopped or
+/// that was cooked, at rest. Errors: a collider, contacts or hinges, an h that does not divide the frame, a run that was stopped or
 /// turned non-finite.
 Result<Trajectory> integrate_newton(const Scene& scene, const CookedFabric& fabric, std::uint32_t frames, const NewtonSettings& settings,
                                     const Progress& progress = {});
