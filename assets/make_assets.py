@@ -3,6 +3,7 @@
 
     curtain.glb      two panels, 2.4 m x 2.0 m, 97 x 73 places, sewn along a UV seam; upright, its hem on y = 0
     tablecloth.glb   one square sheet, 2 m x 2 m, 65 x 65 places, 32-bit indices; flat, on y = 0
+    pleats.glb       a skirt of 24 pleats, 0.55 m long, sewn along a UV seam; its waist up, its hem on y = 0
     table.glb        a table, 0.9 m x 0.9 m, 0.72 m high, on y = 0: one closed surface with hard edges
     table_linen.glb  two panels, 1.5 m x 1.5 m, 61 x 61 places, sewn along a UV seam; flat, on y = 0
     plain_weave_*.png, twill_*.png
@@ -129,6 +130,33 @@ def tablecloth():
             uvs.append((side * i / cells, side * (1 - j / cells)))
     return glb("tablecloth", positions, [(0.0, 1.0, 0.0)] * len(positions), uvs, sheet_triangles(cells, cells, 0, 0),
                wide_indices=True)
+
+
+def pleats():
+    """Folds between an outer and an inner ring, four flat strips a pleat; they are deeper at the hem than at the waist."""
+    count, rows, length = 24, 28, 0.55
+    columns = 4 * count
+
+    def place(i, j):
+        down = 1 - j / rows
+        middle, depth = 0.13 + 0.12 * down, 0.012 + 0.038 * down
+        fold, between = divmod(i, 2)   # folds are the even columns, by turns outer and inner ones
+
+        def corner(k):
+            turn, radius = math.pi * k / count, middle + (0.5 if k % 2 == 0 else -0.5) * depth
+            return radius * math.sin(turn), radius * math.cos(turn)
+
+        ends = corner(fold % (2 * count)), corner((fold + between) % (2 * count))
+        return (ends[0][0] + ends[1][0]) / 2, length * (1 - down), (ends[0][1] + ends[1][1]) / 2
+
+    positions, normals, uvs = [], [], []
+    for j in range(rows + 1):
+        for i in range(columns + 1):
+            x, y, z = place(i, j)
+            positions.append((x, y, z))
+            normals.append((x / math.hypot(x, z), 0.0, z / math.hypot(x, z)))
+            uvs.append((0.03 * i, length * (1 - j / rows)))
+    return glb("pleats", positions, normals, uvs, sheet_triangles(columns, rows, 0, 0), wide_indices=False)
 
 
 def table():
@@ -381,6 +409,7 @@ def main():
         folder.mkdir(parents=True, exist_ok=True)
         save(folder / "curtain.glb", curtain())
         save(folder / "tablecloth.glb", tablecloth())
+        save(folder / "pleats.glb", pleats())
         save(folder / "table.glb", table())
         save(folder / "table_linen.glb", table_linen())
         save(folder / "banner.png", banner())
