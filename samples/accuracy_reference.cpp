@@ -50,6 +50,7 @@ std::string fingerprint(const Scene& scene, const CookedFabric& fabric) {
     print.add(&bits, sizeof bits);
   }
   if (!fabric.bends.empty()) print.add(fabric.bends.data(), fabric.bends.size() * sizeof fabric.bends[0]);
+  if (!fabric.hinges.empty()) print.add(fabric.hinges.data(), fabric.hinges.size() * sizeof fabric.hinges[0]);
   if (!fabric.tethers.empty()) print.add(fabric.tethers.data(), fabric.tethers.size() * sizeof fabric.tethers[0]);
   return print.text();
 }

@@ -21,8 +21,6 @@ READ_WRITE(vec4, hinge_impulses)
 
 layout(push_constant, scalar) uniform Constants { Push push; };
 
-// Gradients tell what an angle does on small turns only: a stiff hinge that is far off takes several substeps.
-const float most_turn = 0.5;   // rad a visit
 // Shorter than this counts as ends at one place (engine/fabric.cpp), and a height that is less than rounding leaves of it has no direction.
 const float shortest = 1e-8, rounded = 1e-6;   // m; of the way to the vertex
 
@@ -59,9 +57,7 @@ float change_of_lambda(Hinge hinge, Bent b, float lambda) {
   const float weight = hinge.weight[0] * dot(b.g0, b.g0) + hinge.weight[1] * dot(b.g1, b.g1) + hinge.weight[2] * dot(b.g2, b.g2) +
                        hinge.weight[3] * dot(b.g3, b.g3);
   const float alpha = hinge.compliance * push.inverse_h2;
-  const float change = -push.relaxation * (b.c + alpha * lambda) / max(weight + push.relaxation * alpha, 1e-20);
-  const float most = most_turn / max(weight, 1e-20);
-  return clamp(change, -most, most);
+  return -push.relaxation * (b.c + alpha * lambda) / max(weight + push.relaxation * alpha, 1e-20);
 }
 
 void main() {

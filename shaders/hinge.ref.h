@@ -9,7 +9,6 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -25,9 +24,6 @@ struct Hinge {
   double rest;         // rad
   double compliance;   // rad^2/J
 };
-
-/// The turn of one visit, rad, is no larger.
-inline constexpr double kMostTurn = 0.5;
 
 inline double hinge_angle(const HingePose& x) {
   const Vector e = (x[1] - x[0]).normalized(), n0 = (x[1] - x[0]).cross(x[2] - x[0]), n1 = (x[3] - x[0]).cross(x[1] - x[0]);
@@ -61,8 +57,7 @@ inline Points relax_hinges(std::span<const Hinge> hinges, const Points& p, std::
     double weight = 0;
     for (std::size_t j = 0; j < 4; ++j) weight += copies.weight(hinge.particle[j]) * gradient[j].squaredNorm();
     if (!std::isfinite(weight)) continue;
-    double change = change_of_multiplier(hinge_value(hinge.rest, x), lambda[k], weight / omega, hinge.compliance, h);
-    if (weight > 0) change = std::clamp(change, -kMostTurn / weight, kMostTurn / weight);
+    const double change = change_of_multiplier(hinge_value(hinge.rest, x), lambda[k], weight / omega, hinge.compliance, h);
     lambda[k] += change;
     for (std::size_t j = 0; j < 4; ++j) copies.push(hinge.particle[j], change * gradient[j]);
   }

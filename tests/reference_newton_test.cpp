@@ -40,6 +40,11 @@ TEST(Reference, what_it_has_no_energy_for_is_refused_with_a_sentence) {
     return trajectory ? "none" : trajectory.error();
   };
   EXPECT_EQ(refusal(0.01), "a step of 0.01 s does not divide a frame of 0.0166667 s into whole steps");
+  Scene folded = scene;
+  folded.cloths[0].bending = true;
+  folded.cloths[0].bend_rest = BendRest::mesh;
+  const auto hinged = integrate_newton(folded, cooked(folded), 1, {.h = fabric.h});
+  EXPECT_EQ(hinged ? "none" : hinged.error().substr(0, 55), "bend_rest: the reference bends cloth about a flat shape");
   scene.contacts.enabled = true;
   EXPECT_EQ(refusal(fabric.h), "contacts: the reference has none");
   scene.colliders.emplace_back();
