@@ -24,6 +24,8 @@ constexpr Check kStretched[] = {{"centre moves", 1e-5, "m", always, centre_moved
 constexpr Check kHung[] = {kHeld, kPins, kFinite};
 constexpr Check kLoose[] = {{"largest strain", INFINITY, "%", at_end, largest_strain}, kPins, kFinite};
 constexpr Check kRest[] = {{"top speed after 5 s", 1e-3, "m/s", at_end, top_speed}, kPins, kFinite};
+// Soft hinges stick a little way off, where what a substep corrects is less than half of a place's rounding: 6e-4 rad at 0.75 m with a tenth of the
+// stiffness that the scene of creases has, 2.4e-5 rad about the origin.
 constexpr Check kHinges[] = {{"angle left", 1e-3, "rad", at_end, bend_angle}, kFinite};
 // No correction is longer than the cube of 1 m, and half of it is the other end's: 0.5 m in a substep of 1/600 s.
 constexpr Check kComeBack[] = {kHeld, {"top speed", 300, "m/s", always, top_speed}, kPins, kFinite};
@@ -94,6 +96,7 @@ constexpr TestedBy kTestedBy[] = {
     {"2", "SimulationPhysics.a_free_stretched_sheet_keeps_its_centre_of_mass"},
     {"3", "SimulationPhysics.strain_of_a_hung_sheet_falls_with_substeps_and_is_small_at_the_default"},
     {"4", "BendTwin.it_annihilates_every_affine_map_of_a_flat_stencil"},
+    {"4", "HingeKernel.a_free_hinge_comes_back_to_any_rest_angle_from_any_other"},
     {"6", "Twist.four_full_turns_never_cross"},
     {"7", "ContactCase.ten_sheets_dropped_on_each_other_stay_apart_in_order_and_come_to_rest"},
     {"7", "ContactCase.a_sheet_folded_over_a_sphere_onto_the_floor_never_crosses"},
