@@ -32,11 +32,16 @@ constexpr Pass kPasses[] = {
     {"pair_edges",     "pair_edges",       Stage::detect,        Domain::near_edges,          kContacts,             kPlain,                 false,  false},
     {"contact_arm",    "contact_arm",      Stage::detect,        Domain::once,                kContacts,             kPlain,                 false,  false},
     {"contact_prepare","contact_prepare",  Stage::detect,        Domain::candidates,          kContacts,             kPlain,                 false,  false},
-    {"implicit_assemble","implicit_assemble",Stage::assemble,    Domain::particles,           kImplicit,             kPlain,                 false,  false},
-    {"implicit_multiply","implicit_multiply",Stage::linear,      Domain::particles,           kImplicit,             kRelaxed,               false,  false},
+    {"implicit_assemble","implicit_assemble",Stage::assemble,    Domain::particles,           kImplicit,             kColliders,             false,  false},
+    {"implicit_assemble","implicit_assemble_met",Stage::assemble,Domain::particles,           kImplicit | kColliders, kPlain,                false,  false},
+    {"implicit_meet",  "implicit_meet",    Stage::assemble,      Domain::particles,           kImplicit | kColliders, kPlain,                false,  false},
+    {"implicit_multiply","implicit_multiply",Stage::linear,      Domain::particles,           kImplicit,             kRelaxed | kColliders,  false,  false},
+    {"implicit_multiply","implicit_multiply_met",Stage::linear,  Domain::particles,           kImplicit | kColliders, kRelaxed,              false,  false},
     {"implicit_advance","implicit_advance",Stage::linear,        Domain::particles,           kImplicit,             kRelaxed,               false,  false},
-    {"implicit_relax", "implicit_relax",   Stage::linear,        Domain::particles,           kImplicit | kRelaxed,  kPlain,                 false,  false},
-    {"implicit_drift", "implicit_drift",   Stage::iteration,     Domain::cloths,              kImplicit,             kPlain,                 false,  false},
+    {"implicit_relax", "implicit_relax",   Stage::linear,        Domain::particles,           kImplicit | kRelaxed,  kColliders,             false,  false},
+    {"implicit_relax", "implicit_relax_met",Stage::linear,       Domain::particles,           kImplicit | kRelaxed | kColliders, kPlain,     false,  false},
+    {"implicit_drift", "implicit_drift",   Stage::iteration,     Domain::cloths,              kImplicit,             kColliders,             false,  false},
+    {"implicit_drift", "implicit_drift_met",Stage::iteration,    Domain::cloths,              kImplicit | kColliders, kPlain,                false,  false},
     {"implicit_step",  "implicit_step",    Stage::iteration,     Domain::particles,           kImplicit,             kPlain,                 true,   true},
     {"stretch",        "stretch",          Stage::iteration,     Domain::particles,           kPlain,                kIterated | kOthers,    true,   true},
     {"stretch",        "stretch_iterated", Stage::iteration,     Domain::particles,           kIterated,             kOthers,                true,   true},
@@ -178,7 +183,7 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
                                   // Gauss-Seidel; Chebyshev.
                                   links, links, stretch_pairs, bends, 3 * particles, 1,
                                   contacts.capacity, particles,
-                                  hinges, 4 * hinges, particles, fabric.hinge_uses.pairs.size()};
+                                  hinges, 4 * hinges, particles, fabric.hinge_uses.pairs.size(), 3 * particles};
   constexpr auto grows = [](gpu::Binding binding) {
     return binding == gpu::candidates || binding == gpu::contact_normals || binding == gpu::contact_weights || binding == gpu::contact_list;
   };

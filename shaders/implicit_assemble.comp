@@ -7,6 +7,9 @@
 // (Choi and Ko 2002), along it a + b = h^2 k + h c. It is stored as sqrt(b) n and a, four numbers instead of nine.
 //
 // A spring of rest length 0 is linear, of either sign (the bending matrix), and has no direction.
+//
+// Where colliders decide a direction (implicit_wall.glsl) the block on the diagonal is taken apart, S D S + m (I - S), so that its
+// inverse leads from the directions that are left to themselves.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -23,8 +26,14 @@ WRITE(vec4, inverses)
 WRITE(vec4, exchanged)
 WRITE(vec4, krylov)
 READ_WRITE(Counters, counters)
+#ifdef COLLIDERS
+WRITE(vec4, walls)
+#endif
 
 layout(push_constant, scalar) uniform Constants { Push push; };
+
+#define WALLS
+#include "implicit_wall.glsl"
 
 uint coincident = 0;
 
@@ -73,6 +82,14 @@ void store_inverse(uint i, Sums s, float mass) {
   inverses[2 * i + 1] = vec4(-yx * x * y, (zy * yx * y - zx) * x * z, -zy * y * z, 0);
 }
 
+// Apart: D is given by its columns.
+Sums taken_apart(Sums s, vec4 open, float mass) {
+  const mat3 d = mat3(s.diagonal.x, s.below.x, s.below.y, s.below.x, s.diagonal.y, s.below.z, s.below.y, s.below.z, s.diagonal.z);
+  const mat3 filter_matrix = mat3(opened(open, vec3(1, 0, 0)), opened(open, vec3(0, 1, 0)), opened(open, vec3(0, 0, 1)));
+  const mat3 apart = filter_matrix * d * filter_matrix + mass * (mat3(1) - filter_matrix);
+  return Sums(opened(open, s.impulse), vec3(apart[0].x, apart[1].y, apart[2].z), vec3(apart[0].y, apart[0].z, apart[1].z));
+}
+
 // From the free flight back to the velocity before it: where the solve looks first.
 vec3 guess(uint i, vec3 v) {
   const float keep = FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)).x;
@@ -96,8 +113,17 @@ void main() {
   }
   if (coincident > 0) atomicAdd(counters[0].coincident, coincident);
   // The filter: what is held takes no part. Neither does a particle that is lost.
-  const vec3 start = mass > 0 ? guess(i, v) : vec3(0);
+  vec3 start = mass > 0 ? guess(i, v) : vec3(0);
   const bool free = mass > 0 && dot(x.xyz, x.xyz) < 1e20 && dot(start, start) < 1e20;
+#ifdef COLLIDERS
+  Wall wall = Wall(vec4(0), vec3(0), vec3(0));
+  if (free) wall = wall_at(x.xyz, v, FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)), x.w * sums.impulse);
+  walls[3 * i] = wall.open;
+  walls[3 * i + 1] = vec4(wall.change, 0);
+  walls[3 * i + 2] = vec4(wall.given, 0);
+  sums = taken_apart(sums, wall.open, mass);
+  start = opened(wall.open, start);
+#endif
   if (free) {
     store_inverse(i, sums, mass);
   } else {

@@ -25,6 +25,7 @@ layout(push_constant, scalar) uniform Constants { Push push; };
 
 #define SUMS
 #include "implicit.glsl"
+#include "implicit_wall.glsl"
 #include "implicit_row.glsl"
 
 // Floats resolve no smaller part of a residual.
@@ -35,7 +36,7 @@ vec4 multiply(uint i) {
   const vec4 first = FETCH(inverses, 2 * i);
   vec3 product = vec3(0);
   const vec3 z = FETCH(exchanged, i).xyz;
-  if (first.w > 0) product = first.w * z + pulls(i, z, 0);
+  if (first.w > 0) product = filtered(i, first.w * z + pulls(i, z, 0));
   krylov[2 * push.count + i] = vec4(product, 0);
   const vec3 r = FETCH(krylov, i).xyz;
   const vec3 half_way = half_preconditioned(Inverse(first.xyz, FETCH(inverses, 2 * i + 1).xyz), r);

@@ -24,6 +24,7 @@ layout(push_constant, scalar) uniform Constants { Push push; };
 
 #define SUMS
 #include "implicit.glsl"
+#include "implicit_wall.glsl"
 #include "implicit_row.glsl"
 
 // A held particle has no mass, and stays.
@@ -34,7 +35,7 @@ vec4 relax(uint i, uint k) {
   const vec3 stored = FETCH(exchanged, from + i).xyz;
   const vec3 b = FETCH(krylov, i).xyz;
   vec3 product = vec3(0);
-  if (first.w > 0) product = first.w * stored + pulls(i, stored, from);
+  if (first.w > 0) product = filtered(i, first.w * stored + pulls(i, stored, from));
   const Inverse inverse = Inverse(first.xyz, FETCH(inverses, 2 * i + 1).xyz);
   const vec3 r = b - scale * product;
   const vec3 half_way = half_preconditioned(inverse, r);

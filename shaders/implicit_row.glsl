@@ -1,8 +1,12 @@
 // A particle's row of the matrix without its mass: sum over its springs of B (p_i - p_j), p_j as `exchanged` has it from
-// `first` on, B = u u^T + a I.
+// `first` on, or as OFFERED says, B = u u^T + a I.
+
+#ifndef OFFERED
+#define OFFERED(i) FETCH(exchanged, i).xyz
+#endif
 
 vec3 pull(vec3 p, uint other, vec4 block) {
-  const vec3 d = p - FETCH(exchanged, other).xyz;
+  const vec3 d = p - OFFERED(other);
   return block.w * d + dot(block.xyz, d) * block.xyz;
 }
 

@@ -80,9 +80,13 @@ ImplicitEquations ImplicitSystem::assemble(std::span<const ImplicitTarget> targe
     const auto* first = equations.filter.data() + cloth.first_particle;
     if (std::all_of(first, first + cloth.particles, [](const Matrix& m) { return m.isIdentity(0); })) equations.free.push_back(cloth);
   }
+  // Apart from what is decided: then the inverse leads from the directions that are left to themselves, and with it go the bounds above.
   equations.inverse.assign(equations.diagonal.size(), Matrix::Zero());
   for (std::size_t i = 0; i < equations.diagonal.size(); ++i)
-    if (equations.masses[static_cast<Eigen::Index>(i)] > 0) equations.inverse[i] = equations.diagonal[i].inverse();
+    if (const double mass = equations.masses[static_cast<Eigen::Index>(i)]; mass > 0) {
+      const Matrix& s = equations.filter[i];
+      equations.inverse[i] = (s * equations.diagonal[i] * s + mass * (Matrix::Identity() - s)).inverse();
+    }
   equations.right = equations.filtered(std::move(impulse));
   equations.guess = equations.filtered(velocities - equations.flight);
   return equations;
@@ -123,6 +127,14 @@ ImplicitSolution ImplicitSystem::solve(const ImplicitEquations& equations) const
 void ImplicitSystem::move(const ImplicitEquations& equations, const ImplicitSolution& solution, std::span<const ImplicitTarget> targets) {
   velocities = equations.flight + solution.change;
   positions += h_ * velocities;
+  // Springs that should have taken a particle off a plane may have failed to.
+  for (Eigen::Index i = 0; i < positions.cols(); ++i)
+    for (const Plane& plane : planes_) {
+      const double depth = thickness_[i] - plane.normal.dot(positions.col(i) - plane.point);
+      if (depth <= 0 || inverse_masses_[i] == 0) continue;
+      positions.col(i) += depth * plane.normal;
+      velocities.col(i) += depth / h_ * plane.normal;
+    }
   for (const ImplicitTarget& target : targets) positions.col(target.particle) = target.position;
   for (Eigen::Index i = 0; i < positions.cols(); ++i)
     if (inverse_masses_[i] == 0) velocities.col(i).setZero();

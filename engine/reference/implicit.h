@@ -21,7 +21,8 @@
 // mean change of such a cloth's velocity is taken off at the end; that is the best constant correction in the norm of A.
 //
 // Planes constrain the direction across them: a particle that would end below goes onto the plane, and its residual loses that
-// direction, unless the springs would pull it off.
+// direction, unless the springs would pull it off. Should they fail to, it is put onto the plane after the solve. On the device all
+// colliders that have a distance do so, with friction (shaders/implicit_wall.glsl).
 //
 // Limitations: springs only; planes that stand still, without friction; no tethers; one thread.
 #pragma once
