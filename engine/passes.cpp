@@ -183,7 +183,7 @@ std::vector<BufferNeed> buffer_needs(const Plan& plan, const Scene& scene, const
                                   // Gauss-Seidel; Chebyshev.
                                   links, links, stretch_pairs, bends, 3 * particles, 1,
                                   contacts.capacity, particles,
-                                  hinges, 4 * hinges, particles, fabric.hinge_uses.pairs.size(), 3 * particles};
+                                  hinges, 4 * hinges, particles, fabric.hinge_uses.pairs.size(), 2 * particles};
   constexpr auto grows = [](gpu::Binding binding) {
     return binding == gpu::candidates || binding == gpu::contact_normals || binding == gpu::contact_weights || binding == gpu::contact_list;
   };

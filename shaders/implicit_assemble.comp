@@ -32,6 +32,7 @@ WRITE(vec4, walls)
 
 layout(push_constant, scalar) uniform Constants { Push push; };
 
+#include "implicit.glsl"
 #define WALLS
 #include "implicit_wall.glsl"
 
@@ -71,22 +72,21 @@ void add_spring(uint other, vec4 spring, vec3 x, vec3 v, uint place, inout Sums 
   spring_blocks[place] = vec4(b, a);
 }
 
-// Both factors at once. In exact arithmetic no pivot is below the mass.
-void store_inverse(uint i, Sums s, float mass) {
+// In exact arithmetic no pivot is below the mass.
+Inverse factor_of(Sums s, float mass) {
   const float x = inversesqrt(max(s.diagonal.x, mass));
   const float yx = s.below.x * x, zx = s.below.y * x;
   const float y = inversesqrt(max(s.diagonal.y - yx * yx, mass));
   const float zy = (s.below.z - zx * yx) * y;
   const float z = inversesqrt(max(s.diagonal.z - zx * zx - zy * zy, mass));
-  inverses[2 * i] = vec4(x, y, z, mass);
-  inverses[2 * i + 1] = vec4(-yx * x * y, (zy * yx * y - zx) * x * z, -zy * y * z, 0);
+  return Inverse(vec3(x, y, z), vec3(-yx * x * y, (zy * yx * y - zx) * x * z, -zy * y * z));
 }
 
-// Apart: D is given by its columns.
+// The symmetric matrix is written out by its columns.
 Sums taken_apart(Sums s, vec4 open, float mass) {
   const mat3 d = mat3(s.diagonal.x, s.below.x, s.below.y, s.below.x, s.diagonal.y, s.below.z, s.below.y, s.below.z, s.diagonal.z);
-  const mat3 filter_matrix = mat3(opened(open, vec3(1, 0, 0)), opened(open, vec3(0, 1, 0)), opened(open, vec3(0, 0, 1)));
-  const mat3 apart = filter_matrix * d * filter_matrix + mass * (mat3(1) - filter_matrix);
+  const mat3 kept = mat3(opened(open, vec3(1, 0, 0)), opened(open, vec3(0, 1, 0)), opened(open, vec3(0, 0, 1)));
+  const mat3 apart = kept * d * kept + mass * (mat3(1) - kept);
   return Sums(opened(open, s.impulse), vec3(apart[0].x, apart[1].y, apart[2].z), vec3(apart[0].y, apart[0].z, apart[1].z));
 }
 
@@ -115,20 +115,18 @@ void main() {
   // The filter: what is held takes no part. Neither does a particle that is lost.
   vec3 start = mass > 0 ? guess(i, v) : vec3(0);
   const bool free = mass > 0 && dot(x.xyz, x.xyz) < 1e20 && dot(start, start) < 1e20;
+  Inverse inverse = factor_of(sums, mass);
 #ifdef COLLIDERS
-  Wall wall = Wall(vec4(0), vec3(0), vec3(0));
-  if (free) wall = wall_at(x.xyz, v, FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)), x.w * sums.impulse);
-  walls[3 * i] = wall.open;
-  walls[3 * i + 1] = vec4(wall.change, 0);
-  walls[3 * i + 2] = vec4(wall.given, 0);
+  Wall wall = Wall(vec4(0), vec3(0));
+  if (free) wall = wall_at(x.xyz, v, FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)), preconditioned(inverse, sums.impulse));
+  walls[2 * i] = wall.open;
+  walls[2 * i + 1] = vec4(wall.change, 0);
   sums = taken_apart(sums, wall.open, mass);
   start = opened(wall.open, start);
+  inverse = factor_of(sums, mass);
 #endif
-  if (free) {
-    store_inverse(i, sums, mass);
-  } else {
-    inverses[2 * i] = inverses[2 * i + 1] = vec4(0);
-  }
+  inverses[2 * i] = free ? vec4(inverse.diagonal, mass) : vec4(0);
+  inverses[2 * i + 1] = free ? vec4(inverse.below, 0) : vec4(0);
   krylov[i] = vec4(free ? sums.impulse : vec3(0), 0);
   exchanged[i] = vec4(free ? start : vec3(0), 0);
 }

@@ -23,7 +23,7 @@ void main() {
     const float mass = FETCH(inverses, 2 * (cloth.first + k)).w;
     sum += mass * vec4(change_of(cloth.first + k, state, push.count), 1);
 #ifdef COLLIDERS
-    if (FETCH(walls, 3 * (cloth.first + k)) != vec4(0, 0, 0, 1)) sum.w += 1e30;
+    if (FETCH(walls, 2 * (cloth.first + k)) != vec4(0, 0, 0, 1)) sum.w += 1e30;
 #endif
   }
   sum = sum_of_group(sum);

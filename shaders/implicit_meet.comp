@@ -12,7 +12,7 @@ GATHER_WRITE(krylov)
 layout(push_constant, scalar) uniform Constants { Push push; };
 
 #include "implicit_wall.glsl"
-#define OFFERED(i) FETCH(walls, 3 * (i) + 1).xyz
+#define OFFERED(i) FETCH(walls, 2 * (i) + 1).xyz
 #include "implicit_row.glsl"
 
 void main() {

@@ -1,7 +1,5 @@
 // implicit_step: moves on by what was solved, p = x + h (v* + dv), without what it gave to the centre of mass of a free cloth;
 // settle does the rest. Reports how well it was solved.
-//
-// What walls gave is left out again, and settle puts the particle back onto the surface: friction goes by how far that is.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -22,7 +20,6 @@ layout(push_constant, scalar) uniform Constants { Push push; };
 #endif
 
 #include "implicit_change.glsl"
-#include "implicit_wall.glsl"
 
 void report(Linear state) {
   const float left = state.first > 0 ? sqrt(state.squared / state.first) : 0;
@@ -38,9 +35,6 @@ void main() {
   if (i >= push.count) return;
   vec4 p = FETCH(predicted, i);
   if (p.w != 0) p.xyz += push.h * (change_of(i, state, push.count) - free_cloths[floatBitsToUint(FETCH(velocities, i).w)].drift);
-#ifdef COLLIDERS
-  if (p.w != 0) p.xyz += push.h * (FETCH(walls, 3 * i + 1).xyz - FETCH(walls, 3 * i + 2).xyz);
-#endif
 #ifdef SETTLE
   settle(i, p);
 #else

@@ -1,9 +1,9 @@
 // What colliders leave to a particle in an implicit substep: the filter of Baraff and Witkin (1998, section 5.3). A particle whose
 // free flight would end inside a collider is led to its surface instead; the direction across is decided with that, and the solve
-// has no part in it. Not where the springs would take the particle off by themselves.
+// has no part in it. Not where the springs would take the particle off by themselves, as far as it can tell with its neighbours in free flight.
 //
-// `walls` has three entries a particle: the filter, the change of its free flight, and what the walls had to give for that, which
-// is the more by how much the springs push against them (m/s).
+// `walls` has two entries a particle: the filter and the change of its free flight (m/s). The springs are told of that change
+// (implicit_meet.comp), the particle gets it from settle, which puts it out of the collider again and knows friction.
 //
 // The filter is S v = s v + (1 - 2 s) (n . v) n of a vector n and a number s in one entry: all of v (0, 1), all but along a normal n
 // (n, 1), in an edge along n alone (n, 0), in a corner nothing (0, 0), which is also what a held particle has.
@@ -18,7 +18,6 @@ vec3 opened(vec4 open, vec3 v) { return open.w * v + (1 - 2 * open.w) * dot(open
 struct Wall {
   vec4 open;      // the filter
   vec3 change;    // m/s
-  vec3 given;     // m/s
 };
 
 // Takes a further direction, of those that are left, away.
@@ -34,21 +33,19 @@ vec3 out_of_collider(uint k, Visit visit, vec3 p) {
   return out_of_box(colliders[k], visit, p);
 }
 
-// x, free flight v, and `pushed`, what the springs would change it by if all else went on freely (m/s).
+// x, free flight v, and `pushed`, what the springs would change it by (m/s).
 Wall wall_at(vec3 x, vec3 v, vec4 material, vec3 pushed) {
   const Visit visit = Visit(push.fraction_from, push.fraction_to, x, material.z, 0);
-  Wall wall = Wall(vec4(0, 0, 0, 1), vec3(0), vec3(0));
+  Wall wall = Wall(vec4(0, 0, 0, 1), vec3(0));
   for (uint k = 0; k < planes + spheres + capsules + boxes; ++k) {
     const vec3 p = x + push.h * (v + wall.change), way_out = out_of_collider(k, visit, p) - p;
     const float depth = length(way_out), change = push.inverse_h * depth;
     const vec3 normal = way_out / max(depth, 1e-20);
-    const float given = change - dot(normal, pushed);
     // In a corner only along what the walls before have left.
     const vec3 left = opened(wall.open, normal);
     const float squared = dot(left, left);
-    if (depth > 0 && given > 0 && squared > 1e-6) {
+    if (depth > 0 && change > dot(normal, pushed) && squared > 1e-6) {
       wall.change += change / squared * left;
-      wall.given += given * normal;
       wall.open = closed(wall.open, left * inversesqrt(squared));
     }
   }
@@ -57,7 +54,7 @@ Wall wall_at(vec3 x, vec3 v, vec4 material, vec3 pushed) {
 
 #else
 GATHER(walls)
-vec3 filtered(uint i, vec3 v) { return opened(FETCH(walls, 3 * i), v); }
+vec3 filtered(uint i, vec3 v) { return opened(FETCH(walls, 2 * i), v); }
 #endif
 #else
 vec3 filtered(uint i, vec3 v) { return v; }

@@ -74,7 +74,7 @@
   X(59, hinge_impulses, vec4)     /* 4 x hinges     of each of its particles: xyz gradient times change of the multiplier; the first's w: the multiplier */ \
   X(60, hinge_use_rows, uvec2)    /* particles      first use pair, number of uses */                                    \
   X(61, hinge_uses,     uvec4)    /* use pairs      (4 x hinge + which of its particles, inverse mass as float bits) twice */  \
-  X(62, walls,          vec4)     /* 3 x particles  what colliders decide of an implicit substep (implicit_wall.glsl) */
+  X(62, walls,          vec4)     /* 2 x particles  what colliders decide of an implicit substep (implicit_wall.glsl) */
 
 // Texel views (GATHER) live in a second descriptor set under the same numbers.
 #define WEFT_STORAGE_SET 0

@@ -159,6 +159,7 @@ TEST(Plan, every_buffer_of_a_feature_is_there_with_it_and_absent_without) {
     for (const gpu::Binding springs : {gpu::spring_blocks, gpu::inverses, gpu::exchanged, gpu::krylov,
                                        gpu::partial_sums, gpu::linear, gpu::free_cloths})
       EXPECT_EQ(has(plan, springs), implicit) << springs;
+    EXPECT_EQ(has(plan, gpu::walls), implicit && (features & feature::kColliders) != 0);
     EXPECT_EQ(std::any_of(plan.passes.begin(), plan.passes.end(), [](const PlannedPass& p) { return p.label == "implicit_relax"; }), implicit && relaxed);
     EXPECT_EQ(std::any_of(plan.passes.begin(), plan.passes.end(), [](const PlannedPass& p) { return p.label == "implicit_multiply"; }), implicit && !relaxed);
     for (const gpu::Binding always : {gpu::positions, gpu::velocities, gpu::predicted, gpu::relaxed, gpu::materials,
@@ -176,6 +177,8 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   EXPECT_EQ(labels(kImplicit | kTethers), (Labels{"predict", "implicit_assemble", "implicit_multiply", "implicit_advance", "implicit_drift", "implicit_step+tether+settle",
                                                   "surface"}));
   EXPECT_EQ(labels(kImplicit | kRelaxed), (Labels{"predict", "implicit_assemble", "implicit_relax", "implicit_drift", "implicit_step+settle", "surface"}));
+  EXPECT_EQ(labels(kImplicit | kColliders), (Labels{"predict", "implicit_assemble", "implicit_meet", "implicit_multiply", "implicit_advance", "implicit_drift",
+                                                    "implicit_step+collide+settle", "surface"}));
   EXPECT_EQ(labels(kColliders | kIterated), (Labels{"predict", "stretch+collide+settle", "surface"}));
   EXPECT_EQ(labels(kLinks & ~kContacts), (Labels{"predict", "anchor", "stretch", "bend_lambda", "bend_gather+tether+collide+settle", "surface"}));
   EXPECT_EQ(labels(kSprings | kTethers), (Labels{"predict", "spring", "hold+tether+settle", "surface"}));

@@ -93,21 +93,23 @@ ImplicitEquations ImplicitSystem::assemble(std::span<const ImplicitTarget> targe
 }
 
 // A particle that would end below a plane is put onto it: its free flight gets the speed across the plane that leads there, and
-// its residual loses that direction. Not where the springs would pull it off: what the plane had to give then points down.
+// its residual loses that direction. Not where the springs would pull it off, its neighbours in free flight.
 void ImplicitSystem::meet_planes(ImplicitEquations& equations, Columns& impulse) const {
   const Columns free = equations.flight;
-  for (Eigen::Index i = 0; i < positions.cols(); ++i)
+  for (Eigen::Index i = 0; i < positions.cols(); ++i) {
+    if (inverse_masses_[i] == 0) continue;
+    const Vector pushed = equations.diagonal[i].ldlt().solve(impulse.col(i));
     for (const Plane& plane : planes_) {
-      if (inverse_masses_[i] == 0) break;
       const double height = plane.normal.dot(positions.col(i) - plane.point) - thickness_[i];
       const double change = -height / h_ - plane.normal.dot(equations.flight.col(i));
-      if (change <= 0 || equations.masses[i] * change < plane.normal.dot(impulse.col(i))) continue;
+      if (change <= 0 || change <= plane.normal.dot(pushed)) continue;
       // In a corner only along what the planes before have left.
       const Vector left = equations.filter[i] * plane.normal;
       if (left.squaredNorm() < 1e-6) continue;
       equations.flight.col(i) += change / left.squaredNorm() * left;
       equations.filter[i] -= left * left.transpose() / left.squaredNorm();
     }
+  }
   // The springs see the flight as it is now.
   const Columns changed = equations.flight - free;
   for (const ImplicitEquations::Coupling& c : equations.couplings) {
