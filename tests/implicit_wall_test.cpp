@@ -169,6 +169,21 @@ TEST_F(ImplicitWalls, a_sheet_that_falls_on_a_plane_goes_where_it_goes_on_the_pr
   }
 }
 
+// Cotton is stiff and light: what a collider does to a particle is more than its solve can find out by itself. Pushed out of the floor after
+// the solve alone, this sheet was a heap that shook at 15 m/s, strained by 15 %.
+TEST_F(ImplicitWalls, a_stiff_sheet_that_falls_aslant_on_the_floor_spreads_out_and_comes_to_rest) {
+  Scene scene = over_a_plane(plane(-0.7f), Linear::cg);
+  Cloth& cloth = scene.cloths[0];
+  cloth.springs.reset();
+  cloth.grid = Grid{{1, 1}, 16, 16, Topology::diagonal, true};
+  cloth.transform = {.translate = {}, .axis = {0.957826f, 0, 0.287348f}, .degrees = 50, .scale = 1};
+  cloth.fabric.damping = 0.5;
+  const auto simulation = must(Simulation::create(device(), scene));
+  run(*simulation, 2, 0.01);
+  EXPECT_LT(strain_of(*simulation).rms, 0.03);
+  EXPECT_LT(top_speed(*simulation), 0.5);
+}
+
 // Slope 1 : 2. Friction goes by the way out of a collider, and the solve must not have gone it already.
 TEST_F(ImplicitWalls, friction_holds_a_sheet_on_an_incline_or_lets_it_slide) {
   for (const bool sticks : {true, false}) {
