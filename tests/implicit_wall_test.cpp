@@ -119,7 +119,7 @@ TEST_F(ImplicitWalls, a_filtered_solve_goes_where_its_twin_goes) {
   for (const Linear linear : {Linear::cg, Linear::jacobi})
     for (const std::uint32_t iterations : {2u, 5u, 40u}) {
       const Cornered sheet(linear, iterations, 4);
-      SinglePass passes = sheet.passes(device(), false);
+      SinglePass passes = sheet.passes(device(), iterations == 5);
       const bool jacobi = linear == Linear::jacobi;
       for (std::uint32_t k = 0; k < iterations; ++k) {
         const int dispatch = static_cast<int>(k);
