@@ -6,7 +6,7 @@
 namespace weft::reference {
 namespace {
 
-constexpr std::uint32_t kFrames = 6;
+constexpr std::uint32_t kFrames = 3;
 
 double distance_to_reference(const Scene& scene, const VbdSettings& settings) {
   const CookedFabric fabric = cooked(scene);
@@ -17,14 +17,14 @@ double distance_to_reference(const Scene& scene, const VbdSettings& settings) {
 
 // Descent by particles goes on for as long as doubles resolve; a step of the reference is solved to 1e-10.
 TEST(VertexBlockDescent, with_many_sweeps_it_takes_the_references_steps_on_cloth_that_gives_way) {
-  Scene scene = hung_sheet(6, false);
+  Scene scene = hung_sheet(4, false);
   scene.cloths[0].fabric.stretch = 100;
   EXPECT_LT(distance_to_reference(scene, {.sweeps = 400}), 1e-9);
 }
 
 // Augmented links let a sheet fall that springs as stiff hold in the air: it comes nearer, and nearer still with more sweeps.
 TEST(VertexBlockDescent, the_augmented_form_frees_rigid_cloth_that_freezes_without_it) {
-  Scene scene = hung_sheet(6, false);
+  Scene scene = hung_sheet(4, false);
   scene.cloths[0].fabric.stretch = scene.cloths[0].fabric.shear = INFINITY;
   const double frozen = distance_to_reference(scene, {.sweeps = 4, .augmented = false});
   const double few = distance_to_reference(scene, {.sweeps = 4}), many = distance_to_reference(scene, {.sweeps = 16});
