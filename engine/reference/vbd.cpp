@@ -129,6 +129,7 @@ class Descent {
 
 Result<VbdRun> integrate_vbd(const Scene& scene, const CookedFabric& fabric, std::uint32_t frames, const VbdSettings& settings) {
   if (!scene.colliders.empty()) return fail("colliders[0]: vertex block descent has no colliders here; it was given ", scene.colliders.size());
+  if (!fabric.hinges.empty()) return fail("bend_rest: vertex block descent bends cloth about a flat shape; the scene has ", fabric.hinges.size(), " hinges about its mesh's");
   if (contacts_on(scene)) return fail("contacts: vertex block descent has none here");
   for (std::size_t c = 0; c < scene.cloths.size(); ++c)
     for (std::size_t a = 0; a < scene.cloths[c].anchors.size(); ++a)

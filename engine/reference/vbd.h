@@ -34,7 +34,7 @@ struct VbdRun {
   std::uint32_t colours = 0;
 };
 
-/// `frames` frames at the scene's rate in steps of fabric.h, from the pose that was cooked, at rest. Errors: a collider, contacts, keyed
+/// `frames` frames at the scene's rate in steps of fabric.h, from the pose that was cooked, at rest. Errors: a collider, contacts, hinges, keyed
 /// anchors; a run that turned non-finite.
 Result<VbdRun> integrate_vbd(const Scene& scene, const CookedFabric& fabric, std::uint32_t frames, const VbdSettings& settings);
 
