@@ -171,23 +171,44 @@ Result<void> Simulation::move_anchors(std::uint32_t first, std::span<const Vec3>
   return {};
 }
 
-Result<void> Simulation::move_collider(std::uint32_t collider, const ColliderPose& pose) {
-  if (collider >= state_->collider_poses.size()) return fail("collider ", collider, " is not below the scene's ", state_->collider_poses.size());
+Result<ColliderPose> Simulation::State::checked_pose(std::uint32_t collider, const ColliderPose& pose) const {
+  if (collider >= collider_poses.size()) return fail("collider ", collider, " is not below the scene's ", collider_poses.size());
   const Rotation& r = pose.rotation;
   const float turn = std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w);
   if (!is_finite(pose.centre) || !is_finite(pose.normal) || !std::isfinite(turn))
     return fail("the pose of collider ", collider, " is not finite, or ", kFarthest, " m away or more");
   if (!(turn > 1e-6f)) return fail("the rotation of collider ", collider, " is a quaternion of length ", turn, ", not above 1e-6");
   ColliderPose wish = pose;
-  wish.centre = wish.centre - state_->origin;
+  wish.centre = wish.centre - origin;
   wish.rotation = {r.x / turn, r.y / turn, r.z / turn, r.w / turn};
-  if (state_->scene.colliders[collider].shape == ColliderShape::plane) {   // a sphere's normal says nothing
+  if (scene.colliders[collider].shape == ColliderShape::plane) {   // a sphere's normal says nothing
     const float size = length(pose.normal);
     if (!(size > 1e-6f)) return fail("the normal of collider ", collider, " has a length of ", size, ", not above 1e-6");
     wish.normal = (1 / size) * pose.normal;
   }
-  state_->collider_wishes[collider] = wish;
+  return wish;
+}
+
+Result<void> Simulation::move_collider(std::uint32_t collider, const ColliderPose& pose) {
+  auto wish = state_->checked_pose(collider, pose);
+  if (!wish) return wish.take_error();
+  state_->collider_wishes[collider] = *wish;
   state_->collider_is_led[collider] = true;
+  return {};
+}
+
+Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPose& pose) {
+  const auto there = state_->checked_pose(collider, pose);
+  if (!there) return fail(there.error());
+  if (const ColliderMesh* mesh = state_->mesh_of(collider)) {
+    auto positions = read_positions();
+    if (!positions) return positions.take_error();
+    const std::vector<Vec3> points = collider_points(state_->fabric, *mesh, there->centre, there->rotation);
+    for (std::size_t k = 0; k < points.size(); ++k) (*positions)[mesh->first_particle + k] = {points[k].x, points[k].y, points[k].z, 0};
+    if (auto done = write_positions(*positions); !done) return done;
+  }
+  state_->collider_poses[collider] = *there;
+  state_->collider_wishes[collider].reset();
   return {};
 }
 

@@ -149,6 +149,10 @@ class Simulation {
   /// Pose for the end of the next frame, whole (a capsule or a box without a rotation stands along its own axes); replaces the scene's
   /// keys for this collider. It turns there the shorter way round. Errors: no such collider; not finite; a normal or rotation of length 0.
   Result<void> move_collider(std::uint32_t collider, const ColliderPose& pose);
+  /// Is there at once, without a way there that cloth could meet, and a wish of move_collider is forgotten; keys take it on from there. With
+  /// write_positions, which does the same to cloth and its anchors, a host sets a scene elsewhere. Of a mesh collider: waits. Errors: as
+  /// move_collider; a lost device.
+  Result<void> place_collider(std::uint32_t collider, const ColliderPose& pose);
   /// From the next frame on (m/s^2). Errors: not finite.
   Result<void> set_gravity(Vec3 gravity);
 

@@ -68,11 +68,19 @@ Vec3 Simulation::State::move_collider_on(std::uint32_t collider) {
     wish.reset();
   } else if (!collider_is_led[collider] && !described.keys.empty()) {
     const Key key = pose_at(described.keys, now());
-    spin = spin_between(collider_keys[collider], key);
-    pose = keyed_pose(described, key);
+    const ColliderPose to = keyed_pose(described, key);
+    const bool was_placed = !(keyed_pose(described, collider_keys[collider]).rotation == pose.rotation);
+    spin = was_placed ? spin_between(pose.rotation, to.rotation) : spin_between(collider_keys[collider], key);
+    pose = to;
     collider_keys[collider] = key;
   }
   return spin;
+}
+
+const ColliderMesh* Simulation::State::mesh_of(std::uint32_t collider) const {
+  for (const ColliderMesh& mesh : fabric.collider_meshes)
+    if (mesh.collider == collider) return &mesh;
+  return nullptr;
 }
 
 // Their particles are led like anchors, each straight to its next place.

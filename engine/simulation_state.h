@@ -69,6 +69,8 @@ struct Simulation::State {
   bool timed_on_cpu() const;
   Result<Advance> plan_frame(double seconds, FrameInput& input);
   void move_scene(FrameInput& input);
+  Result<ColliderPose> checked_pose(std::uint32_t collider, const ColliderPose& pose) const;
+  const ColliderMesh* mesh_of(std::uint32_t collider) const;   // null: it is none
   Vec3 move_collider_on(std::uint32_t collider);
   void move_collider_meshes();
   void record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool keep);

@@ -16,6 +16,7 @@ constexpr double kSize = 100;
 constexpr Vec3 kAway{10e3f, 0, -10e3f};             // m
 constexpr double kHitch = 0.5;                      // s
 constexpr Vec3 kJump{5, 0, 0};                      // m
+constexpr Vec3 kTeleport{30, 10, -40};              // m
 
 std::string text(double value) {
   char digits[32];
@@ -122,6 +123,7 @@ std::vector<Perturbation> all_perturbations(bool quick) {
   add("far away", "10 km away").away = kAway;
   add("large", "everything x " + text(kSize)).size = kSize;
   add("hitch", "a frame of " + text(kHitch) + " s").hitch = kHitch;
+  add("teleport", "everything set 51 m away").teleport = kTeleport;
   Perturbation& jolt = add("jolt", "anchors and colliders jump 5 m");
   jolt.jolt = kJump;
   jolt.judged = false;   // friction takes free cloth along, and cloth that is torn through a collider may stay there
@@ -134,10 +136,10 @@ Scene perturbed(const Scene& scene, const Perturbation& perturbation, double hal
   if (perturbation.mass != 1) make_heavier(changed, perturbation.mass);
   if (perturbation.size != 1) enlarge(changed, perturbation.size);
   if (perturbation.away != Vec3{}) move(changed, perturbation.away);
-  if (perturbation.jolt != Vec3{}) {
+  if (const Vec3 jump = perturbation.jolt + perturbation.teleport; jump != Vec3{}) {
     for (Cloth& cloth : changed.cloths)
-      for (Anchor& anchor : cloth.anchors) anchor.keys = with_jump(anchor.keys, halfway, frame, perturbation.jolt);
-    for (Collider& collider : changed.colliders) collider.keys = with_jump(collider.keys, halfway, frame, perturbation.jolt);
+      for (Anchor& anchor : cloth.anchors) anchor.keys = with_jump(anchor.keys, halfway, frame, jump);
+    for (Collider& collider : changed.colliders) collider.keys = with_jump(collider.keys, halfway, frame, jump);
   }
   return changed;
 }

@@ -1,7 +1,7 @@
 // What a scene is put through to see whether it stands firm: other frames, other masses, other places, worse starts.
 //
 // A perturbation that physics does not see must change nothing: the same cloth heavier and as much stiffer, the same scene elsewhere,
-// everything larger (with gravity, so that it takes as long) or cut into other frames. One that it does see, a jolt, must leave nothing
+// everything larger (with gravity, so that it takes as long), cut into other frames or set elsewhere between two. One that it does see, a jolt, must leave nothing
 // behind.
 #pragma once
 
@@ -24,13 +24,15 @@ struct Perturbation {
   Vec3 away = {};                // m: where the scene is moved to
   double hitch = 0;              // s: a frame that long halfway through
   Vec3 jolt = {};                // m: anchors and colliders jump halfway through, within a frame
+  Vec3 teleport = {};            // m: cloth, anchors and colliders are set there halfway through, between two frames
   bool judged = true;            // what is left at the end, strain and place, must be what was there without
 };
 
 /// All of them; `quick`: one or two of each kind.
 std::vector<Perturbation> all_perturbations(bool quick);
 
-/// The scene as the perturbation has it from the start. `halfway` (s): when anchors and colliders jump, within `frame`.
+/// The scene as the perturbation has it from the start. `halfway` (s): when anchors and colliders jump, within `frame`. Of a teleport the
+/// scene has only where keys lead to afterwards; who runs it must set everything there at `halfway`.
 Scene perturbed(const Scene& scene, const Perturbation& perturbation, double halfway, double frame);
 
 }  // namespace weft::command
