@@ -130,6 +130,11 @@ std::vector<Perturbation> all_perturbations(bool quick) {
   return all;
 }
 
+std::uint32_t least_frames(const Scene& scene) {
+  const double hitch = std::min(kHitch, scene.solver.longest_advance) * scene.solver.rate;   // frames
+  return 2 * static_cast<std::uint32_t>(std::ceil(hitch - 1e-6));
+}
+
 Scene perturbed(const Scene& scene, const Perturbation& perturbation, double halfway, double frame) {
   Scene changed = scene;
   if (perturbation.rate > 0) changed.solver.rate = perturbation.rate;

@@ -31,6 +31,9 @@ struct Perturbation {
 /// All of them; `quick`: one or two of each kind.
 std::vector<Perturbation> all_perturbations(bool quick);
 
+/// Fewer frames than this do not have room for what happens halfway: the hitch, clamped to the scene's longest advance.
+std::uint32_t least_frames(const Scene& scene);
+
 /// The scene as the perturbation has it from the start. `halfway` (s): when anchors and colliders jump, within `frame`. Of a teleport the
 /// scene has only where keys lead to afterwards; who runs it must set everything there at `halfway`.
 Scene perturbed(const Scene& scene, const Perturbation& perturbation, double halfway, double frame);

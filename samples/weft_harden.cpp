@@ -42,9 +42,13 @@ struct Count {
   std::uint32_t runs = 0, broken = 0;
 };
 
+std::uint32_t frames_of(const Scene& scene, const HardenOptions& options) {
+  return options.frames ? *options.frames : options.quick ? std::min(scene.frames, kQuickFrames) : scene.frames;
+}
+
 Result<Count> run_all(const compute::Device& device, const Scene& scene, const HardenOptions& options, Json& rows) {
   const std::vector<Perturbation> perturbations = all_perturbations(options.quick);
-  const std::uint32_t frames = options.frames ? *options.frames : options.quick ? std::min(scene.frames, kQuickFrames) : scene.frames;
+  const std::uint32_t frames = frames_of(scene, options);
   std::printf("%-31s %6s %8s %8s %8s %6s %6s %8s %8s %8s %7s\n", "", "not", "pins", "strain", "strain", "lost", "cross-", "mean", "shape", "s given", "");
   std::printf("%-31s %6s %8s %8s %8s %6s %6s %8s %8s %8s %7s\n", "", "finite", "off m", "max %", "rms %", "", "ings", "off %", "off %", "back", "s");
   const auto base = endure(device, scene, {}, frames);
@@ -60,6 +64,7 @@ Result<Count> run_all(const compute::Device& device, const Scene& scene, const H
     count.broken += !faults.empty();
   };
   tell({}, *base);
+  if (base->crossings > 0) std::printf("The scene crosses by itself, so none of what follows can hold that counts crossings\n");
   Progress progress("hardening " + scene.name, static_cast<std::uint32_t>(perturbations.size()), "perturbations");
   for (const Perturbation& perturbation : perturbations) {
     if (interrupted()) break;
@@ -77,6 +82,10 @@ Exit harden_scene(const compute::Device& device, const HardenOptions& options) {
   const Result<Scene> scene = load_subject(options.file, options.assignments);
   if (!scene) {
     complain(scene.error());
+    return kBadInput;
+  }
+  if (const std::uint32_t frames = frames_of(*scene, options), least = least_frames(*scene); frames < least) {
+    complain("--frames: a run of " + std::to_string(frames) + " frames has no room for the long one halfway; this scene takes at least " + std::to_string(least));
     return kBadInput;
   }
   // Everything a scene's author can have got wrong is told before anything runs.
