@@ -138,9 +138,11 @@ std::vector<std::string> broken(const Perturbation& perturbation, const Enduranc
   if (!(with.pins_off == 0)) broken.push_back("pins");
   if (with.lost > 0) broken.push_back("contacts lost");
   if (with.crossings > 0) broken.push_back("crossings");   // a scene that crosses by itself does not hold either
-  if (!perturbation.judged) return broken;
-  if (!(with.strain.rms <= kStrainFactor * without.strain.rms + kStrainMore)) broken.push_back("strain");
-  if (!(difference(with, without).mean <= band)) broken.push_back("sag");
+  if (perturbation.same_strain && !(with.strain.rms <= kStrainFactor * without.strain.rms + kStrainMore)) broken.push_back("strain");
+  if (std::isinf(perturbation.bands)) return broken;
+  const Difference off = difference(with, without);
+  if (!(off.mean <= perturbation.bands * band)) broken.push_back("sag");
+  if (!(off.shape <= perturbation.bands * kShapeBands * band)) broken.push_back("shape");
   return broken;
 }
 
