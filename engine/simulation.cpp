@@ -114,6 +114,8 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
     if (!timestamps) return timestamps.take_error();
     slot.timestamps = std::move(*timestamps);
   }
+  if (state->timed_on_cpu())
+    if (auto made = state->create_kept(); !made) return made.take_error();
 
   for (const AnchorTarget& anchor : state->fabric.anchors) {
     const gpu::vec3 rest{anchor.rest.x, anchor.rest.y, anchor.rest.z};
