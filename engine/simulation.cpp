@@ -63,6 +63,8 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   auto fabric = cook(scene, meshes);
   if (!fabric) return fabric.take_error();
   state->fabric = std::move(*fabric);
+  for (const gpu::vec4& x : state->fabric.positions)
+    if (!is_finite(x)) return fail("a particle would start at (", x.x, ", ", x.y, ", ", x.z, "), which is not finite, or ", kFarthest, " m away or more");
   if (!chosen_by.empty()) state->fabric.notes.push_back(chosen_by);
   state->meshes = std::move(meshes);
   auto cache = compute::PipelineCache::create(device, options.pipeline_cache);
