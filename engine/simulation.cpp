@@ -209,7 +209,14 @@ Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPo
     if (!positions) return positions.take_error();
     const std::vector<Vec3> points = collider_points(state_->fabric, *mesh, there->centre, there->rotation);
     for (std::size_t k = 0; k < points.size(); ++k) (*positions)[mesh->first_particle + k] = {points[k].x, points[k].y, points[k].z, 0};
+    // What writes positions sets anchors there, too; those that wait for cloth to make way must not be taken for led no further.
+    const std::vector<gpu::Anchor> led = state_->anchors;
     if (auto done = write_positions(*positions); !done) return done;
+    for (std::size_t k = 0; k < led.size(); ++k) {
+      const bool own = led[k].particle >= mesh->first_particle && led[k].particle - mesh->first_particle < mesh->particles;
+      if (!own) state_->anchors[k].to = led[k].to;
+    }
+    state_->anchors_are_owed = true;
   }
   state_->collider_poses[collider] = *there;
   state_->collider_wishes[collider].reset();
