@@ -101,7 +101,7 @@ struct BufferUse {
 /// Counts since create. The first two and contacts_lost are zero in a healthy run.
 struct Counts {
   std::uint32_t non_finite = 0;   // particles put back to their last finite position
-  std::uint32_t coincident = 0;   // links whose ends were at one place, pushed apart along a line of no meaning (springs: left alone)
+  std::uint32_t coincident = 0;   // links whose ends were at one place, pushed apart along a line of no meaning (springs that only pull, and those of the method implicit: left alone)
   std::uint32_t contacts_most = 0;   // pairs that could meet, the most that one detection found
   std::uint32_t contacts_lost = 0;   // pairs that found no room and held their particles still instead: only with record and submit
   std::uint32_t truncated = 0;       // times that a particle, or an anchor, was stopped short so that no cloth crosses another
