@@ -197,6 +197,8 @@ class Simulation {
   /// if there was as much room then). Waits. Errors: a snapshot of another scene, or one that this scene cannot be in: nothing has changed
   /// then. No memory: the simulation is in one of the two states, and what follows may search for contacts once more.
   Result<void> restore(const Snapshot& snapshot);
+  /// Whether restore would take it. Errors: as restore, without memory's.
+  Result<void> fits(const Snapshot& snapshot) const;
   /// What the renderer sees, copied back: positions and normals of all render vertices. Waits.
   Result<std::vector<Vec3>> read_vertex_positions() const;
   Result<std::vector<Vec3>> read_vertex_normals() const;
