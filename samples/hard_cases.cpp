@@ -83,6 +83,8 @@ constexpr HardCase kCases[] = {
     {.name = "momentum of a fold", .families = "F4", .scene = "folded", .seconds = 1, .checks = kFolded},
     {.name = "stiff springs", .families = "F6", .scene = "stiff_springs", .seconds = 3, .checks = kSurvives},
     {.name = "comes to rest", .families = "F7", .scene = "rest", .seconds = 5, .checks = kRest},
+    {.name = "comes to rest, 100 x 100", .families = "F7", .scene = "rest", .seconds = 5, .checks = kRest, .cells = 99, .large = true},
+    {.name = "comes to rest, 200 x 200", .families = "F7", .scene = "rest", .seconds = 5, .checks = kRest, .cells = 199, .large = true},
     {.name = "implicit, 1600 particles", .families = "F8", .scene = "implicit", .seconds = 3, .checks = kHung},
     {.name = "below the floor", .families = "F9", .scene = "below_floor", .seconds = 1, .checks = kBelow},
     {.name = "pins in a collider", .families = "F10", .scene = "pins_in_collider", .seconds = 1, .checks = kSurvives},
