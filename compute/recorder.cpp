@@ -129,9 +129,9 @@ Result<std::vector<PassTime>> Timestamps::read() const {
   std::vector<PassTime> times;
   if (!supported() || slots_.empty()) return times;
   std::vector<uint64_t> ticks(2 * slots_.size());
-  const VkResult result = device_->vk().vkGetQueryPoolResults(
+  const VkResult result = device_->heard(device_->vk().vkGetQueryPoolResults(
       device_->handle(), pool_.get(), 0, static_cast<uint32_t>(ticks.size()), ticks.size() * sizeof(uint64_t),
-      ticks.data(), sizeof(uint64_t), VK_QUERY_RESULT_64_BIT);
+      ticks.data(), sizeof(uint64_t), VK_QUERY_RESULT_64_BIT));
   if (result == VK_NOT_READY) {
     return fail("the timestamps of ", slots_.size(), " passes are not ready: their submit has not finished");
   }

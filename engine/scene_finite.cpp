@@ -1,5 +1,7 @@
-// A scene that a program made instead of the reader, which lets nothing pass that is not finite: the same tables, looked through for that.
+// A scene that a program made instead of the reader, which lets nothing pass that is not finite, or too large for
+// shaders: the same tables, looked through for that.
 #include <cmath>
+#include <sstream>
 
 #include "engine/mend.h"
 #include "engine/scene_fields.h"
@@ -36,10 +38,17 @@ struct FiniteCheck {
   void choice(std::string_view, E, Names) {}
   template <class E>
   void choices(std::string_view, const std::vector<E>&, Names) {}
-  void vector2(std::string_view key, Vec2 v, const Range&) { look(std::string(key), double(v.x) + v.y); }
-  void vector3(std::string_view key, Vec3 v, const Range&) { look(std::string(key), double(v.x) + v.y + v.z); }
+  void look(std::string_view key, Vec3 v) {
+    look(std::string(key), double(v.x) + v.y + v.z);
+    if (!fault.empty() || is_finite(v)) return;
+    std::ostringstream text;
+    text << path << key << ": [" << v.x << ", " << v.y << ", " << v.z << "] is not shorter than " << kFarthest << ", which floats cannot square";
+    fault = text.str();
+  }
+  void vector2(std::string_view key, Vec2 v, const Range&) { look(key, Vec3{v.x, v.y, 0}); }
+  void vector3(std::string_view key, Vec3 v, const Range&) { look(key, v); }
   void colour(std::string_view key, Vec3 v, const Range& range) { vector3(key, v, range); }
-  void direction(std::string_view key, Vec3 v) { look(std::string(key), double(v.x) + v.y + v.z); }
+  void direction(std::string_view key, Vec3 v) { look(key, v); }
   void unit(std::string_view key, Vec3 v) { direction(key, v); }
   void cells(std::string_view, std::uint32_t, std::uint32_t, const Range&) {}
   void file(std::string_view, const std::string&, Names) {}

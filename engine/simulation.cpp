@@ -63,6 +63,8 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   auto fabric = cook(scene, meshes);
   if (!fabric) return fabric.take_error();
   state->fabric = std::move(*fabric);
+  for (const gpu::vec4& x : state->fabric.positions)
+    if (!is_finite(x)) return fail("a particle would start at (", x.x, ", ", x.y, ", ", x.z, "), which is not finite, or ", kFarthest, " m away or more");
   if (!chosen_by.empty()) state->fabric.notes.push_back(chosen_by);
   state->meshes = std::move(meshes);
   auto cache = compute::PipelineCache::create(device, options.pipeline_cache);
@@ -114,6 +116,8 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
     if (!timestamps) return timestamps.take_error();
     slot.timestamps = std::move(*timestamps);
   }
+  if (state->timed_on_cpu())
+    if (auto made = state->create_kept(); !made) return made.take_error();
 
   for (const AnchorTarget& anchor : state->fabric.anchors) {
     const gpu::vec3 rest{anchor.rest.x, anchor.rest.y, anchor.rest.z};
@@ -171,23 +175,51 @@ Result<void> Simulation::move_anchors(std::uint32_t first, std::span<const Vec3>
   return {};
 }
 
-Result<void> Simulation::move_collider(std::uint32_t collider, const ColliderPose& pose) {
-  if (collider >= state_->collider_poses.size()) return fail("collider ", collider, " is not below the scene's ", state_->collider_poses.size());
+Result<ColliderPose> Simulation::State::checked_pose(std::uint32_t collider, const ColliderPose& pose) const {
+  if (collider >= collider_poses.size()) return fail("collider ", collider, " is not below the scene's ", collider_poses.size());
   const Rotation& r = pose.rotation;
   const float turn = std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w);
   if (!is_finite(pose.centre) || !is_finite(pose.normal) || !std::isfinite(turn))
     return fail("the pose of collider ", collider, " is not finite, or ", kFarthest, " m away or more");
   if (!(turn > 1e-6f)) return fail("the rotation of collider ", collider, " is a quaternion of length ", turn, ", not above 1e-6");
   ColliderPose wish = pose;
-  wish.centre = wish.centre - state_->origin;
+  wish.centre = wish.centre - origin;
   wish.rotation = {r.x / turn, r.y / turn, r.z / turn, r.w / turn};
-  if (state_->scene.colliders[collider].shape == ColliderShape::plane) {   // a sphere's normal says nothing
+  if (scene.colliders[collider].shape == ColliderShape::plane) {   // a sphere's normal says nothing
     const float size = length(pose.normal);
     if (!(size > 1e-6f)) return fail("the normal of collider ", collider, " has a length of ", size, ", not above 1e-6");
     wish.normal = (1 / size) * pose.normal;
   }
-  state_->collider_wishes[collider] = wish;
+  return wish;
+}
+
+Result<void> Simulation::move_collider(std::uint32_t collider, const ColliderPose& pose) {
+  auto wish = state_->checked_pose(collider, pose);
+  if (!wish) return wish.take_error();
+  state_->collider_wishes[collider] = *wish;
   state_->collider_is_led[collider] = true;
+  return {};
+}
+
+Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPose& pose) {
+  const auto there = state_->checked_pose(collider, pose);
+  if (!there) return fail(there.error());
+  if (const ColliderMesh* mesh = state_->mesh_of(collider)) {
+    auto positions = read_positions();
+    if (!positions) return positions.take_error();
+    const std::vector<Vec3> points = collider_points(state_->fabric, *mesh, there->centre, there->rotation);
+    for (std::size_t k = 0; k < points.size(); ++k) (*positions)[mesh->first_particle + k] = {points[k].x, points[k].y, points[k].z, 0};
+    // What writes positions sets anchors there, too; those that wait for cloth to make way must not be taken for led no further.
+    const std::vector<gpu::Anchor> led = state_->anchors;
+    if (auto done = write_positions(*positions); !done) return done;
+    for (std::size_t k = 0; k < led.size(); ++k) {
+      const bool own = led[k].particle >= mesh->first_particle && led[k].particle - mesh->first_particle < mesh->particles;
+      if (!own) state_->anchors[k].to = led[k].to;
+    }
+    state_->anchors_are_owed = true;
+  }
+  state_->collider_poses[collider] = *there;
+  state_->collider_wishes[collider].reset();
   return {};
 }
 

@@ -101,7 +101,7 @@ struct BufferUse {
 /// Counts since create. The first two and contacts_lost are zero in a healthy run.
 struct Counts {
   std::uint32_t non_finite = 0;   // particles put back to their last finite position
-  std::uint32_t coincident = 0;   // links whose ends were at one place, pushed apart along a line of no meaning (springs: left alone)
+  std::uint32_t coincident = 0;   // links whose ends were at one place, pushed apart along a line of no meaning (springs that only pull, and those of the method implicit: left alone)
   std::uint32_t contacts_most = 0;   // pairs that could meet, the most that one detection found
   std::uint32_t contacts_lost = 0;   // pairs that found no room and held their particles still instead: only with record and submit
   std::uint32_t truncated = 0;       // times that a particle, or an anchor, was stopped short so that no cloth crosses another
@@ -149,6 +149,10 @@ class Simulation {
   /// Pose for the end of the next frame, whole (a capsule or a box without a rotation stands along its own axes); replaces the scene's
   /// keys for this collider. It turns there the shorter way round. Errors: no such collider; not finite; a normal or rotation of length 0.
   Result<void> move_collider(std::uint32_t collider, const ColliderPose& pose);
+  /// Is there at once, without a way there that cloth could meet, and a wish of move_collider is forgotten; keys take it on from there. With
+  /// write_positions, which does the same to cloth and its anchors, a host sets a scene elsewhere. Of a mesh collider: waits. Errors: as
+  /// move_collider; a lost device.
+  Result<void> place_collider(std::uint32_t collider, const ColliderPose& pose);
   /// From the next frame on (m/s^2). Errors: not finite.
   Result<void> set_gravity(Vec3 gravity);
 
@@ -193,6 +197,8 @@ class Simulation {
   /// if there was as much room then). Waits. Errors: a snapshot of another scene, or one that this scene cannot be in: nothing has changed
   /// then. No memory: the simulation is in one of the two states, and what follows may search for contacts once more.
   Result<void> restore(const Snapshot& snapshot);
+  /// Whether restore would take it. Errors: as restore, without memory's.
+  Result<void> fits(const Snapshot& snapshot) const;
   /// What the renderer sees, copied back: positions and normals of all render vertices. Waits.
   Result<std::vector<Vec3>> read_vertex_positions() const;
   Result<std::vector<Vec3>> read_vertex_normals() const;

@@ -1,4 +1,4 @@
-// Room for contacts: a frame that found more candidates than there is room for is run again with more room.
+// Room for contacts, and frames that are taken back: a frame that found more candidates than there is room for is run again with more room.
 //
 // advance() waits for its frame, so it can tell that candidates were lost and take the frame back: what a frame changes and
 // the next one needs is copied at its start, and put back before it is repeated. With the room it lacked it then does exactly what it
@@ -39,6 +39,14 @@ void Simulation::State::copy_kept(VkCommandBuffer commands, bool back) const {
 
 const gpu::Counters& Simulation::State::counters() const { return *reinterpret_cast<const gpu::Counters*>(readback[0].mapped); }
 
+// Of a frame that stopped in its middle; if this cannot be done now, the next frame begins with it.
+Result<void> Simulation::State::put_frame_back() {
+  if (!half_done) return {};
+  if (auto done = compute::run_once(*device, "weft put back", [&](VkCommandBuffer commands) { copy_kept(commands, true); }); !done) return done;
+  half_done = false;
+  return {};
+}
+
 Result<bool> Simulation::State::make_room() {
   const std::uint64_t room = solver->contact_sizes().capacity;
   // Half as much again as was found: the frame would have found more if it had not been held up.
@@ -74,13 +82,20 @@ Result<void> Simulation::State::make_room_later() {
 // Runs what was planned, again with more room while candidates are lost for want of it.
 Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
   const bool contacts = solver->has(gpu::candidates) && input.substeps > 0;
-  const std::uint32_t lost = counters().contacts_lost, parity = solver->parity();
+  const std::uint32_t lost = counters().contacts_lost, parity = solver->parity(), turn = solver->turn();
+  const bool keeps = contacts || (timed_on_cpu() && input.substeps > 0);
+  if (auto done = put_frame_back(); !done) return done;
   found_at_start = contacts ? std::min(detection().candidates, solver->contact_sizes().capacity) : 0;
   for (;;) {
-    if (contacts)
+    if (keeps)
       if (auto done = create_kept(); !done) return done;
     if (timed_on_cpu()) {
-      if (auto done = run_pass_by_pass(input, contacts); !done) return done;
+      if (auto done = run_pass_by_pass(input, keeps); !done) {
+        solver->set_parity(parity);
+        solver->set_turn(turn);
+        (void)put_frame_back();
+        return done;
+      }
       if (auto done = submit_frame({}, {}, false); !done) return done;   // what is left of the frame: the counters
     } else {
       if (auto done = submit_frame(input, {}, contacts); !done) return done;

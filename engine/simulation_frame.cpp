@@ -68,11 +68,19 @@ Vec3 Simulation::State::move_collider_on(std::uint32_t collider) {
     wish.reset();
   } else if (!collider_is_led[collider] && !described.keys.empty()) {
     const Key key = pose_at(described.keys, now());
-    spin = spin_between(collider_keys[collider], key);
-    pose = keyed_pose(described, key);
+    const ColliderPose to = keyed_pose(described, key);
+    const bool was_placed = !(keyed_pose(described, collider_keys[collider]).rotation == pose.rotation);
+    spin = was_placed ? spin_between(pose.rotation, to.rotation) : spin_between(collider_keys[collider], key);
+    pose = to;
     collider_keys[collider] = key;
   }
   return spin;
+}
+
+const ColliderMesh* Simulation::State::mesh_of(std::uint32_t collider) const {
+  for (const ColliderMesh& mesh : fabric.collider_meshes)
+    if (mesh.collider == collider) return &mesh;
+  return nullptr;
 }
 
 // Their particles are led like anchors, each straight to its next place.
@@ -125,6 +133,10 @@ void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput&
   using compute::Use;
   compute::Recorder recorder(*device, commands, timestamps);
   recorder.barrier(Use::all, Use::compute | Use::transfer | Use::indirect);   // earlier frames, and the renderer that still reads them
+  if (half_done) {
+    copy_kept(commands, true);
+    recorder.barrier(Use::transfer, Use::compute | Use::transfer | Use::indirect);
+  }
   if (keep) {
     copy_kept(commands, false);
     recorder.barrier(Use::transfer, Use::compute | Use::transfer);
@@ -167,6 +179,7 @@ Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<
   const VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, ready.get(), value, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
   const VkSubmitInfo2 work{VK_STRUCTURE_TYPE_SUBMIT_INFO_2, nullptr, 0, static_cast<std::uint32_t>(waits.size()), waits.data(), 1, &commands, 1, &signal};
   if (auto done = device->submit(work); !done) return give_up(done.take_error());
+  half_done = false;
   // Only what was really submitted may be waited for.
   slot.value = submitted = value;
   last_timed = timestamps != nullptr ? &slot : nullptr;
@@ -178,6 +191,7 @@ Result<void> Simulation::State::run_pass_by_pass(const FrameInput& input, bool k
   cpu_times.clear();
   if (keep)
     if (auto done = compute::run_once(*device, "weft kept frame", [&](VkCommandBuffer commands) { copy_kept(commands, false); }); !done) return done;
+  half_done = keep;
   const auto start = Clock::now();
   const auto steps = solver->frame(input);
   const auto run = [&](const Solver::Step* step) {
@@ -195,6 +209,7 @@ Result<void> Simulation::State::run_pass_by_pass(const FrameInput& input, bool k
     if (auto done = run(&step); !done) return done;
     cpu_times.push_back({solver->plan().passes[step.pass].label, milliseconds(start, begun), milliseconds(start, Clock::now())});
   }
+  half_done = false;
   return {};
 }
 
@@ -224,6 +239,7 @@ Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) {
   auto advance = state_->plan_frame(seconds, input);
   if (!advance) return advance;
   state_->record_frame(commands, input, nullptr, false);
+  state_->half_done = false;
   state_->anchors_are_owed = false;
   return advance;
 }

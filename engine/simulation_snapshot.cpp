@@ -56,6 +56,12 @@ bool leads_alike(const gpu::Anchor& a, const gpu::Anchor& b) {
   return a.particle == b.particle && is_finite(Vec3{a.to.x, a.to.y, a.to.z});
 }
 
+// Pairs are of a particle and a triangle, or of two edges, and room is at most doubled beyond those that were found (make_room).
+std::uint64_t most_room(const CookedFabric& fabric) {
+  const std::uint64_t edges = fabric.edges.size();
+  return std::min<std::uint64_t>(2 * (fabric.positions.size() * fabric.triangles.size() + edges * edges / 2), kMostCandidates);
+}
+
 gpu::Detection detection_of(const Snapshot& snapshot) {
   gpu::Detection detection{};
   if (const auto* bytes = find(snapshot, "detection"); bytes && bytes->size() >= sizeof detection) std::memcpy(&detection, bytes->data(), sizeof detection);
@@ -104,7 +110,8 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
   if (!(snapshot.left_over >= 0 && snapshot.left_over <= fabric.h)) return unfit("of a substep ", snapshot.left_over, " s are left over");
   if (!is_finite(snapshot.gravity)) return unfit("its gravity is not finite");
   if (snapshot.turn > 2) return unfit("its turn of ", snapshot.turn, " is above 2");
-  if (snapshot.capacity > kMostCandidates) return unfit("room for ", snapshot.capacity, " candidates is more than ", kMostCandidates);
+  if (const std::uint64_t most = std::max<std::uint64_t>(most_room(fabric), solver->contact_sizes().capacity); snapshot.capacity > most)
+    return unfit("room for ", snapshot.capacity, " candidates is more than this scene can take, ", most);
   for (const Snapshot::AnchorLead& lead : snapshot.anchors)
     if (lead.anchor >= anchor_is_led.size() || !is_finite(lead.target)) return unfit("it leads anchor ", lead.anchor, " of ", anchor_is_led.size(), " to a place that is none");
   if (snapshot.colliders.size() != collider_poses.size()) return unfit("it has ", snapshot.colliders.size(), " colliders instead of ", collider_poses.size());
@@ -114,7 +121,9 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
   if (const auto led = anchors_of(snapshot); !std::equal(led.begin(), led.end(), anchors.begin(), anchors.end(), leads_alike))
     return unfit("its ", led.size(), " anchors are not the scene's ", anchors.size(), " or are led to a place that is none");
   const gpu::Detection found = detection_of(snapshot);
-  if (!std::isfinite(found.reach)) return unfit("its leashes have no length");
+  if (!(found.reach >= 0 && found.reach < kFarthest)) return unfit("its leashes have no length");
+  if (found.age > WEFT_HORIZON || found.horizon > WEFT_HORIZON)
+    return unfit("its last detection is ", found.age, " substeps ago and was for ", found.horizon, "; neither is ever above ", WEFT_HORIZON);
   for (const gpu::Binding binding : lasting) {
     const compute::Buffer& buffer = solver->buffer(binding);
     const std::size_t wanted = bytes_of(buffer, binding, found, snapshot.capacity);
@@ -124,6 +133,12 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
       if (auto good = check_values("positions", elements<gpu::vec4>(*bytes), fabric.positions); !good) return good;
     if (binding == gpu::velocities)
       if (auto good = check_values("velocities", elements<gpu::vec4>(*bytes), fabric.velocities); !good) return good;
+    if (binding == gpu::references || binding == gpu::paths)
+      for (const gpu::vec4& at : elements<gpu::vec4>(*bytes))
+        if (!is_finite(at)) return unfit("its buffer ", buffer.name, " leads to a place that is none");
+    if (binding == gpu::leashes)
+      for (const float leash : elements<float>(*bytes))
+        if (!(leash >= 0 && leash < kFarthest)) return unfit("its buffer ", buffer.name, " has one of ", leash, " m");
     if (binding != gpu::candidates) continue;
     for (const gpu::uvec4& packed : elements<gpu::uvec4>(*bytes))
       for (const std::uint32_t particle : gpu::unpack_candidate(packed).particle)
@@ -132,8 +147,10 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
   return {};
 }
 
+Result<void> Simulation::fits(const Snapshot& snapshot) const { return state_->check(snapshot); }
+
 Result<void> Simulation::restore(const Snapshot& snapshot) {
-  if (auto good = state_->check(snapshot); !good) return good;
+  if (auto good = fits(snapshot); !good) return good;
   if (auto done = state_->wait(); !done) return done;
   return state_->put_back(snapshot);
 }

@@ -36,9 +36,10 @@ struct Simulation::State {
   std::optional<Solver> solver;
   std::vector<gpu::Binding> lasting;           // of kLasting, those that the plan has
   compute::Arena readback;                     // the counters and, with contacts, the detection, copied at every frame's end
-  compute::Arena kept;                         // with contacts: what advance needs to run its frame again
+  compute::Arena kept;                         // with contacts, or passes one by one: what advance needs to run its frame again
   std::uint32_t found_at_start = 0;            // candidates in it
   std::uint32_t lost_seen = 0;                 // candidates lost by frames that submit has made room after
+  bool half_done = false;                      // a frame that passes were timed in one by one stopped in its middle: `kept` is to be put back
   bool room_ends = false;                      // more was asked for and not to be had: not asked for again
   std::optional<std::uint64_t> digest;         // of the scene and its fabric: what a snapshot must be of; made when it is asked for
   compute::CommandPool pool;
@@ -69,6 +70,8 @@ struct Simulation::State {
   bool timed_on_cpu() const;
   Result<Advance> plan_frame(double seconds, FrameInput& input);
   void move_scene(FrameInput& input);
+  Result<ColliderPose> checked_pose(std::uint32_t collider, const ColliderPose& pose) const;
+  const ColliderMesh* mesh_of(std::uint32_t collider) const;   // null: it is none
   Vec3 move_collider_on(std::uint32_t collider);
   void move_collider_meshes();
   void record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool keep);
@@ -77,6 +80,7 @@ struct Simulation::State {
   Result<void> run_to_the_end(const FrameInput& input);
   Result<void> create_kept();
   void copy_kept(VkCommandBuffer commands, bool back) const;
+  Result<void> put_frame_back();
   Result<bool> make_room();
   Result<void> make_room_later();
   Result<void> detect_anew();

@@ -40,14 +40,14 @@ Result<void> write_checkpoint(const std::filesystem::path& file, const Simulatio
   return save_snapshot(file, *snapshot);
 }
 
-Result<Tally> resume(const std::filesystem::path& file, Simulation& simulation, bool checked) {
-  const Result<Snapshot> snapshot = load_snapshot(file);
-  if (!snapshot) return fail(snapshot.error());
+Result<Checkpoint> load_checkpoint(const std::filesystem::path& file, const Simulation& simulation, bool checked) {
+  Result<Snapshot> snapshot = load_snapshot(file);
+  if (!snapshot) return snapshot.take_error();
   const std::optional<Tally> tally = tally_of(snapshot->note);
   if (!tally) return fail(file.string(), ": the snapshot is not one that a run has left");
   if (checked && !tally->intersections) return fail(file.string(), ": the run that left it did not count where cloth crosses");
-  if (const Result<void> restored = simulation.restore(*snapshot); !restored) return fail(file.string(), ": ", restored.error());
-  return *tally;
+  if (const Result<void> good = simulation.fits(*snapshot); !good) return fail(file.string(), ": ", good.error());
+  return Checkpoint{std::move(*snapshot), *tally};
 }
 
 }  // namespace weft::command

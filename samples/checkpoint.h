@@ -19,8 +19,13 @@ struct Tally {
 
 Result<void> write_checkpoint(const std::filesystem::path& file, const Simulation& simulation, const Tally& tally);
 
-/// Puts the simulation where the checkpoint was written. Errors: it cannot be read; it is of another scene; it does not say whether cloth
-/// crossed where `checked`. The simulation is then as it was.
-Result<Tally> resume(const std::filesystem::path& file, Simulation& simulation, bool checked);
+struct Checkpoint {
+  Snapshot snapshot;
+  Tally tally;
+};
+
+/// One that the simulation can be put back to. Errors: it cannot be read; it is of another scene; it does not say whether cloth
+/// crossed where `checked`.
+Result<Checkpoint> load_checkpoint(const std::filesystem::path& file, const Simulation& simulation, bool checked);
 
 }  // namespace weft::command

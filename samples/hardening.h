@@ -34,6 +34,9 @@ struct Difference {
 };
 Difference difference(const Endurance& with, const Endurance& without);
 
+/// Of Difference::shape over that of the mean: folds of free cloth may come to lie another way.
+inline constexpr double kShapeBands = 2;
+
 /// What did not hold, a few words each; empty when all did. `band`: limit of Difference::mean.
 std::vector<std::string> broken(const Perturbation& perturbation, const Endurance& with, const Endurance& without, double band);
 

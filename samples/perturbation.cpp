@@ -11,11 +11,13 @@ namespace {
 
 constexpr std::uint32_t kJitters = 10;
 constexpr double kRates[] = {30, 60, 120, 240};     // Hz
+constexpr double kRateBands = 2.5;                  // a solver of 30 Hz has eight times the substeps of one of 240 Hz
 constexpr double kMasses[] = {1e-3, 1e-1, 10, 1e3};
 constexpr double kSize = 100;
 constexpr Vec3 kAway{10e3f, 0, -10e3f};             // m
 constexpr double kHitch = 0.5;                      // s
 constexpr Vec3 kJump{5, 0, 0};                      // m
+constexpr Vec3 kTeleport{30, 10, -40};              // m
 
 std::string text(double value) {
   char digits[32];
@@ -26,11 +28,16 @@ std::string text(double value) {
 void make_heavier(Scene& scene, double m) {
   for (Cloth& cloth : scene.cloths) {
     cloth.fabric.area_density *= m;
+    if (cloth.springs) cloth.springs->mass *= m;
+  }
+}
+
+void make_stiffer(Scene& scene, double m) {
+  for (Cloth& cloth : scene.cloths) {
     cloth.fabric.stretch *= m;
     cloth.fabric.shear *= m;
     cloth.fabric.bend *= m;
     if (!cloth.springs) continue;
-    cloth.springs->mass *= m;
     for (Springs::Kind* kind : {&cloth.springs->structural, &cloth.springs->shear, &cloth.springs->bend}) kind->stiffness *= m, kind->damping *= m;
   }
 }
@@ -98,9 +105,14 @@ std::vector<Key> with_jump(const std::vector<Key>& keys, double time, double wit
   return jumping;
 }
 
+void not_judged(Perturbation& perturbation) {
+  perturbation.bands = INFINITY;
+  perturbation.same_strain = false;
+}
+
 }  // namespace
 
-std::vector<Perturbation> all_perturbations(bool quick) {
+std::vector<Perturbation> all_perturbations(const Scene& scene, bool quick) {
   std::vector<Perturbation> all;
   const auto add = [&](const char* group, std::string name) -> Perturbation& {
     Perturbation& added = all.emplace_back();
@@ -115,29 +127,46 @@ std::vector<Perturbation> all_perturbations(bool quick) {
     if (!quick || rate == 30 || rate == 240) {
       Perturbation& solver = add("solver rates", "solver at " + text(rate) + " Hz");
       solver.rate = rate;
-      solver.judged = false;   // other substeps have another error
+      solver.bands = kRateBands;
+      solver.same_strain = false;   // other substeps have another error
     }
   for (const double mass : kMasses)
     if (!quick || mass == 1e-3 || mass == 1e3) add("masses", "mass and moduli x " + text(mass)).mass = mass;
+  const bool gives_way = std::any_of(scene.cloths.begin(), scene.cloths.end(), [](const Cloth& cloth) {
+    return cloth.springs || cloth.bending || !std::isinf(cloth.fabric.stretch) || !std::isinf(cloth.fabric.shear);
+  });
+  for (const double mass : kMasses)
+    if (!quick || mass == 1e-3 || mass == 1e3) {
+      Perturbation& weight = add("masses alone", "mass alone x " + text(mass));
+      weight.weight = mass;
+      if (gives_way) not_judged(weight);
+    }
   add("far away", "10 km away").away = kAway;
   add("large", "everything x " + text(kSize)).size = kSize;
   add("hitch", "a frame of " + text(kHitch) + " s").hitch = kHitch;
+  add("teleport", "everything set 51 m away").teleport = kTeleport;
   Perturbation& jolt = add("jolt", "anchors and colliders jump 5 m");
   jolt.jolt = kJump;
-  jolt.judged = false;   // friction takes free cloth along, and cloth that is torn through a collider may stay there
+  not_judged(jolt);   // friction takes free cloth along, and cloth that is torn through a collider may stay there
   return all;
+}
+
+std::uint32_t least_frames(const Scene& scene) {
+  const double hitch = std::min(kHitch, scene.solver.longest_advance) * scene.solver.rate;   // frames
+  return 2 * static_cast<std::uint32_t>(std::ceil(hitch - 1e-6));
 }
 
 Scene perturbed(const Scene& scene, const Perturbation& perturbation, double halfway, double frame) {
   Scene changed = scene;
   if (perturbation.rate > 0) changed.solver.rate = perturbation.rate;
-  if (perturbation.mass != 1) make_heavier(changed, perturbation.mass);
+  if (perturbation.mass != 1) make_stiffer(changed, perturbation.mass);
+  if (const double mass = perturbation.mass * perturbation.weight; mass != 1) make_heavier(changed, mass);
   if (perturbation.size != 1) enlarge(changed, perturbation.size);
   if (perturbation.away != Vec3{}) move(changed, perturbation.away);
-  if (perturbation.jolt != Vec3{}) {
+  if (const Vec3 jump = perturbation.jolt + perturbation.teleport; jump != Vec3{}) {
     for (Cloth& cloth : changed.cloths)
-      for (Anchor& anchor : cloth.anchors) anchor.keys = with_jump(anchor.keys, halfway, frame, perturbation.jolt);
-    for (Collider& collider : changed.colliders) collider.keys = with_jump(collider.keys, halfway, frame, perturbation.jolt);
+      for (Anchor& anchor : cloth.anchors) anchor.keys = with_jump(anchor.keys, halfway, frame, jump);
+    for (Collider& collider : changed.colliders) collider.keys = with_jump(collider.keys, halfway, frame, jump);
   }
   return changed;
 }

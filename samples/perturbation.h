@@ -1,7 +1,7 @@
 // What a scene is put through to see whether it stands firm: other frames, other masses, other places, worse starts.
 //
-// A perturbation that physics does not see must change nothing: the same cloth heavier and as much stiffer, the same scene elsewhere,
-// everything larger (with gravity, so that it takes as long) or cut into other frames. One that it does see, a jolt, must leave nothing
+// A perturbation that physics does not see must change nothing: the same cloth heavier and as much stiffer, or heavier if nothing in it gives way, the same scene elsewhere,
+// everything larger (with gravity, so that it takes as long), cut into other frames or set elsewhere between two. One that it does see, a jolt, must leave nothing
 // behind.
 #pragma once
 
@@ -20,17 +20,24 @@ struct Perturbation {
   double frame = 0;              // s, what the host asks for at a time; 0: 1 / rate
   double rate = 0;               // Hz, of the solver; 0: the scene's
   std::optional<std::uint32_t> seed = {};   // jitters the start
-  double mass = 1, size = 1;     // factors
+  double mass = 1, weight = 1, size = 1;   // factors: mass with all moduli, mass alone, lengths
   Vec3 away = {};                // m: where the scene is moved to
   double hitch = 0;              // s: a frame that long halfway through
   Vec3 jolt = {};                // m: anchors and colliders jump halfway through, within a frame
-  bool judged = true;            // what is left at the end, strain and place, must be what was there without
+  Vec3 teleport = {};            // m: cloth, anchors and colliders are set there halfway through, between two frames
+  double bands = 1;              // within how many bands mean and shape are at the end what they were without; infinite: not judged
+  bool same_strain = true;       // strain at the end must be what it was without
 };
 
-/// All of them; `quick`: one or two of each kind.
-std::vector<Perturbation> all_perturbations(bool quick);
+/// All of them; `quick`: one or two of each kind. What mass alone leaves at the end is judged where the scene's physics does not see it:
+/// of cloth that neither stretches nor resists bending.
+std::vector<Perturbation> all_perturbations(const Scene& scene, bool quick);
 
-/// The scene as the perturbation has it from the start. `halfway` (s): when anchors and colliders jump, within `frame`.
+/// Fewer frames than this do not have room for what happens halfway: the hitch, clamped to the scene's longest advance.
+std::uint32_t least_frames(const Scene& scene);
+
+/// The scene as the perturbation has it from the start. `halfway` (s): when anchors and colliders jump, within `frame`. Of a teleport the
+/// scene has only where keys lead to afterwards; who runs it must set everything there at `halfway`.
 Scene perturbed(const Scene& scene, const Perturbation& perturbation, double halfway, double frame);
 
 }  // namespace weft::command

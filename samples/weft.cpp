@@ -117,7 +117,7 @@ Exit obey(int count, char** arguments) {
   harden_command->add_option("scene", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ); or the folder of the hard cases, assets/scenes/hard")->required()->type_name("SCENE|FOLDER");
   CLI::Option* harden_frames_option = harden_command->add_option("--frames", harden_frames, "How many frames; the scene says otherwise");
   harden_frames_option->check(CLI::Range(2u, kMostFrames));
-  harden_command->add_option("--band", band, "How far a perturbation may move the cloths' mean, in % of their size")->type_name("%")->check(CLI::Range(0.0, 1000.0))->capture_default_str();
+  harden_command->add_option("--band", band, "How far a perturbation may move the cloths' mean, in % of their size; their shape (rms of all particles) twice as far")->type_name("%")->check(CLI::Range(0.0, 1000.0))->capture_default_str();
   harden_command->add_flag("--quick", harden_options.quick, "Sixty frames and one or two perturbations of a kind; of the hard cases those that are small");
   harden_command->add_option("--only", harden_options.only, "Of the hard cases those whose name has this part");
   harden_command->add_option("--readme", harden_options.readme, "A file whose table of hard cases is replaced")->type_name("FILE");

@@ -1,6 +1,7 @@
 // `weft harden SCENE`: runs a scene through every perturbation and tells what held. `weft harden FOLDER`: runs the hard cases, whose scenes
 // are in that folder, and tells how far each stays from its bound.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -25,6 +26,11 @@ std::string listed(const std::vector<std::string>& words) {
   return list;
 }
 
+std::string unjudged(const Perturbation& perturbation) {
+  if (std::isinf(perturbation.bands)) return "; strain, mean and shape not judged";
+  return perturbation.same_strain ? "" : "; strain not judged";
+}
+
 void print_row(const std::string& name, const Endurance& seen, const Difference& off, const std::string& verdict) {
   std::printf("%-31s %6u %8.2g %8.3g %8.3g %6u %6llu %8.3g %8.3g %8.3g %7.3g  %s\n", name.c_str(), seen.non_finite, seen.pins_off, 100 * seen.strain.max, 100 * seen.strain.rms, seen.lost,
               static_cast<unsigned long long>(seen.crossings), 100 * off.mean, 100 * off.shape, seen.clamped, seen.wall, verdict.c_str());
@@ -42,9 +48,13 @@ struct Count {
   std::uint32_t runs = 0, broken = 0;
 };
 
+std::uint32_t frames_of(const Scene& scene, const HardenOptions& options) {
+  return options.frames ? *options.frames : options.quick ? std::min(scene.frames, kQuickFrames) : scene.frames;
+}
+
 Result<Count> run_all(const compute::Device& device, const Scene& scene, const HardenOptions& options, Json& rows) {
-  const std::vector<Perturbation> perturbations = all_perturbations(options.quick);
-  const std::uint32_t frames = options.frames ? *options.frames : options.quick ? std::min(scene.frames, kQuickFrames) : scene.frames;
+  const std::vector<Perturbation> perturbations = all_perturbations(scene, options.quick);
+  const std::uint32_t frames = frames_of(scene, options);
   std::printf("%-31s %6s %8s %8s %8s %6s %6s %8s %8s %8s %7s\n", "", "not", "pins", "strain", "strain", "lost", "cross-", "mean", "shape", "s given", "");
   std::printf("%-31s %6s %8s %8s %8s %6s %6s %8s %8s %8s %7s\n", "", "finite", "off m", "max %", "rms %", "", "ings", "off %", "off %", "back", "s");
   const auto base = endure(device, scene, {}, frames);
@@ -55,11 +65,12 @@ Result<Count> run_all(const compute::Device& device, const Scene& scene, const H
     const std::vector<std::string> faults = broken(perturbation, seen, *base, options.band);
     const Difference off = difference(seen, *base);
     const std::string name = perturbation.name.empty() ? "as it is" : perturbation.name;
-    print_row(name, seen, off, faults.empty() ? perturbation.judged ? "held" : "held; strain and mean not judged" : "NOT HELD: " + listed(faults));
+    print_row(name, seen, off, faults.empty() ? "held" + unjudged(perturbation) : "NOT HELD: " + listed(faults));
     rows.push_back(json_of(name, seen, off, faults));
     count.broken += !faults.empty();
   };
   tell({}, *base);
+  if (base->crossings > 0) std::printf("The scene crosses by itself, so none of what follows can hold that counts crossings\n");
   Progress progress("hardening " + scene.name, static_cast<std::uint32_t>(perturbations.size()), "perturbations");
   for (const Perturbation& perturbation : perturbations) {
     if (interrupted()) break;
@@ -79,10 +90,14 @@ Exit harden_scene(const compute::Device& device, const HardenOptions& options) {
     complain(scene.error());
     return kBadInput;
   }
+  if (const std::uint32_t frames = frames_of(*scene, options), least = least_frames(*scene); frames < least) {
+    complain("--frames: a run of " + std::to_string(frames) + " frames has no room for the long one halfway; this scene takes at least " + std::to_string(least));
+    return kBadInput;
+  }
   // Everything a scene's author can have got wrong is told before anything runs.
   if (const Started started = start(device, *scene, false); !started.simulation) return started.exit;
-  std::printf("%s on %s: perturbed, then compared with the scene as it is; held: mean within %g %% of its size\n", scene->name.c_str(), device.name().c_str(),
-              100 * options.band);
+  std::printf("%s on %s: perturbed, then compared with the scene as it is; held: mean within %g %% of its size, shape within %g %%\n", scene->name.c_str(),
+              device.name().c_str(), 100 * options.band, 100 * kShapeBands * options.band);
   Json report{{"scene", scene->name}, {"device", device.name()}, {"band", options.band}, {"rows", Json::array()}};
   const auto count = run_all(device, *scene, options, report["rows"]);
   if (!count) return failed(count.error());

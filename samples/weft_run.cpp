@@ -172,18 +172,20 @@ Result<void> go_through(Simulation& simulation, Painter& painter, const RunOptio
 Exit begin(Simulation& simulation, const RunOptions& options, Passage& passage) {
   const std::filesystem::path file = checkpoint_file(simulation.scene(), options);
   if (options.checkpoint > 0 && !options.fresh && std::filesystem::exists(file)) {
-    const Result<Tally> tally = resume(file, simulation, options.check);
-    if (!tally) {
-      complain(tally.error() + "; --fresh begins anew");
+    const Result<Checkpoint> left = load_checkpoint(file, simulation, options.check);
+    if (!left) {
+      complain(left.error() + "; --fresh begins anew");
       return kBadInput;
     }
-    if (tally->frames > simulation.scene().frames) {
-      complain(file.string() + ": is of frame " + std::to_string(tally->frames) + ", and the run has " + std::to_string(simulation.scene().frames));
+    const Tally& tally = left->tally;
+    if (tally.frames > simulation.scene().frames) {
+      complain(file.string() + ": is of frame " + std::to_string(tally.frames) + ", and the run has " + std::to_string(simulation.scene().frames));
       return kBadInput;
     }
-    passage.tally = *tally;
-    passage.resumed_at = tally->frames;
-    std::printf("Going on after frame %u, where %s was left\n", tally->frames, file.string().c_str());
+    if (const Result<void> restored = simulation.restore(left->snapshot); !restored) return failed(file.string() + ": " + restored.error());
+    passage.tally = tally;
+    passage.resumed_at = tally.frames;
+    std::printf("Going on after frame %u, where %s was left\n", tally.frames, file.string().c_str());
     return kDone;
   }
   // A scene of no frames is a picture of its rest pose, and normals are made by a frame.
@@ -246,6 +248,8 @@ Exit time_passes(const Scene& scene, const RunOptions& options, const Passage& p
     times.add_frame(simulation.timings());
     progress.step();
   }
+  // Times that cannot be read are none, and after the last there is no frame that would say so.
+  if ((*device)->is_lost()) return failed((*device)->name() + " was lost (VK_ERROR_DEVICE_LOST) while times of passes were read");
   return kDone;
 }
 

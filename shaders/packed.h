@@ -6,15 +6,17 @@
 namespace weft::gpu {
 #endif
 
-// A link of the stretch pass in eight bytes: 24 bits of index, a rest length with 16 bits of mantissa (relative error up to
-// 2^-17), a response with 7 (below 0.4 %), and one bit for links that only pull.
+// A link of the stretch pass in eight bytes: 24 bits of index, a rest length from 2^-31 m to 2^32 m with 18 bits of mantissa (relative
+// error up to 2^-19), a response with 7 (below 0.4 %), and one bit for links that only pull.
 //
 // With one iteration a substep nothing in an XPBD multiplier changes but C, so the response is the gain 1 / (W_a + W_b + omega alpha/h^2)
 // (kg; fabric.cpp says why omega), worked out when cooking: the pass neither adds masses nor divides by them. Both ends have the same bits of it, so
 // momentum is conserved. With several iterations the response is the compliance alpha (m/N).
 //
 //   x: [31..24] response exponent   [23..0] index
-//   y: [31..8]  rest length, a positive float's bits 30..7   [7..1] response mantissa   [0] only pulls
+//   y: [31..8]  rest length / 2^95, a positive float's bits 28..5   [7..1] response mantissa   [0] only pulls
+#define WEFT_REST_UNIT 39614081257132168796771975168.0f   // 2^95: six bits of exponent are enough for a length
+
 struct Link {
   uint other;
   float rest;         // m; 0 marks padding
@@ -25,7 +27,7 @@ struct Link {
 WEFT_INLINE Link unpack_link(uint x, uint y) {
   Link link;
   link.other = x & 0xffffffu;
-  link.rest = WEFT_FLOAT((y >> 8) << 7);
+  link.rest = WEFT_FLOAT((y >> 8) << 5) * WEFT_REST_UNIT;
   link.response = WEFT_FLOAT(((x >> 24) << 23) | ((y & 0xfeu) << 15));
   link.only_pulls = (y & 1u) != 0u;
   return link;
@@ -86,8 +88,10 @@ inline uvec4 pack_coloured(const ColouredLink& link) {
 }
 
 inline uvec2 pack_link(const Link& link) {
+  constexpr float kShortest = 0x1p-31f, kLongest = 0x1.ffffcp31f;   // m: what is shorter is nothing
+  const float length = link.rest < kShortest ? 0 : link.rest < kLongest ? link.rest : kLongest;
   // Rounded to nearest: half of the last kept bit is added before cutting; a carry runs into the exponent, as it should.
-  const uint rest = (WEFT_BITS(link.rest) + 0x40u) >> 7;
+  const uint rest = (WEFT_BITS(length / WEFT_REST_UNIT) + 0x10u) >> 5;
   const uint response = (WEFT_BITS(link.response) + 0x8000u) & 0x7fff0000u;
   return {(link.other & 0xffffffu) | ((response >> 23) << 24), (rest << 8) | ((response >> 15) & 0xfeu) | (link.only_pulls ? 1u : 0u)};
 }

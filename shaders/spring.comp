@@ -23,11 +23,16 @@ layout(constant_id = WEFT_DAMPED_CONSTANT) const uint damped = 0;
 
 uint coincident = 0;
 
-// On the particle at x with the velocity v (N). Ends at one place have no direction.
+// As links do (stretch.comp): ends at one place go apart along a line that is askew to all axes.
+const vec3 kApart = 1e-10 * vec3(0.36, 0.48, 0.8);
+
+// On the particle at x with the velocity v (N).
 vec3 force(vec3 x, vec3 v, uint other, vec4 spring) {
-  const vec3 d = x - FETCH(positions, other).xyz;
+  vec3 d = x - FETCH(positions, other).xyz;
   const float squared = dot(d, d);
-  coincident += uint(squared < 1e-20 && spring.x > 0);
+  const bool together = squared < 1e-20 && spring.x > 0;
+  coincident += uint(together);
+  if (together) d = gl_GlobalInvocationID.x < other ? kApart : -kApart;
   const float len = sqrt(squared + 1e-20);
   float pull = spring.y * (len - spring.x);
   if (damped != 0) pull += spring.z * dot(v - FETCH(velocities, other).xyz, d) / len;

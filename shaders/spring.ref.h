@@ -1,7 +1,7 @@
 // Twin of spring: symplectic Euler on springs with damping along them (Provot 1995).
 #pragma once
 
-#include "shaders/relax.ref.h"
+#include "shaders/stretch.ref.h"
 
 namespace weft::reference {
 
@@ -13,11 +13,12 @@ struct DampedSpring {
   bool only_pulls;
 };
 
-/// Of the spring on its end a, N; on b it is the opposite.
+/// Of the spring on its end a, N; on b it is the opposite. Ends at one place have no velocity along it.
 inline Vector spring_force(const DampedSpring& spring, const Vector& a, const Vector& b, const Vector& velocity_a, const Vector& velocity_b) {
   const Vector d = a - b;
   const double length = d.norm();
-  if (length < 1e-10 || (spring.only_pulls && length < spring.rest)) return Vector::Zero();
+  if (spring.only_pulls && length < spring.rest) return Vector::Zero();
+  if (length <= kCoincident) return (spring.a < spring.b ? 1 : -1) * spring.stiffness * spring.rest * apart();
   const Vector along = d / length;
   return -(spring.stiffness * (length - spring.rest) + spring.damping * (velocity_a - velocity_b).dot(along)) * along;
 }

@@ -87,6 +87,51 @@ TEST_F(CommandFaults, a_run_that_finds_no_memory_ends_with_a_sentence_and_frees_
   }
 }
 
+// A checkpoint that fits and cannot be put back is no fault of who gave it.
+TEST_F(CommandFaults, a_checkpoint_for_which_there_is_no_memory_is_a_failure_and_no_bad_input) {
+  std::vector<std::string> call = {"run", write("sheet.json", kSheet), "--frames", "1000000", "--no-picture", "--out", out(), "--checkpoint", "1"};
+  const pid_t child = spawn(call);
+  const auto file = [&] {
+    std::error_code none;
+    for (fs::directory_iterator at(folder / "out", none), end; !none && at != end; at.increment(none))
+      if (at->path().extension() == ".snapshot") return at->path();
+    return fs::path();
+  };
+  for (int tries = 0; tries < 3000 && file().empty(); ++tries) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  kill(child, SIGKILL);
+  ASSERT_EQ(wait(child).exit, -SIGKILL);
+  const std::string whole = read(file());
+  std::ofstream(file(), std::ios::binary) << "no snapshot";
+  inject("memory");
+  EXPECT_EQ(weft(call).exit, 2);
+  const long before = calls();   // that could fail until then
+  std::ofstream(file(), std::ios::binary) << whole;
+  inject("memory@" + std::to_string(before));
+  const Outcome outcome = weft(call);
+  EXPECT_EQ(outcome.exit, 1) << outcome.error;
+  EXPECT_NE(outcome.error.find(".snapshot: "), std::string::npos) << outcome.error;
+  EXPECT_NE(outcome.error.find("VK_ERROR_OUT_OF_HOST_MEMORY"), std::string::npos) << outcome.error;
+  EXPECT_EQ(read(file()), whole) << "for another try";
+}
+
+// The last times of passes are read after the last frame.
+TEST_F(CommandFaults, a_device_that_is_lost_after_the_last_frame_is_told_too) {
+  const std::vector<std::string> call = {"run", write("sheet.json", kSheet), "--frames", "2", "--no-picture", "--out", out()};
+  inject("lost");
+  ASSERT_EQ(weft(call).exit, 0);
+  // What notices a loss, from the end on: the simulation's end waits once more and has nobody to tell.
+  bool read = false;
+  for (long at = calls() - 1; at >= calls() - 4 && !read; --at) {
+    inject("lost@" + std::to_string(at));
+    const Outcome outcome = weft(call);
+    read = reported("failed") == "vkGetQueryPoolResults";
+    if (!read) continue;
+    EXPECT_EQ(outcome.exit, 1);
+    EXPECT_NE(outcome.error.find("VK_ERROR_DEVICE_LOST"), std::string::npos) << outcome.error;
+  }
+  EXPECT_TRUE(read);
+}
+
 TEST_F(CommandFaults, a_lost_device_ends_every_command_with_a_sentence) {
   const std::string sheet = write("sheet.json", kSheet), hung = WEFT_SOURCE_DIR "/assets/scenes/hung.json";
   const std::vector<std::vector<std::string>> commands = {{"run", sheet, "--frames", "3"},

@@ -235,7 +235,7 @@ TEST_F(CommandLine, harden_tells_what_held_and_fails_when_something_did_not) {
   const Outcome held = weft({"harden", sheet, "--quick", "--frames", "20", "--out", out()});
   EXPECT_EQ(held.exit, 0) << held.out << held.error;
   const json report = json::parse(read(folder / "out/harden.json"), nullptr, false);
-  ASSERT_EQ(report["rows"].size(), 13u) << "as it is, two starts, twice two rates, two masses, away, large, a hitch, a jolt";
+  ASSERT_EQ(report["rows"].size(), 16u) << "as it is, two starts, twice two rates, twice two masses, away, large, a hitch, a teleport, a jolt";
   for (const json& row : report["rows"]) {
     EXPECT_EQ(row["non_finite"], 0) << row;
     EXPECT_EQ(row["pins_off_m"], 0) << row;
@@ -244,6 +244,16 @@ TEST_F(CommandLine, harden_tells_what_held_and_fails_when_something_did_not) {
   const Outcome moved = weft({"harden", sheet, "--quick", "--frames", "20", "--band", "0", "--out", out()});
   EXPECT_EQ(moved.exit, 1);
   EXPECT_NE(moved.out.find("NOT HELD: sag"), std::string::npos) << moved.out;
+  const Outcome hasty = weft({"harden", sheet, "--quick", "--frames", "11", "--out", out()});
+  EXPECT_EQ(hasty.exit, 2);
+  EXPECT_NE(hasty.error.find("a run of 11 frames has no room for the long one halfway; this scene takes at least 12"), std::string::npos) << hasty.error;
+  const std::string crossed = write("crossed.json", R"({"contacts": true, "cloths": [
+    {"grid": {"cells": [2, 2]}, "anchors": [{"corners": ["low_low", "low_high", "high_low", "high_high"]}]},
+    {"grid": {"cells": [2, 2], "upright": true}, "transform": {"translate": [0.1, 0.1, 0]}, "anchors": [{"corners": ["low_low", "low_high", "high_low", "high_high"]}]}]})");
+  const Outcome crossing = weft({"harden", crossed, "--quick", "--frames", "12", "--out", out()});
+  EXPECT_EQ(crossing.exit, 1) << "that no perturbation is worse is no comfort";
+  EXPECT_NE(crossing.out.find("The scene crosses by itself"), std::string::npos) << crossing.out;
+  EXPECT_NE(crossing.out.find("\n0 of 16 held"), std::string::npos) << crossing.out;
   const std::string scenes = WEFT_SOURCE_DIR "/assets/scenes/hard", readme = write("README.md", "before\n<!-- weft harden: begin -->\nstale\n<!-- weft harden: end -->\nafter\n");
   EXPECT_EQ(weft({"harden", scenes, "--only", "incline", "--readme", readme, "--out", out()}).exit, 0);
   const std::string text = read(readme);

@@ -151,6 +151,24 @@ TEST_F(Faults, memory_that_runs_out_in_a_frame_is_a_sentence_and_the_next_frame_
       });
 }
 
+TEST_F(Faults, a_frame_whose_passes_are_timed_one_by_one_happens_whole_or_not_at_all) {
+  SimulationOptions one_by_one;
+  one_by_one.timings = one_by_one.timings_on_cpu = true;
+  const auto create = [&] { return must(Simulation::create(device(), hung_sheet(), one_by_one)); };
+  const auto unharmed = create();
+  const std::uint64_t before = hash_of(*unharmed);
+  must(unharmed->advance(1.0 / 60));
+  const std::uint64_t after = hash_of(*unharmed);
+  at_every_call(
+      VK_ERROR_OUT_OF_HOST_MEMORY, 3, create, [](const std::unique_ptr<Simulation>& simulation) { return plain(simulation->advance(1.0 / 60)); },
+      [&](const std::unique_ptr<Simulation>& simulation) {
+        if (hash_of(*simulation) == after) return;
+        EXPECT_EQ(hash_of(*simulation), before) << "a part of a frame's substeps";
+        must(simulation->advance(1.0 / 60));
+        EXPECT_EQ(hash_of(*simulation), after);
+      });
+}
+
 TEST_F(Faults, pins_that_a_failed_frame_was_to_move_get_there_with_the_next) {
   Vec3 target;
   at_every_call(

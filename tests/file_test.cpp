@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <filesystem>
@@ -57,6 +59,28 @@ TEST(File, a_full_disk_is_a_sentence_and_what_was_there_stays) {
   }
   EXPECT_EQ(slurp(folder / "text"), "before");
   EXPECT_EQ(entries(folder / ""), 1);
+}
+
+// The system's signal for a file that outgrows its limit kills in the middle of a write.
+TEST(File, a_program_that_is_killed_while_it_writes_leaves_what_was_there_and_the_next_write_works) {
+  const Folder folder;
+  ASSERT_TRUE(write(folder / "text", "before"));
+  const pid_t child = fork();
+  if (child == 0) {
+    const rlimit small{65'536, 65'536}, no_core{0, 0};
+    setrlimit(RLIMIT_CORE, &no_core);
+    setrlimit(RLIMIT_FSIZE, &small);
+    std::signal(SIGXFSZ, SIG_DFL);
+    (void)write(folder / "text", std::string(1'000'000, 'x'));
+    _exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(slurp(folder / "text"), "before");
+  EXPECT_EQ(entries(folder / ""), 2) << "and the part that was written";
+  ASSERT_TRUE(write(folder / "text", "after"));
+  EXPECT_EQ(slurp(folder / "text"), "after");
 }
 
 TEST(File, a_folder_in_which_nothing_can_be_made_is_a_sentence) {

@@ -82,6 +82,28 @@ TEST_F(MassSpring, a_pass_does_what_its_twin_does_on_crumpled_sheets) {
     }
 }
 
+// Left alone they would stay together as long as everything else does the same to both.
+TEST_F(MassSpring, ends_at_one_place_are_counted_and_pushed_apart) {
+  const Scene scene = scarf(4, 0.001);
+  CookedFabric fabric = cooked(scene);
+  const auto joined = std::find_if(fabric.springs.begin(), fabric.springs.end(), [&](const ParticleSpring& s) { return fabric.positions[s.a].w > 0 && fabric.positions[s.b].w > 0; });
+  ASSERT_NE(joined, fabric.springs.end());
+  gpu::vec4 &a = fabric.positions[joined->a], &b = fabric.positions[joined->b];
+  b = {a.x, a.y, a.z, b.w};
+  SinglePass passes(device(), scene, fabric, true);
+  passes.put_iterate(fabric.positions);
+  passes.begin(frame_of(1));
+  passes.run("spring");
+  EXPECT_EQ(passes.counters().coincident, 2u) << "once at either end";
+  std::vector<reference::DampedSpring> springs;
+  for (const ParticleSpring& s : fabric.springs) springs.push_back({s.a, s.b, s.rest, s.stiffness, 0, s.only_pulls});   // at rest: no damping
+  const reference::Points x = points(fabric.positions), v(x.size(), reference::Vector::Zero());
+  EXPECT_LT(largest_gap(passes.iterate(), reference::push_springs(springs, x, x, v, inverse_masses(fabric), fabric.h)), 40 * kRounding * 2);
+  const auto after = passes.iterate();
+  const gpu::vec4 &p = after[joined->a], &q = after[joined->b];
+  EXPECT_GT(std::hypot(p.x - q.x, p.y - q.y, p.z - q.z), 1e-4 * joined->rest);
+}
+
 // Two particles on a spring: w = sqrt(2 k / m), h < 2 / w. With damping c the limit is the root of 2 h C + h^2 A = 4.
 TEST_F(MassSpring, the_longest_step_of_a_grid_is_that_of_its_quickest_wave) {
   const CookedFabric fabric = cooked(scarf(30, 0.001));

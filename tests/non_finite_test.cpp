@@ -179,6 +179,16 @@ TEST_F(NonFinite, targets_poses_gravity_and_scenes_are_refused_with_a_sentence_a
   scene = moving(6);
   scene.cloths[0].fabric.bend = kInfinity;
   refused(Simulation::create(device(), scene), "cloths[0].fabric.bend");
+  // Finite, and yet no shader can take its square.
+  scene = moving(6);
+  scene.gravity.y = -2e10f;
+  refused(Simulation::create(device(), scene), "gravity: [0, -2e+10, 0] is not shorter than 1e+10, which floats cannot square");
+  scene = moving(6);
+  scene.colliders[2].normal = {0, 1e10f, 0};
+  refused(Simulation::create(device(), scene), "colliders[2].normal: [0, 1e+10, 0]");
+  scene = moving(6);
+  scene.cloths[0].transform.scale = 1e12;
+  refused(Simulation::create(device(), scene), "m away or more");
 }
 
 }  // namespace

@@ -2,10 +2,13 @@
 // In a fresh process: command_line_test.cpp kills a program.
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <cstring>
 #include <string>
 
+#include "compute/commands.h"
 #include "tests/every_method.h"
+#include "tests/mesh_files.h"
 
 namespace weft {
 namespace {
@@ -60,6 +63,38 @@ TEST_F(SimulationSnapshot, going_on_from_a_snapshot_is_bitwise_the_same_as_never
   }
 }
 
+// Particles are about an origin of their own there, mesh colliders' too, and frames that nobody waits for leave the same behind.
+TEST_F(SimulationSnapshot, cloth_on_a_mesh_collider_10_km_away_goes_on_the_same_after_frames_of_submit_and_record) {
+  const test::Folder folder;
+  folder.write("floor.obj", "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 4 3 2\n");
+  Scene scene = sheet(8);
+  scene.folder = folder / "";
+  scene.cloths[0].transform.translate = {10e3f, 0.02f, -10e3f};
+  Collider& floor = scene.colliders.emplace_back();
+  floor.shape = ColliderShape::mesh;
+  floor.mesh = "floor.obj";
+  floor.centre = {10e3f, 0, -10e3f};
+  floor.keys = {{0, {}, {0, 1, 0}, 0}, {1, {0, 0.25f, 0}, {0, 1, 0}, 30}};
+  const auto on = [&](Simulation& simulation, int frames) {
+    for (int k = 0; k < frames; ++k) {
+      must(simulation.submit(kFrame));
+      must(simulation.read_positions());   // waits: the host's own commands must come after it
+      must(compute::run_once(device(), "host", [&](VkCommandBuffer commands) { must(simulation.record(commands, kFrame)); }));
+    }
+  };
+  const auto whole = must(Simulation::create(device(), scene));
+  on(*whole, 6);
+  EXPECT_GT(length(whole->origin()), 10e3f);
+  const Snapshot snapshot = must(parse_snapshot(snapshot_bytes(must(whole->save()))));
+  const auto resumed = must(Simulation::create(device(), scene));
+  must(resumed->restore(snapshot));
+  expect_same(*whole, *resumed);
+  for (Simulation* simulation : {whole.get(), resumed.get()}) on(*simulation, 6);
+  expect_same(*whole, *resumed);
+  EXPECT_EQ(whole->colliders()[0].centre, resumed->colliders()[0].centre);
+  EXPECT_GT(whole->counts().contacts_most, 16u);
+}
+
 TEST_F(SimulationSnapshot, a_snapshot_that_does_not_fit_is_refused_and_changes_nothing) {
   const auto simulation = must(Simulation::create(device(), moving(6)));
   frame(*simulation, 0);
@@ -98,10 +133,25 @@ TEST_F(SimulationSnapshot, a_snapshot_that_does_not_fit_is_refused_and_changes_n
   const auto candidates = std::find_if(found.contents.begin(), found.contents.end(), [](const auto& c) { return c.name == "candidates"; });
   ASSERT_NE(candidates, found.contents.end());
   ASSERT_GE(candidates->bytes.size(), 16u) << "the folded sheet has none";
-  std::memset(candidates->bytes.data(), 0xff, 3);
-  const auto restored = contacts->restore(found);
-  ASSERT_FALSE(restored);
-  EXPECT_NE(restored.error().find("a candidate has particle"), std::string::npos) << restored.error();
+  const auto refused = [&](const char* word, auto&& change) {
+    Snapshot bad = found;
+    change(bad);
+    const auto restored = contacts->restore(bad);
+    ASSERT_FALSE(restored) << word;
+    EXPECT_NE(restored.error().find(word), std::string::npos) << restored.error();
+    EXPECT_FALSE(contacts->fits(bad));
+  };
+  const auto content = [](Snapshot& s, const char* name) { return std::find_if(s.contents.begin(), s.contents.end(), [&](const auto& c) { return c.name == name; })->bytes.data(); };
+  refused("a candidate has particle", [&](Snapshot& s) { std::memset(content(s, "candidates"), 0xff, 3); });
+  refused("references leads to a place that is none", [&](Snapshot& s) { std::memcpy(content(s, "references") + 16, &nan, 4); });
+  refused("paths leads to a place that is none", [&](Snapshot& s) { std::memcpy(content(s, "paths") + 4, &nan, 4); });
+  refused("leashes has one of nan m", [&](Snapshot& s) { std::memcpy(content(s, "leashes") + 8, &nan, 4); });
+  refused("its leashes have no length", [&](Snapshot& s) { std::memcpy(content(s, "detection") + offsetof(gpu::Detection, reach), &nan, 4); });
+  const std::uint32_t long_ago = 11;
+  refused("its last detection is 11 substeps ago", [&](Snapshot& s) { std::memcpy(content(s, "detection") + offsetof(gpu::Detection, age), &long_ago, 4); });
+  // 49 particles of 72 triangles, 120 edges: no file may ask for gigabytes of room for the pairs of these.
+  refused("more than this scene can take", [](Snapshot& s) { s.capacity = 1u << 26; });
+  EXPECT_TRUE(contacts->fits(found));
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 // several edges get that for every edge under them, squared, which keeps the ratio of the stiffnesses that compliant cloth has.
 //
 // Rest lengths are taken as they were before they were packed for the GPU, from the pose that was cooked: packed ones are rounded, each
-// its own way (2^-17), so that no pose fits them all, and a sheet of rigid links would be prestressed far beyond its weight.
+// its own way (2^-19), so that no pose fits them all, and a sheet of rigid links would be prestressed far beyond its weight.
 #pragma once
 
 #include <Eigen/Core>
