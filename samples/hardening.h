@@ -15,6 +15,7 @@ namespace weft::command {
 struct Endurance {
   std::uint32_t non_finite = 0;       // particles, put back or not
   double pins_off = 0;                // m: how far the worst anchor was from where it belongs, in any frame
+  double patience = 0;                // m: how far anchors may be held from there by cloth in their way
   Strain strain;                      // at the end
   std::uint32_t lost = 0;             // contacts
   std::uint64_t crossings = 0;        // of the worst frame; 0 in scenes without contacts

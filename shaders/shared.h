@@ -261,6 +261,9 @@ struct Groups {
 // A box goes to the level of the grid whose cells are at least as long as it: cell * 2^level.
 #define WEFT_LEVELS 16
 
+// Times the distance that a pair keeps: how far from its target it may hold an anchor. A knot that is wound up (assets/scenes/twist.json,
+// 64 x 64 vertices with centres) holds a pin by up to 2.8 for some frames.
+#define WEFT_PATIENCE 8.0f
 #define WEFT_HORIZON 10u   // substeps, at most, that paths lead
 #define WEFT_ROUNDS 16u    // of contact_limit, a multiple of four: a particle has a fraction for each
 
