@@ -188,7 +188,8 @@ class Simulation {
   Result<std::vector<gpu::vec4>> read_velocities() const;
   /// Overwrites the state of all particles, mesh colliders' too (CookedFabric's order; about origin(); w is ignored): a pose to start from. Waits. A place
   /// or a velocity that is not finite, or 1e10 and more, is counted in Counts::non_finite and mended: the particle stays, or goes along with
-  /// its neighbours, and is at rest; all others are as they would be without it.
+  /// its neighbours, and is at rest; all others are as they would be without it. Anchors are led to where they are put until keys or move_anchors
+  /// say otherwise: one that waits for cloth (move_anchors) and is written where it was read waits no more.
   Result<void> write_positions(std::span<const gpu::vec4> positions);
   Result<void> write_velocities(std::span<const gpu::vec4> velocities);
   /// The whole state, to go on from here later, in another process or to try something out. Waits; frames that a host has recorded must be done.

@@ -220,7 +220,7 @@ Result<Advance> Simulation::advance(double seconds) {
   if (!advance) return advance;
   if (auto done = s.wait(); !done) return done.take_error();
   if (auto done = s.run_to_the_end(input); !done) return done.take_error();
-  s.anchors_are_owed = false;
+  if (advance->substeps > 0) s.anchors_are_owed = false;
   return advance;
 }
 
@@ -230,7 +230,7 @@ Result<Advance> Simulation::submit(double seconds, std::span<const VkSemaphoreSu
   if (!advance) return advance;
   if (auto done = state_->make_room_later(); !done) return done.take_error();
   if (auto done = state_->submit_frame(input, waits, false); !done) return done.take_error();
-  state_->anchors_are_owed = false;
+  if (advance->substeps > 0) state_->anchors_are_owed = false;
   return advance;
 }
 
@@ -240,7 +240,7 @@ Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) {
   if (!advance) return advance;
   state_->record_frame(commands, input, nullptr, false);
   state_->half_done = false;
-  state_->anchors_are_owed = false;
+  if (advance->substeps > 0) state_->anchors_are_owed = false;
   return advance;
 }
 

@@ -79,6 +79,7 @@ std::uint64_t Simulation::State::own_digest() {
 Result<Snapshot> Simulation::save() const {
   State& s = *state_;
   if (auto done = s.wait(); !done) return done.take_error();
+  if (auto done = s.put_frame_back(); !done) return done.take_error();
   Snapshot snapshot;
   snapshot.digest = s.own_digest();
   snapshot.substeps = s.ticks;
@@ -178,6 +179,7 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
   }
   if (auto done = compute::upload_all(*device, uploads); !done) return done;
 
+  half_done = anchors_are_owed = false;
   // What the frame's end would have copied there.
   std::memcpy(readback[0].mapped, find(snapshot, "counters")->data(), sizeof(gpu::Counters));
   const gpu::Detection found = detection_of(snapshot);

@@ -22,8 +22,9 @@ Result<void> Simulation::State::draw_surface() {
   });
 }
 
-Result<std::vector<gpu::vec4>> Simulation::State::read(gpu::Binding binding, std::size_t count) const {
+Result<std::vector<gpu::vec4>> Simulation::State::read(gpu::Binding binding, std::size_t count) {
   if (auto done = wait(); !done) return done.take_error();
+  if (auto done = put_frame_back(); !done) return done.take_error();
   std::vector<gpu::vec4> values(count);
   if (auto done = compute::read_back(*device, solver->buffer(binding), std::as_writable_bytes(std::span(values))); !done) return done.take_error();
   return values;
@@ -33,7 +34,7 @@ Result<void> Simulation::State::check_count(std::span<const gpu::vec4> values) c
   return values.size() == fabric.positions.size() ? Result<void>() : fail(values.size(), " values were given for ", fabric.positions.size(), " particles");
 }
 
-Result<void> Simulation::State::write(gpu::Binding binding, std::vector<gpu::vec4> values) const {
+Result<void> Simulation::State::write(gpu::Binding binding, std::vector<gpu::vec4> values) {
   // w belongs to the solver: inverse mass, split mass or material.
   auto present = read(binding, values.size());
   if (!present) return present.take_error();

@@ -91,8 +91,8 @@ struct Simulation::State {
   Result<void> check(const Snapshot& snapshot);
   Result<void> put_back(const Snapshot& snapshot);
   Result<void> wait() const;
-  Result<std::vector<gpu::vec4>> read(gpu::Binding binding, std::size_t count) const;
-  Result<void> write(gpu::Binding binding, std::vector<gpu::vec4> values) const;
+  Result<std::vector<gpu::vec4>> read(gpu::Binding binding, std::size_t count);
+  Result<void> write(gpu::Binding binding, std::vector<gpu::vec4> values);
   Result<void> check_count(std::span<const gpu::vec4> values) const;
   Result<void> count_non_finite(std::size_t more);
 };

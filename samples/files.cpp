@@ -15,9 +15,18 @@ Result<void> write_text(const std::filesystem::path& file, std::string_view text
 Result<void> make_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (!std::filesystem::is_directory(folder))
-    return fail(folder.string(), ": cannot be made a folder: ", error ? error.message() : "a file is there");
+  if (!is_folder(folder)) return fail(folder.string(), ": cannot be made a folder: ", error ? error.message() : "a file is there");
   return {};
+}
+
+bool is_folder(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_directory(path, error);
+}
+
+bool is_there(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::exists(path, error);
 }
 
 namespace {

@@ -1,8 +1,8 @@
 // The hard cases: what cloth simulations have failed at, each a scene and figures with bounds.
 //
-// A case is a scene file under assets/scenes/hard, how long it runs, and checks. A check looks at positions, velocities and the
-// rest lengths of the cloth and at nothing else of the engine, so any engine that plays the scenes can be given the same cases. `weft harden
-// --suite` and tests/hard_cases_test.cpp share this list, and the README's table is made from it.
+// A case is a scene file under assets/scenes/hard, how long it runs, and checks. A check looks at positions, velocities,
+// rest lengths and what the engine counts, so any engine that plays the scenes can be given the same cases. `weft harden
+// assets/scenes/hard` and tests/hard_cases_test.cpp share this list, and the README's table is made from it.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +36,7 @@ struct Check {
 
 struct HardCase {
   std::string_view name;              // unique
-  std::string_view families;          // of proofs.md's numbering as the README has it, and earlier systems' failures: "3 F1"
+  std::string_view families;          // numbered as in the README, and earlier systems' failures: "3 F1"
   std::string_view scene;             // assets/scenes/hard/SCENE.json
   double seconds;
   std::span<const Check> checks;

@@ -133,15 +133,22 @@ std::string markdown(const std::vector<HardRow>& rows, bool whole) {
   return text;
 }
 
-Result<void> replace_table(const std::filesystem::path& file, const std::string& table) {
+Result<std::string> marked_text(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return fail(file.string(), ": cannot be read");
   std::string text{std::istreambuf_iterator<char>(stream), {}};
   const std::size_t begin = text.find(kBegin), end = text.find(kEnd);
   if (begin == std::string::npos || end == std::string::npos || end < begin)
     return fail(file.string(), ": has no lines '", kBegin.substr(0, kBegin.size() - 1), "' and '", kEnd, "' for the table to go between");
-  text.replace(begin + kBegin.size(), end - begin - kBegin.size(), table);
-  return write_text(file, text);
+  return text;
+}
+
+Result<void> replace_table(const std::filesystem::path& file, const std::string& table) {
+  auto text = marked_text(file);
+  if (!text) return text.take_error();
+  const std::size_t begin = text->find(kBegin) + kBegin.size();
+  text->replace(begin, text->find(kEnd) - begin, table);
+  return write_text(file, *text);
 }
 
 }  // namespace weft::command

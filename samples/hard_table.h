@@ -24,6 +24,9 @@ std::string csv(const std::vector<HardRow>& rows);
 /// A line a figure, but for those that have to be 0 and are: they are counted, and cases that have no other are named.
 std::string markdown(const std::vector<HardRow>& rows, bool whole);
 
+/// The file, if there is a place for the table in it.
+Result<std::string> marked_text(const std::filesystem::path& file);
+
 /// Replaces what stands between the two marks in a file. Errors: no file, no marks.
 Result<void> replace_table(const std::filesystem::path& file, const std::string& table);
 

@@ -60,7 +60,7 @@ namespace {
 // The device's own curve, for scenes that choose by one; nothing where none was saved.
 Result<std::optional<Curve>> saved_curve(const compute::Device& device, const Scene& scene) {
   const std::filesystem::path file = curve_file(device.name());
-  if (scene.solver.method != Method::automatic || !std::filesystem::exists(file)) return std::optional<Curve>();
+  if (scene.solver.method != Method::automatic || !is_there(file)) return std::optional<Curve>();
   std::ifstream stream(file, std::ios::binary);
   auto curve = parse_curve(std::string{std::istreambuf_iterator<char>(stream), {}});
   if (!curve) return fail(file.string(), ": ", curve.error(), "; weft accuracy --save writes a new one");

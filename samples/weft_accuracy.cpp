@@ -75,7 +75,7 @@ Result<std::string> read_text(const std::filesystem::path& file) {
 
 // The curve that a sweep goes on with.
 Result<Curve> begun(const std::filesystem::path& file, const Curve& fresh, bool anew) {
-  if (anew || !std::filesystem::exists(file)) return fresh;
+  if (anew || !is_there(file)) return fresh;
   auto text = read_text(file);
   if (!text) return text.take_error();
   auto curve = parse_curve(*text);

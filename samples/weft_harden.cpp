@@ -8,6 +8,7 @@
 #include "samples/commands.h"
 #include "samples/console.h"
 #include "samples/files.h"
+#include "samples/hard_run.h"
 #include "samples/hard_table.h"
 #include "samples/hardening.h"
 #include "samples/subject.h"
@@ -111,6 +112,15 @@ Exit harden_scene(const compute::Device& device, const HardenOptions& options) {
   return count->broken == 0 ? kDone : kFailed;
 }
 
+// What is wrong with the hard cases' folder, or with the place for their table, is told before any of them runs.
+Result<void> check_suite(const HardenOptions& options) {
+  for (const HardCase& hard : hard_cases())
+    if (auto scene = scene_of(hard, options.file); !scene) return scene.take_error();
+  if (options.readme.empty()) return {};
+  auto text = marked_text(options.readme);
+  return text ? Result<void>() : text.take_error();
+}
+
 Exit harden_suite(const compute::Device& device, const HardenOptions& options) {
   std::printf("%zu hard cases on %s\n", hard_cases().size(), device.name().c_str());
   const auto rows = run_suite(device, options.file, options.quick, options.only);
@@ -134,7 +144,7 @@ Exit harden_suite(const compute::Device& device, const HardenOptions& options) {
 }  // namespace
 
 Exit harden(const HardenOptions& options) {
-  const bool suite = std::filesystem::is_directory(options.file);
+  const bool suite = is_folder(options.file);
   if (suite && (!options.assignments.empty() || options.frames)) {
     complain(options.file.string() + ": the hard cases run as they are, without --set or --frames");
     return kBadInput;
@@ -143,6 +153,11 @@ Exit harden(const HardenOptions& options) {
     complain("--readme: goes with the folder of the hard cases, not with a scene");
     return kBadInput;
   }
+  if (suite)
+    if (const Result<void> good = check_suite(options); !good) {
+      complain(good.error());
+      return kBadInput;
+    }
   listen_for_interrupts();
   if (const Result<void> made = make_folder(options.out); !made) return failed(made.error());
   compute::DeviceChoice choice;

@@ -171,7 +171,7 @@ Result<void> go_through(Simulation& simulation, Painter& painter, const RunOptio
 // Where the run begins: at the scene's start, or where one that was ended left it.
 Exit begin(Simulation& simulation, const RunOptions& options, Passage& passage) {
   const std::filesystem::path file = checkpoint_file(simulation.scene(), options);
-  if (options.checkpoint > 0 && !options.fresh && std::filesystem::exists(file)) {
+  if (options.checkpoint > 0 && !options.fresh && is_there(file)) {
     const Result<Checkpoint> left = load_checkpoint(file, simulation, options.check);
     if (!left) {
       complain(left.error() + "; --fresh begins anew");

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "shaders/proximity.ref.h"
+#include "shaders/shared.h"
 
 namespace weft::reference {
 
@@ -107,7 +108,7 @@ constexpr double kLimitMargin = 0.1;
 constexpr double kLimitFloor = 0x1p-20;
 
 /// Times the distance that a pair keeps: how far from its target it may hold an anchor.
-constexpr double kPatience = 8;
+constexpr double kPatience = WEFT_PATIENCE;
 
 /// A pair seen along its normal: A above the middle at 0, B below it.
 class Layers {
@@ -199,7 +200,7 @@ struct Limit {
   bool unsafe = false;             // the rounds were not enough: everybody keeps to its half
 };
 
-constexpr int kLastRound = 15;
+constexpr int kLastRound = WEFT_ROUNDS - 1;
 
 inline Limit limit_motion(std::span<const Pair> pairs, std::span<const Contact> contacts, const Points& x, const Points& p,
                           std::span<const double> inverse_masses) {

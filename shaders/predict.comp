@@ -9,7 +9,11 @@
 GATHER(positions)
 GATHER(materials)
 GATHER_WRITE(velocities)
+#ifdef WATCH
+READ_WRITE(vec4, predicted)
+#else
 WRITE(vec4, predicted)
+#endif
 
 layout(push_constant, scalar) uniform Constants { Push push; };
 
@@ -37,6 +41,7 @@ void main() {
   }
 #ifdef WATCH
   const bool follows = x.w == 0 && (push.flags & WEFT_ANCHORS_MOVE) != 0;
+  if (x.w == 0) p = predicted[i].xyz;   // where it is led, and may not be yet
   if (!follows && strays(p, expected_at(i, detection[0].age + 2), detection[0].reach)) detection[0].due = 1;
 #endif
 }

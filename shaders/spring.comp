@@ -35,7 +35,7 @@ vec3 force(vec3 x, vec3 v, uint other, vec4 spring) {
   if (together) d = gl_GlobalInvocationID.x < other ? kApart : -kApart;
   const float len = sqrt(squared + 1e-20);
   float pull = spring.y * (len - spring.x);
-  if (damped != 0) pull += spring.z * dot(v - FETCH(velocities, other).xyz, d) / len;
+  if (damped != 0 && !together) pull += spring.z * dot(v - FETCH(velocities, other).xyz, d) / len;
   if (spring.w != 0 && len < spring.x) pull = 0;
   return (-pull / len) * d;
 }

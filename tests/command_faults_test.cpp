@@ -168,11 +168,22 @@ TEST_F(CommandFaults, a_full_disk_is_a_sentence_and_what_was_there_stays) {
 
 TEST_F(CommandFaults, a_place_that_cannot_be_written_is_a_sentence) {
   const std::string sheet = write("sheet.json", kSheet);
-  for (const std::string& place : {std::string("/proc/weft"), sheet, std::string("/dev/full")}) {
+  for (const std::string& place : {std::string("/proc/weft"), sheet, std::string("/dev/full"), std::string(300, 'x')}) {
     const Outcome outcome = weft({"run", sheet, "--frames", "1", "--out", place});
     EXPECT_EQ(outcome.exit, 1) << place;
     EXPECT_NE(outcome.error.find(place + ": cannot be made a folder"), std::string::npos) << outcome.error;
   }
+}
+
+TEST_F(CommandFaults, hard_cases_that_are_not_there_are_bad_input_before_anything_runs) {
+  const Outcome empty = weft({"harden", folder.string(), "--out", out()});
+  EXPECT_EQ(empty.exit, 2);
+  EXPECT_NE(empty.error.find("free_fall.json"), std::string::npos) << empty.error;
+  const std::string cases = WEFT_SOURCE_DIR "/assets/scenes/hard", plain = write("plain.md", "no table").string();
+  const Outcome unmarked = weft({"harden", cases, "--readme", plain, "--out", out()});
+  EXPECT_EQ(unmarked.exit, 2);
+  EXPECT_NE(unmarked.error.find("plain.md: has no lines"), std::string::npos) << unmarked.error;
+  EXPECT_FALSE(fs::exists(folder / "out/hard_cases.csv"));
 }
 
 TEST_F(CommandFaults, what_cannot_be_printed_is_a_failure) {

@@ -1,4 +1,4 @@
-// The promise that cloth never crosses cloth, in the hard cases that proofs.md lists: at every frame an independent checker
+// The promise that cloth never crosses cloth, in hard cases: at every frame an independent checker
 // (engine/reference/intersections.h), which shares nothing with the passes, must find nothing, and no contact may be lost.
 #include <gtest/gtest.h>
 

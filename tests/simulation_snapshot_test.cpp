@@ -95,6 +95,42 @@ TEST_F(SimulationSnapshot, cloth_on_a_mesh_collider_10_km_away_goes_on_the_same_
   EXPECT_GT(whole->counts().contacts_most, 16u);
 }
 
+Anchor held_everywhere() {
+  Anchor anchor;
+  anchor.box = {{-9, -9, -9}, {9, 9, 9}};   // m
+  return anchor;
+}
+
+// Its place does not tell where it is led.
+TEST_F(SimulationSnapshot, an_anchor_that_waits_for_cloth_goes_on_waiting_and_on_its_way) {
+  Scene scene = sheet(8);
+  scene.contacts.enabled = true;
+  scene.cloths[0].anchors.push_back(held_everywhere());
+  scene.cloths.push_back(scene.cloths[0]);   // lies on it, and cannot go away
+  scene.cloths[1].anchors.clear();
+  scene.cloths[1].grid->size = {0.6f, 0.6f};
+  scene.cloths[1].transform.translate = {0.01f, 0.006f, 0.02f};
+  scene.cloths.push_back(scene.cloths[0]);
+  scene.cloths[2].grid->size = {0.2f, 0.2f};
+  scene.cloths[2].transform.translate = {0.03f, 0.02f, 0.04f};
+  scene.cloths[2].anchors[0] = held_at({Corner::low_low});
+  const auto whole = must(Simulation::create(device(), scene));
+  const std::uint32_t pin = whole->fabric().cloths[2].first_anchor;
+  const auto lead = [&](Simulation& simulation, float y) {
+    const Vec3 target = whole->fabric().anchors[pin].rest + Vec3{0, y, 0};
+    must(simulation.move_anchors(pin, {&target, 1}));
+    for (int k = 0; k < 5; ++k) must(simulation.advance(1.0 / 60));
+    return must(simulation.read_positions())[whole->fabric().anchors[pin].particle].y - target.y;
+  };
+  EXPECT_GT(lead(*whole, -0.022f), 0.002f) << "the sheet between is in the way";
+  const auto resumed = must(Simulation::create(device(), scene));
+  must(resumed->restore(must(whole->save())));
+  for (Simulation* simulation : {whole.get(), resumed.get()})
+    for (int k = 0; k < 5; ++k) must(simulation->advance(1.0 / 60));
+  expect_same(*whole, *resumed);
+  EXPECT_EQ(lead(*resumed, 0.01f), 0) << "the way is free";
+}
+
 TEST_F(SimulationSnapshot, a_snapshot_that_does_not_fit_is_refused_and_changes_nothing) {
   const auto simulation = must(Simulation::create(device(), moving(6)));
   frame(*simulation, 0);
@@ -117,6 +153,8 @@ TEST_F(SimulationSnapshot, a_snapshot_that_does_not_fit_is_refused_and_changes_n
   refuse("velocities of particle 0", [&](Snapshot& s) { poke(s, 1, 12, 1e9f); });
   refuse("buffer positions has 16", [](Snapshot& s) { s.contents[0].bytes.resize(16); });
   refuse("buffer positions has 0", [](Snapshot& s) { s.contents[0].name = "place"; });
+  refuse("anchors", [&](Snapshot& s) { poke(s, s.contents.size() - 1, 16, nan); });   // where the first is led to
+  refuse("anchors", [](Snapshot& s) { s.contents.back().bytes.resize(sizeof(gpu::Anchor)); });
   refuse("buffers instead of", [](Snapshot& s) { s.contents.pop_back(); });
   refuse("left over", [](Snapshot& s) { s.left_over = std::numeric_limits<double>::quiet_NaN(); });
   refuse("gravity", [&](Snapshot& s) { s.gravity.z = nan; });
