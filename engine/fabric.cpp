@@ -26,8 +26,6 @@ constexpr double kSoftest = 1e12;
 
 // Single precision squares lengths: what is shorter counts as ends at one place (stretch.comp).
 constexpr float kShortestLink = 1e-8f;   // m
-// Longer ones have no place in a packed link (packed.h).
-constexpr float kLongestLink = 4e9f;   // m
 
 // Rows of links are padded to one length where that adds no more than this: to fetch where a row begins costs as much.
 constexpr double kMostPadding = 0.15;
@@ -95,8 +93,6 @@ class Cook {
       if (!std::isfinite(p.x + p.y + p.z + p.w)) return fail("a particle's position or inverse mass is not finite: the mesh or its mass is beyond single precision");
     for (const StretchLink& link : fabric_.links)
       if (!(link.rest > kShortestLink)) return fail("a link of ", link.rest, " m is not longer than ", kShortestLink, " m: scale the mesh up");
-    for (const StretchLink& link : fabric_.links)
-      if (!(link.rest < kLongestLink)) return fail("a link of ", link.rest, " m is not shorter than ", kLongestLink, " m: scale the mesh down");
     for (std::size_t k = 0; k < scene_.cloths.size(); ++k) cooking::take_start(scene_.cloths[k], fabric_.cloths[k], fabric_);
     return std::move(fabric_);
   }

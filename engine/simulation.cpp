@@ -12,6 +12,7 @@ namespace weft {
 namespace {
 
 constexpr double kMostDispatches = 4e6;   // about 400 MB of steps and commands
+constexpr float kLongestLink = 4e9f;      // m: longer ones have no place in a packed link (packed.h)
 
 }  // namespace
 
@@ -19,7 +20,9 @@ Simulation::Simulation(std::unique_ptr<State> state) : state_(std::move(state)) 
 
 Simulation::~Simulation() {
   // Frames that Weft submitted must be done before their buffers go; a host that recorded frames waits for them itself.
-  if (state_ && state_->submitted > 0) (void)state_->wait();
+  if (!state_ || state_->submitted == 0) return;
+  (void)state_->wait();
+  state_->device->wait_idle();   // the software driver (Mesa 22.3) looks at semaphores for a moment after they are signalled
 }
 
 Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& device, const Scene& scene, const SimulationOptions& options) {
@@ -65,6 +68,8 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   state->fabric = std::move(*fabric);
   for (const gpu::vec4& x : state->fabric.positions)
     if (!is_finite(x)) return fail("a particle would start at (", x.x, ", ", x.y, ", ", x.z, "), which is not finite, or ", kFarthest, " m away or more");
+  for (const StretchLink& link : state->fabric.links)
+    if (!(link.rest < kLongestLink)) return fail("a link is ", kLongestLink, " m long or longer: scale the mesh down");
   if (!chosen_by.empty()) state->fabric.notes.push_back(chosen_by);
   state->meshes = std::move(meshes);
   auto cache = compute::PipelineCache::create(device, options.pipeline_cache);

@@ -189,6 +189,9 @@ TEST_F(NonFinite, targets_poses_gravity_and_scenes_are_refused_with_a_sentence_a
   scene = moving(6);
   scene.cloths[0].transform.scale = 1e12;
   refused(Simulation::create(device(), scene), "m away or more");
+  scene = sheet(1);
+  scene.cloths[0].transform.scale = 5e9;
+  refused(Simulation::create(device(), scene), "a link is 4e+09 m long or longer");
 }
 
 }  // namespace
