@@ -113,7 +113,7 @@ Result<Endurance> endure(const compute::Device& device, const Scene& scene, cons
   if (!end) return fail(end.error());
   seen.strain = measure_strain(simulation.fabric(), *end);
   const std::size_t cloths = simulation.fabric().cloths.size();
-  if (contacts_on(simulation.scene()))
+  if (simulation.counts().truncated > 0)   // else no anchor was held either
     for (const gpu::vec4& rest : simulation.fabric().rest) seen.patience = std::max(seen.patience, double(WEFT_PATIENCE * rest.w));
   seen.size = box_diagonal(simulation.meshes(), cloths) / perturbation.size;
   const Vec3 back = simulation.origin() - (perturbation.away + perturbation.jolt + perturbation.teleport);   // small, however far away

@@ -78,6 +78,16 @@ double gap(const compute::Device& device, const Pleated& made, const std::vector
   return largest_gap(passes.iterate(), twin);
 }
 
+// The pose after one visit to all hinges.
+std::vector<gpu::vec4> visited(const compute::Device& device, const Pleated& made, const std::vector<gpu::vec4>& pose) {
+  SinglePass passes(device, made.scene, made.fabric);
+  passes.put_iterate(pose);
+  passes.begin(frame_of(1));
+  passes.run("hinge");
+  passes.run("hinge_gather");
+  return passes.iterate();
+}
+
 TEST_F(HingeKernel, hinges_do_what_their_twin_does_on_crumpled_pleats) {
   for (const Averaging averaging : {Averaging::mass_split, Averaging::count})
     for (const std::uint32_t iterations : {1u, 3u})
@@ -94,12 +104,7 @@ TEST_F(HingeKernel, hinges_do_what_their_twin_does_on_crumpled_pleats) {
 
 TEST_F(HingeKernel, a_pose_at_rest_is_left_to_rounding) {
   const Pleated made = pleated(1, Averaging::mass_split, 1.0);
-  SinglePass passes(device(), made.scene, made.fabric);
-  passes.put_iterate(made.fabric.positions);
-  passes.begin(frame_of(1));
-  passes.run("hinge");
-  passes.run("hinge_gather");
-  EXPECT_LT(largest_gap(passes.iterate(), points(made.fabric.positions)), 4 * kRounding);
+  EXPECT_LT(largest_gap(visited(device(), made, made.fabric.positions), points(made.fabric.positions)), 4 * kRounding);
 }
 
 // Everything in one point, on a line, far away, not a number: particles of other hinges do not notice, and all others stay finite.
@@ -117,12 +122,7 @@ TEST_F(HingeKernel, lost_and_degenerate_poses_take_nobody_along) {
       lost[i] = kind > 2 && i % 17 == 0;
       if (lost[i]) p.y = kind == 3 ? NAN : kind == 4 ? INFINITY : 1e30f;
     }
-    SinglePass passes(device(), made.scene, made.fabric);
-    passes.put_iterate(pose);
-    passes.begin(frame_of(1));
-    passes.run("hinge");
-    passes.run("hinge_gather");
-    const auto after = passes.iterate();
+    const auto after = visited(device(), made, pose);
     for (std::size_t i = 0; i < n; ++i)
       if (!lost[i]) { ASSERT_LT((vector(after[i]) - vector(pose[i])).norm(), 1) << "kind " << kind << ", particle " << i; }
   }
@@ -210,12 +210,7 @@ TEST_F(HingeKernel, hinges_move_no_centre_of_mass_and_turn_nothing) {
   Random random(8);
   const Pleated made = pleated(1, Averaging::mass_split, 1.0, false);
   const auto pose = crumpled(made.fabric, random);
-  SinglePass passes(device(), made.scene, made.fabric);
-  passes.put_iterate(pose);
-  passes.begin(frame_of(1));
-  passes.run("hinge");
-  passes.run("hinge_gather");
-  const auto after = passes.iterate();
+  const auto after = visited(device(), made, pose);
   reference::Vector sum = reference::Vector::Zero(), moment = sum;
   double size = 0;
   for (std::size_t i = 0; i < pose.size(); ++i) {
