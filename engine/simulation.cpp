@@ -221,7 +221,6 @@ Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPo
       const bool own = led[k].particle >= mesh->first_particle && led[k].particle - mesh->first_particle < mesh->particles;
       if (!own) state_->anchors[k].to = led[k].to;
     }
-    state_->anchors_are_owed = true;
   }
   state_->collider_poses[collider] = *there;
   state_->collider_wishes[collider].reset();
@@ -257,7 +256,7 @@ std::vector<PassUse> Simulation::passes() const {
   for (const PlannedPass& planned : state_->solver->plan().passes) {
     std::uint32_t dispatches = rounds_of(*planned.pass, state_->fabric);
     switch (planned.pass->stage) {
-      case Stage::substep_begin: dispatches *= state_->anchors_are_keyed ? substeps : 0; break;
+      case Stage::substep_begin: dispatches *= state_->anchors_are_keyed || state_->solver->has(gpu::detection) ? substeps : 0; break;
       case Stage::linear: dispatches *= substeps * linear; break;
       case Stage::assemble:
       case Stage::detect:

@@ -39,9 +39,9 @@ Result<void> check_values(const char* name, const std::vector<gpu::vec4>& values
   return {};
 }
 
-// Of the candidates only those that there are.
-std::size_t bytes_of(const compute::Buffer& buffer, gpu::Binding binding, const gpu::Detection& detection, std::uint32_t capacity) {
-  return binding == gpu::candidates ? std::min(detection.candidates, capacity) * sizeof(gpu::uvec4) : static_cast<std::size_t>(buffer.bytes);
+// Of the candidates only those that there are; of others no more than is used, as the rest of their memory was never written.
+std::size_t bytes_of(const Solver& solver, gpu::Binding binding, const gpu::Detection& detection, std::uint32_t capacity) {
+  return binding == gpu::candidates ? std::min(detection.candidates, capacity) * sizeof(gpu::uvec4) : static_cast<std::size_t>(solver.used_bytes(binding));
 }
 
 // Of a snapshot: where the particles are led that others lead, the vertices of mesh colliders among them.
@@ -94,7 +94,7 @@ Result<Snapshot> Simulation::save() const {
     snapshot.colliders.push_back({s.collider_is_led[k], s.collider_wishes[k].has_value(), s.collider_poses[k], s.collider_wishes[k].value_or(ColliderPose())});
   for (const gpu::Binding binding : s.lasting) {   // `detection` comes before `candidates`
     const compute::Buffer& buffer = s.solver->buffer(binding);
-    std::vector<std::byte> bytes(bytes_of(buffer, binding, detection_of(snapshot), snapshot.capacity));
+    std::vector<std::byte> bytes(bytes_of(*s.solver, binding, detection_of(snapshot), snapshot.capacity));
     if (auto done = compute::read_back(*s.device, buffer, bytes); !done) return done.take_error();
     snapshot.contents.push_back({buffer.name, std::move(bytes)});
   }
@@ -127,7 +127,7 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
     return unfit("its last detection is ", found.age, " substeps ago and was for ", found.horizon, "; neither is ever above ", WEFT_HORIZON);
   for (const gpu::Binding binding : lasting) {
     const compute::Buffer& buffer = solver->buffer(binding);
-    const std::size_t wanted = bytes_of(buffer, binding, found, snapshot.capacity);
+    const std::size_t wanted = bytes_of(*solver, binding, found, snapshot.capacity);
     const auto* bytes = find(snapshot, buffer.name);
     if (!bytes || bytes->size() != wanted) return unfit("its buffer ", buffer.name, " has ", bytes ? bytes->size() : 0, " bytes instead of ", wanted);
     if (binding == gpu::positions)
@@ -179,7 +179,8 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
   }
   if (auto done = compute::upload_all(*device, uploads); !done) return done;
 
-  half_done = anchors_are_owed = false;
+  half_done = false;
+  anchors_are_owed = contacts;   // where they are led the GPU does not know yet
   // What the frame's end would have copied there.
   std::memcpy(readback[0].mapped, find(snapshot, "counters")->data(), sizeof(gpu::Counters));
   const gpu::Detection found = detection_of(snapshot);

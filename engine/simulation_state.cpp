@@ -79,6 +79,7 @@ Result<void> Simulation::write_positions(std::span<const gpu::vec4> positions) {
     const gpu::vec4& p = wanted[anchor.particle];
     anchor.from = anchor.to = {p.x, p.y, p.z};
   }
+  state_->anchors_are_owed = true;
   if (state_->solver->has(gpu::detection))
     if (auto done = state_->detect_anew(); !done) return done;
   return state_->draw_surface();

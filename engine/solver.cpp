@@ -263,11 +263,9 @@ std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
   push.recover = contacts_.recover;
   push.reach_low = contacts_.reach_low;
   push.reach_high = contacts_.reach_high;
-  push.flags = input.anchors_move ? WEFT_ANCHORS_MOVE : 0;
-  const std::uint32_t frame_flags = push.flags;
   list_stage(Stage::frame_begin, input, push);
   for (std::uint32_t s = 0; s < input.substeps; ++s) {
-    const std::uint32_t flags = frame_flags | (s + 1 == input.substeps ? WEFT_LAST_SUBSTEP : 0);
+    const std::uint32_t flags = s + 1 == input.substeps ? WEFT_LAST_SUBSTEP : 0;
     push.flags = flags;
     push.fraction_from = static_cast<float>(s) / static_cast<float>(input.substeps);
     push.fraction_to = static_cast<float>(s + 1) / static_cast<float>(input.substeps);
@@ -303,10 +301,13 @@ std::span<const Solver::Step> Solver::surface() {
 void Solver::list_stage(Stage stage, const FrameInput& input, gpu::Push push) {
   for (std::uint32_t k = 0; k < plan_.passes.size(); ++k) {
     const Pass& pass = *plan_.passes[k].pass;
-    if (pass.stage != stage || (pass.domain == Domain::anchors && !input.anchors_move)) continue;
-    push.count = counts_[k];
+    const bool arrived = pass.domain == Domain::anchors && !input.anchors_move;
+    // With contacts an anchor that was held back may still be on its way.
+    if (pass.stage != stage || (arrived && !has(gpu::detection))) continue;
     for (std::uint32_t round = 0; round < rounds_[k]; ++round) {
       gpu::Push told = push;
+      told.count = counts_[k];
+      if (arrived) told.fraction_from = told.fraction_to = 1;
       set_round(pass.domain, round, told);
       steps_.push_back({k, parity_, told});
     }
@@ -363,6 +364,11 @@ const compute::Buffer& Solver::buffer(gpu::Binding binding) const {
   }
   assert(!"not a buffer of the plan");
   return arena_[0];
+}
+
+std::uint64_t Solver::used_bytes(gpu::Binding binding) const {
+  const auto need = std::find_if(needs_.begin(), needs_.end(), [binding](const BufferNeed& n) { return n.binding == binding; });
+  return need == needs_.end() ? 0 : need->bytes;
 }
 
 std::vector<const compute::Buffer*> Solver::buffers() const {

@@ -58,6 +58,8 @@ class Solver {
   const Plan& plan() const { return plan_; }
   /// Must be a buffer of the plan. `predicted` and `relaxed` by name, not by role.
   const compute::Buffer& buffer(gpu::Binding binding) const;
+  /// What the passes use of it; its memory is rounded up.
+  std::uint64_t used_bytes(gpu::Binding binding) const;
   bool has(gpu::Binding binding) const { return plan_.buffers() >> binding & 1; }
   /// All of them with their sizes, in the order of bindings.
   std::vector<const compute::Buffer*> buffers() const;

@@ -1,7 +1,10 @@
-// anchor: puts every held particle where it belongs at the substep's end, on the straight way from where it was at the
-// frame's start to where the scene or the host wants it at the frame's end. Recorded only in frames in which targets move.
-// At the frame's end the target is taken as it is, so that it is exact to the bit; an anchor that does not move stays so.
-// With contacts it also watches whether a target strays (leash.glsl).
+// anchor: tells every held particle where it belongs at the substep's end, on the straight way from where it was at the
+// frame's start to where the scene or the host wants it at the frame's end. Without contacts it is recorded only in frames in which
+// targets move. At the frame's end the target is taken as it is, so that it is exact to the bit; an anchor that does not move stays so.
+//
+// With contacts cloth in the way may have held it back (contact_limit). Then it goes after its target, and makes good no more of its lag
+// in a substep than contacts make good of a distance that is too small: what comes at cloth with all its lag at once takes all the
+// room in front of it, is stopped again, and lags more. Also watches whether it strays (leash.glsl).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -12,8 +15,19 @@ WRITE(vec4, predicted)
 layout(push_constant, scalar) uniform Constants { Push push; };
 
 #ifdef WATCH
+GATHER(positions)
+GATHER(velocities)
+GATHER(materials)
 READ_WRITE(Detection, detection)
 #include "leash.glsl"
+
+// Beyond its patience (contact_limit) it does not wait any longer.
+vec3 after(vec3 target, Anchor anchor) {
+  const vec3 x = FETCH(positions, anchor.particle).xyz;
+  const float lag = length(target - x), step = (push.fraction_to - push.fraction_from) * length(anchor.to - anchor.from) + push.recover;
+  const float patience = WEFT_PATIENCE * FETCH(materials, floatBitsToUint(FETCH(velocities, anchor.particle).w)).z;
+  return lag > step && lag <= patience ? x + (step / lag) * (target - x) : target;
+}
 #endif
 
 void main() {
@@ -21,9 +35,10 @@ void main() {
   if (i >= push.count) return;
   const Anchor anchor = anchors[i];
   const bool arrived = push.fraction_to == 1;
-  const vec3 target = arrived ? anchor.to : anchor.from + push.fraction_to * (anchor.to - anchor.from);
-  predicted[anchor.particle].xyz = target;
+  vec3 target = arrived ? anchor.to : anchor.from + push.fraction_to * (anchor.to - anchor.from);
 #ifdef WATCH
+  target = after(target, anchor);
   if (strays(target, expected_at(anchor.particle, detection[0].age + 2), detection[0].reach)) detection[0].due = 1;
 #endif
+  predicted[anchor.particle].xyz = target;
 }

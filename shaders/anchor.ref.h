@@ -8,4 +8,11 @@ namespace weft::reference {
 /// `fraction`: of the frame, at the substep's end.
 inline Vector anchor_at(const Vector& from, const Vector& to, double fraction) { return from + fraction * (to - from); }
 
+/// Where one goes in a substep that was held back at x: at most as far as its target goes, `step`, and `recover` (m), unless it lags more
+/// than its patience (m).
+inline Vector anchor_after(const Vector& target, const Vector& x, double step, double recover, double patience) {
+  const Vector lag = target - x;
+  return lag.norm() <= step + recover || lag.norm() > patience ? target : Vector(x + (step + recover) * lag.normalized());
+}
+
 }  // namespace weft::reference

@@ -1,6 +1,6 @@
 // predict: where every particle would go in the frame's first substep if nothing held it (symplectic Euler).
 // The predictions of later substeps are made where the one before ends (finish.glsl). An anchor stays.
-// With contacts it also watches whether a prediction strays (leash.glsl).
+// With contacts it also watches whether a prediction strays (leash.glsl); the anchor pass does so for anchors.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -40,8 +40,6 @@ void main() {
     predicted[i].xyz = p;
   }
 #ifdef WATCH
-  const bool follows = x.w == 0 && (push.flags & WEFT_ANCHORS_MOVE) != 0;
-  if (x.w == 0) p = predicted[i].xyz;   // where it is led, and may not be yet
-  if (!follows && strays(p, expected_at(i, detection[0].age + 2), detection[0].reach)) detection[0].due = 1;
+  if (x.w != 0 && strays(p, expected_at(i, detection[0].age + 2), detection[0].reach)) detection[0].due = 1;
 #endif
 }

@@ -2,7 +2,7 @@
 // (contact_limit), and no further than its leash lets it; then velocity, position and prediction as without contacts.
 //
 // Also watches: where a particle is not where its reference path wants it, or is about to stray, the next substep
-// begins with a detection. An anchor that moves is watched by the anchor pass, which alone knows where it goes.
+// begins with a detection. Where an anchor goes the anchor pass alone knows, and watches.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -62,7 +62,7 @@ void watch(vec3 end, vec3 expected, vec3 prediction, vec3 expected_then, float l
 }
 
 // A particle that is led goes to its target, or as far as contact_limit lets it: then it goes on from there in the next substep.
-void lead(uint i, vec3 target, vec3 expected, vec3 expected_then, float leash) {
+void lead(uint i, vec3 target, vec3 expected) {
   vec3 end = target;
   const float fraction = detection[0].touched.x > 0 ? fraction_of(i) : 1;
   if (fraction < 1) {
@@ -72,7 +72,6 @@ void lead(uint i, vec3 target, vec3 expected, vec3 expected_then, float leash) {
     if (strays_from(end, expected, detection[0].reach)) detection[0].due = 1;
   }
   positions[i].xyz = end;
-  if ((push.flags & WEFT_ANCHORS_MOVE) == 0) watch(end, expected, target, expected_then, leash);
 }
 
 void main() {
@@ -83,7 +82,7 @@ void main() {
   const vec3 expected = expected_at(i, age + 1), expected_then = expected_at(i, age + 2);
   const float leash = uintBitsToFloat(leashes[i]);
   if (p.w == 0) {
-    lead(i, p.xyz, expected, expected_then, leash);
+    lead(i, p.xyz, expected);
     return;
   }
   const vec3 x = FETCH(positions, i).xyz;

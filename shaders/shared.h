@@ -324,7 +324,6 @@ struct Push {
 #define WEFT_FIRST_ITERATION 4u // of the substep: multipliers start at zero
 #define WEFT_ROUND_SHIFT 8u      // bits 8 to 11: which round of a pass that runs in several
 #define WEFT_TURN_SHIFT 16u      // bits 16 and 17: substeps modulo 3
-#define WEFT_ANCHORS_MOVE 8u    // in this frame: each anchor's next place is known to the anchor pass alone
 
 
 #define WEFT_NONE 0xffffffffu

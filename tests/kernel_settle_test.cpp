@@ -154,6 +154,48 @@ TEST_F(SettleKernel, anchors_go_straight_to_their_targets_and_arrive_to_the_bit)
   for (const gpu::Anchor& anchor : anchors) EXPECT_EQ(std::memcmp(&positions[anchor.particle], &anchor.to, sizeof anchor.to), 0);
 }
 
+// Cloth has held them back by up to 3 cm; some further than their patience lasts, which is eight times 2 mm.
+TEST_F(SettleKernel, anchors_that_were_held_back_go_after_their_targets_also_when_those_have_stopped) {
+  Random random(6);
+  Scene scene = loose_scene(5);
+  scene.contacts.enabled = true;
+  CookedFabric fabric = loose_particles(random, 400, scene.solver);
+  for (const gpu::vec4& x : fabric.positions) fabric.rest.push_back({x.x, x.y, x.z, 0.002f});
+  fabric.triangles = {{0, 1, 2}};
+  fabric.cloth_triangles = 1;
+  fabric.edges = {{0, 1}};
+  std::vector<gpu::Anchor> anchors;
+  for (std::uint32_t i = 3; i < 400; i += 8) {
+    const gpu::vec4& x = fabric.positions[i];
+    const gpu::vec4 lag = anywhere(random, 0.02, 0), way = anywhere(random, 0.02, 0);
+    const gpu::vec3 from{x.x + lag.x, x.y + lag.y, x.z + lag.z};
+    anchors.push_back({i, from, {from.x + way.x, from.y + way.y, from.z + way.z}});
+    fabric.anchors.push_back({0, 0, i, i, {x.x, x.y, x.z}});
+  }
+  SinglePass passes(device(), scene, fabric);
+  const double recover = contact_sizes(scene, fabric).recover, patience = WEFT_PATIENCE * 0.002;
+  FrameInput input = frame_of(5);
+  input.anchors = anchors;
+  int waited = 0, impatient = 0;
+  for (const bool moves : {true, false}) {
+    input.anchors_move = moves;
+    passes.begin(input);
+    for (int s = 0; s < 5; ++s) {
+      passes.run("anchor", s);
+      const auto iterate = passes.iterate();
+      for (const gpu::Anchor& anchor : anchors) {
+        const auto from = vector(anchor.from), to = vector(anchor.to), x = vector(fabric.positions[anchor.particle]);
+        const auto target = reference::anchor_at(from, to, moves ? (s + 1) / 5.0 : 1);
+        const auto wanted = reference::anchor_after(target, x, moves ? (to - from).norm() / 5 : 0, recover, patience);
+        EXPECT_LT((vector(iterate[anchor.particle]) - wanted).norm(), 16 * kRounding * 2) << "substep " << s << " of anchor " << anchor.particle;
+        ++(wanted == target ? impatient : waited);
+      }
+    }
+  }
+  EXPECT_GT(waited, 50);
+  EXPECT_GT(impatient, 50);
+}
+
 // A tube whose two ends of the picture meet in a seam: render vertices double there, points do not.
 Mesh tube() {
   RenderMesh render;

@@ -259,6 +259,14 @@ TEST(AnchorTwin, it_starts_and_ends_where_it_is_told) {
   EXPECT_LT((anchor_at(from, to, 0.25) - Vector(1.75, 2.75, 0.75)).norm(), 1e-15);
 }
 
+TEST(AnchorTwin, it_makes_good_a_lag_little_by_little_while_its_patience_lasts) {
+  const Vector x(1, 2, 3), target = x + Vector(0, 0.3, -0.4);
+  EXPECT_LT((anchor_after(target, x, 0.1, 0.05, 1) - (x + Vector(0, 0.09, -0.12))).norm(), 1e-15);
+  EXPECT_EQ(anchor_after(target, x, 0.5, 0.05, 1), target);
+  EXPECT_EQ(anchor_after(target, x, 0.1, 0.05, 0.4), target);
+  EXPECT_EQ(anchor_after(x, x, 0, 0, 1), x);
+}
+
 TEST(SurfaceTwin, normals_of_a_sphere_point_outwards) {
   const Mesh grid = make_grid({.size = {1, 1}, .cells_x = 24, .cells_y = 24});
   Points x;
