@@ -173,7 +173,7 @@ inline constexpr std::uint32_t kMostCandidates = 1u << 26;
 /// Cloth against cloth, itself included, and against mesh colliders. Off unless the scene asks for it or has a mesh collider.
 struct Contacts {
   bool enabled = false;
-  double recover = 0.25;        // m/s, >= 0: how fast a pair that is closer than it should be is taken apart
+  double recover = 0.25;        // m/s, >= 0: how fast a pair that is closer than it should be is taken apart, and an anchor that cloth held back catches up
   std::uint32_t capacity = 0;   // pairs there is room for at the start; 0: chosen. advance() enlarges it and repeats the frame
   double cell = 0;              // m, cell of the spatial hash; 0: chosen
   double reach = 0;             // m, how far a particle may stray from its path before pairs are searched again; 0: chosen

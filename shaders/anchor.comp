@@ -21,11 +21,15 @@ GATHER(materials)
 READ_WRITE(Detection, detection)
 #include "leash.glsl"
 
+// Of its patience: what it makes good where contacts make good nothing.
+const float kLeast = 0.01;
+
 // Beyond its patience (contact_limit) it does not wait any longer.
 vec3 after(vec3 target, Anchor anchor) {
   const vec3 x = FETCH(positions, anchor.particle).xyz;
-  const float lag = length(target - x), step = (push.fraction_to - push.fraction_from) * length(anchor.to - anchor.from) + push.recover;
   const float patience = WEFT_PATIENCE * FETCH(materials, floatBitsToUint(FETCH(velocities, anchor.particle).w)).z;
+  const float lag = length(target - x), follows = (push.fraction_to - push.fraction_from) * length(anchor.to - anchor.from);
+  const float step = follows + max(push.recover, kLeast * patience);
   return lag > step && lag <= patience ? x + (step / lag) * (target - x) : target;
 }
 #endif

@@ -1,6 +1,8 @@
 // Twin of anchor: a held particle goes straight and evenly from where it was at the frame's start to its target.
 #pragma once
 
+#include <algorithm>
+
 #include "shaders/relax.ref.h"
 
 namespace weft::reference {
@@ -8,11 +10,12 @@ namespace weft::reference {
 /// `fraction`: of the frame, at the substep's end.
 inline Vector anchor_at(const Vector& from, const Vector& to, double fraction) { return from + fraction * (to - from); }
 
-/// Where one goes in a substep that was held back at x: at most as far as its target goes, `step`, and `recover` (m), unless it lags more
-/// than its patience (m).
+/// Where one goes in a substep that was held back at x: at most as far as its target goes, `step`, and `recover` (m) or a hundredth of its
+/// patience (m), unless it lags more than that.
 inline Vector anchor_after(const Vector& target, const Vector& x, double step, double recover, double patience) {
   const Vector lag = target - x;
-  return lag.norm() <= step + recover || lag.norm() > patience ? target : Vector(x + (step + recover) * lag.normalized());
+  const double most = step + std::max(recover, 0.01 * patience);
+  return lag.norm() <= most || lag.norm() > patience ? target : Vector(x + most * lag.normalized());
 }
 
 }  // namespace weft::reference

@@ -265,6 +265,7 @@ TEST(AnchorTwin, it_makes_good_a_lag_little_by_little_while_its_patience_lasts) 
   EXPECT_EQ(anchor_after(target, x, 0.5, 0.05, 1), target);
   EXPECT_EQ(anchor_after(target, x, 0.1, 0.05, 0.4), target);
   EXPECT_EQ(anchor_after(x, x, 0, 0, 1), x);
+  EXPECT_LT((anchor_after(target, x, 0, 0, 0.6) - (x + 0.012 * Vector(0, 0.3, -0.4))).norm(), 1e-15) << "where nothing recovers, too";
 }
 
 TEST(SurfaceTwin, normals_of_a_sphere_point_outwards) {
