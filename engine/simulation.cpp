@@ -1,6 +1,7 @@
 #include "engine/simulation.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "engine/mend.h"
@@ -279,8 +280,8 @@ std::vector<BufferUse> Simulation::buffers() const {
 
 Counts Simulation::counts() const {
   const gpu::Counters& counters = state_->counters();
-  return {counters.non_finite, counters.coincident, counters.contacts_most, counters.contacts_lost, counters.truncated, counters.detections,
-          counters.unconverged,   counters.stopped,    counters.residual,   counters.unaccelerated};
+  return {counters.non_finite, counters.coincident,  counters.contacts_most, counters.contacts_lost, counters.truncated, counters.detections,
+          std::bit_cast<float>(counters.lag), counters.unconverged, counters.stopped, counters.residual, counters.unaccelerated};
 }
 
 }  // namespace weft

@@ -106,6 +106,7 @@ struct Counts {
   std::uint32_t contacts_lost = 0;   // pairs that found no room and held their particles still instead: only with record and submit
   std::uint32_t truncated = 0;       // times that a particle, or an anchor, was stopped short so that no cloth crosses another
   std::uint32_t detections = 0;      // searches for pairs
+  float lag = 0;                     // m: how far behind its target cloth held an anchor, or a mesh collider's corner, at most
   // Method implicit only. The norm of a residual r is r . D^-1 r, D the blocks on the matrix's diagonal.
   std::uint32_t unconverged = 0;     // substeps whose solve left more than 1 % of the free flight's residual
   std::uint32_t stopped = 0;         // substeps whose solve was broken off with the best there was

@@ -134,7 +134,7 @@ std::string report_json(const Figures& figures, const PassTimes& times) {
   report["coincident"] = figures.counts.coincident;
   if (figures.intersections) report["intersections"] = {{"max", figures.intersections->max}, {"final", figures.intersections->final}};
   if (const Counts& counts = figures.counts; figures.contacts)
-    report["contacts"] = {{"max", counts.contacts_most}, {"lost", counts.contacts_lost}, {"truncated", counts.truncated}, {"detections", counts.detections}};
+    report["contacts"] = {{"max", counts.contacts_most}, {"lost", counts.contacts_lost}, {"truncated", counts.truncated}, {"detections", counts.detections}, {"lag", counts.lag}};
   if (figures.chebyshev) report["unaccelerated"] = figures.counts.unaccelerated;
   if (const Counts& counts = figures.counts; figures.implicit)
     report["linear"] = {{"residual", counts.residual}, {"unconverged", counts.unconverged}, {"stopped", counts.stopped}};

@@ -118,6 +118,7 @@ void print(const Figures& figures, double rate) {
   if (const Counts& counts = figures.counts; figures.contacts) {
     std::printf("Contacts: up to %u pairs, searched for %u times; %u times a particle was stopped short\n", counts.contacts_most, counts.detections,
                 counts.truncated);
+    if (counts.lag > 0) std::printf("Anchors waited for cloth to make way, up to %.2g mm behind their targets\n", 1000 * static_cast<double>(counts.lag));
     if (counts.contacts_lost > 0) std::printf("%u pairs found no room: their particles were held still instead\n", counts.contacts_lost);
   }
   if (figures.timed_on_cpu) std::printf("This device has no timestamps: passes were timed on the CPU\n");

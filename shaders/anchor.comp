@@ -19,14 +19,22 @@ GATHER(positions)
 GATHER(velocities)
 GATHER(materials)
 READ_WRITE(Detection, detection)
+READ_WRITE(Counters, counters)
 #include "leash.glsl"
 
 // Of its patience: what it makes good where contacts make good nothing.
 const float kLeast = 0.01;
+const float kRounding = 1.0 / 1048576;   // 2^-20, of a place
+
+// What it is away from where it should have been by now (m).
+void count_lag(vec3 x, Anchor anchor) {
+  const float behind = length((push.fraction_from == 1 ? anchor.to : anchor.from + push.fraction_from * (anchor.to - anchor.from)) - x);
+  const vec3 size = abs(x);
+  if (behind > kRounding * max(size.x, max(size.y, size.z))) atomicMax(counters[0].lag, floatBitsToUint(behind));   // floats above 0 are ordered as their bits are
+}
 
 // Beyond its patience (contact_limit) it does not wait any longer.
-vec3 after(vec3 target, Anchor anchor) {
-  const vec3 x = FETCH(positions, anchor.particle).xyz;
+vec3 after(vec3 target, vec3 x, Anchor anchor) {
   const float patience = WEFT_PATIENCE * FETCH(materials, floatBitsToUint(FETCH(velocities, anchor.particle).w)).z;
   const float lag = length(target - x), follows = (push.fraction_to - push.fraction_from) * length(anchor.to - anchor.from);
   const float step = follows + max(push.recover, kLeast * patience);
@@ -41,7 +49,9 @@ void main() {
   const bool arrived = push.fraction_to == 1;
   vec3 target = arrived ? anchor.to : anchor.from + push.fraction_to * (anchor.to - anchor.from);
 #ifdef WATCH
-  target = after(target, anchor);
+  const vec3 x = FETCH(positions, anchor.particle).xyz;
+  count_lag(x, anchor);
+  target = after(target, x, anchor);
   if (strays(target, expected_at(anchor.particle, detection[0].age + 2), detection[0].reach)) detection[0].due = 1;
 #endif
   predicted[anchor.particle].xyz = target;

@@ -226,6 +226,7 @@ struct Counters {
   uint contacts_lost; // candidates that found no place, all detections together
   uint truncated;     // times that a particle was stopped short: by a plane, its leash or a lost candidate; anchors only by a plane
   uint detections;
+  uint lag;           // bits of a float (m): how far cloth held an anchor back from its target, at most, at a substep's start
   uint unconverged;   // implicit solves that left more than WEFT_CONVERGED of the residual
   uint stopped;       // implicit solves that broke off with the best there was
   float residual;     // the last implicit solve's, over that of the free flight
@@ -332,7 +333,7 @@ struct Push {
 #ifdef __cplusplus
 
 static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 40 && sizeof(Push) == 108 && sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 348);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 44 && sizeof(Push) == 108 && sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 348);
 static_assert(sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);
 

@@ -154,6 +154,7 @@ TEST_F(CommandLine, a_run_over_a_mesh_reports_its_contacts_and_exports_cloth_alo
   EXPECT_EQ(report["contacts"]["lost"], 0);
   EXPECT_GT(report["contacts"]["detections"], 0);
   for (const char* key : {"max", "truncated"}) EXPECT_TRUE(report["contacts"][key].is_number_unsigned()) << key;
+  EXPECT_EQ(report["contacts"]["lag"], 0);
   EXPECT_NE(read(folder / "stdout").find("Cloth crosses cloth or a mesh in no frame"), std::string::npos);
   EXPECT_NE(read(folder / "stdout").find("Contacts: up to "), std::string::npos);
   EXPECT_NE(read(folder / "out/final.ply").find("element vertex " + std::to_string(2 * 31 * 61) + "\n"), std::string::npos);

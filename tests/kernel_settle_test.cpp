@@ -194,7 +194,13 @@ TEST_F(SettleKernel, anchors_that_were_held_back_go_after_their_targets_also_whe
   for (const double recover : {0.25, 0.0}) {   // m/s
     scene.contacts.recover = recover;
     SinglePass passes(device(), scene, fabric);
-    for (const bool moves : {true, false}) go_after(passes, moves, recover * fabric.h);
+    double lag = 0;
+    for (const gpu::Anchor& anchor : anchors) lag = std::max(lag, (vector(anchor.from) - vector(fabric.positions[anchor.particle])).norm());
+    go_after(passes, true, recover * fabric.h);
+    EXPECT_GE(std::bit_cast<float>(passes.counters().lag), lag * (1 - 1e-6));
+    go_after(passes, false, recover * fabric.h);
+    for (const gpu::Anchor& anchor : anchors) lag = std::max(lag, (vector(anchor.to) - vector(fabric.positions[anchor.particle])).norm());
+    EXPECT_NEAR(std::bit_cast<float>(passes.counters().lag), lag, 16 * kRounding * 2);
   }
   EXPECT_GT(waited, 100);
   EXPECT_GT(impatient, 100);
