@@ -22,8 +22,7 @@ READ_WRITE(Detection, detection)
 READ_WRITE(Counters, counters)
 #include "leash.glsl"
 
-// Of its patience: what it makes good where contacts make good nothing.
-const float kLeast = 0.01;
+const float kLeast = 0.01;               // of its patience: what it makes good where contacts make good nothing
 const float kRounding = 1.0 / 1048576;   // 2^-20, of a place
 
 // What it is away from where it should have been by now (m).

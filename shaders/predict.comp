@@ -9,11 +9,7 @@
 GATHER(positions)
 GATHER(materials)
 GATHER_WRITE(velocities)
-#ifdef WATCH
-READ_WRITE(vec4, predicted)
-#else
 WRITE(vec4, predicted)
-#endif
 
 layout(push_constant, scalar) uniform Constants { Push push; };
 
@@ -34,12 +30,10 @@ void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.count) return;
   const vec4 x = FETCH(positions, i);
-  vec3 p = x.xyz;
-  if (x.w != 0) {
-    p = free_flight(i, x.xyz);
-    predicted[i].xyz = p;
-  }
+  if (x.w == 0) return;
+  const vec3 p = free_flight(i, x.xyz);
+  predicted[i].xyz = p;
 #ifdef WATCH
-  if (x.w != 0 && strays(p, expected_at(i, detection[0].age + 2), detection[0].reach)) detection[0].due = 1;
+  if (strays(p, expected_at(i, detection[0].age + 2), detection[0].reach)) detection[0].due = 1;
 #endif
 }
