@@ -155,6 +155,7 @@ ContactSizes contact_sizes(const Scene& scene, const CookedFabric& fabric) {
   // A millionth of what a particle may stray at first; contact_solve.comp says how many of them a correction can be.
   sizes.quantum = static_cast<float>(std::ldexp(reach, -20));
   sizes.recover = static_cast<float>(wanted.recover * fabric.h);
+  sizes.patience = static_cast<float>(wanted.patience);
   const std::size_t primitives = fabric.triangles.size() + fabric.edges.size();
   // Neighbours in the cloth share cells, so that half as many slots are seldom taken twice.
   sizes.slots = static_cast<std::uint32_t>(std::bit_ceil(std::max<std::size_t>(64, primitives / 2)));

@@ -106,6 +106,7 @@ struct ContactSizes {
   float reach_low = 0, reach_high = 0;   // m: leashes
   float quantum = 0;            // m: unit of summed corrections
   float recover = 0;            // m a substep
+  float patience = 0;           // thicknesses
 };
 /// From the scene's settings, or from the mean edge and the thickness where those say 0.
 ContactSizes contact_sizes(const Scene& scene, const CookedFabric& fabric);

@@ -221,6 +221,7 @@ void fields(V& v, Contacts& contacts) {
   v.flag("enabled", contacts.enabled);
   v.whole("iterations", contacts.iterations, between(1, 100));
   v.number("recover", contacts.recover, between(0, 100, "m/s"));
+  v.number("patience", contacts.patience, between(0, 1e6));
   v.whole("capacity", contacts.capacity, between(0, kMostCandidates));
   v.number("cell", contacts.cell, between(0, 1e3, "m"));
   v.number("reach", contacts.reach, between(0, 1e3, "m"));

@@ -261,6 +261,7 @@ std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
   push.cell = contacts_.cell;
   push.quantum = contacts_.quantum;
   push.recover = contacts_.recover;
+  push.patience = contacts_.patience;
   push.reach_low = contacts_.reach_low;
   push.reach_high = contacts_.reach_high;
   list_stage(Stage::frame_begin, input, push);

@@ -114,7 +114,7 @@ Result<Endurance> endure(const compute::Device& device, const Scene& scene, cons
   seen.strain = measure_strain(simulation.fabric(), *end);
   const std::size_t cloths = simulation.fabric().cloths.size();
   if (simulation.counts().truncated > 0)   // else no anchor was held either
-    for (const gpu::vec4& rest : simulation.fabric().rest) seen.patience = std::max(seen.patience, double(WEFT_PATIENCE * rest.w));
+    for (const gpu::vec4& rest : simulation.fabric().rest) seen.patience = std::max(seen.patience, simulation.scene().contacts.patience * double(rest.w));
   seen.size = box_diagonal(simulation.meshes(), cloths) / perturbation.size;
   const Vec3 back = simulation.origin() - (perturbation.away + perturbation.jolt + perturbation.teleport);   // small, however far away
   const auto smaller = static_cast<float>(1 / perturbation.size);

@@ -22,7 +22,7 @@ READ_WRITE(Detection, detection)
 READ_WRITE(Counters, counters)
 #include "leash.glsl"
 
-const float kLeast = 0.01;               // of its patience: what it makes good where contacts make good nothing
+const float kLeast = 0.08;               // of its thickness: what it makes good where contacts make good nothing
 const float kRounding = 1.0 / 1048576;   // 2^-20, of a place
 
 // What it is away from where it should have been by now (m).
@@ -34,10 +34,10 @@ void count_lag(vec3 x, Anchor anchor) {
 
 // Beyond its patience (contact_limit) it does not wait any longer.
 vec3 after(vec3 target, vec3 x, Anchor anchor) {
-  const float patience = WEFT_PATIENCE * FETCH(materials, floatBitsToUint(FETCH(velocities, anchor.particle).w)).z;
+  const float thickness = FETCH(materials, floatBitsToUint(FETCH(velocities, anchor.particle).w)).z;
   const float lag = length(target - x), follows = (push.fraction_to - push.fraction_from) * length(anchor.to - anchor.from);
-  const float step = follows + max(push.recover, kLeast * patience);
-  return lag > step && lag <= patience ? x + (step / lag) * (target - x) : target;
+  const float step = follows + max(push.recover, kLeast * thickness);
+  return lag > step && lag <= push.patience * thickness ? x + (step / lag) * (target - x) : target;
 }
 #endif
 

@@ -107,8 +107,8 @@ constexpr double kLimitMargin = 0.1;
 /// Of the largest coordinate: what it leaves at least, because positions are rounded.
 constexpr double kLimitFloor = 0x1p-20;
 
-/// Times the distance that a pair keeps: how far from its target it may hold an anchor.
-constexpr double kPatience = WEFT_PATIENCE;
+/// Times the distance that a pair keeps: how far from its target it may hold an anchor, unless a scene says otherwise.
+constexpr double kPatience = 8;
 
 /// A pair seen along its normal: A above the middle at 0, B below it.
 class Layers {

@@ -69,7 +69,7 @@ Sides sides_of(Candidate pair, vec3 n) {
   sides.edges = pair.edges;
   sides.led = equal(vec4(x[0].w, x[1].w, x[2].w, x[3].w), vec4(0));
   const vec4 lengths = vec4(length(ways[0]), length(ways[1]), length(ways[2]), length(ways[3]));
-  sides.least = mix(vec4(0), max(vec4(0), 1 - WEFT_PATIENCE * pair.keep / max(lengths, vec4(1e-30))), sides.led);
+  sides.least = mix(vec4(0), max(vec4(0), 1 - push.patience * pair.keep / max(lengths, vec4(1e-30))), sides.led);
   sides.way = towards * (n * ways);
   const vec4 height = towards * (n * mat4x3(vec3(0), x[1].xyz - x[0].xyz, x[2].xyz - x[0].xyz, x[3].xyz - x[0].xyz));
   const vec2 least = least_of_sides(height, pair.edges);

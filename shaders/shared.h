@@ -262,9 +262,6 @@ struct Groups {
 // A box goes to the level of the grid whose cells are at least as long as it: cell * 2^level.
 #define WEFT_LEVELS 16
 
-// Times the distance that a pair keeps: how far from its target it may hold an anchor. A knot that is wound up (assets/scenes/twist.json,
-// 64 x 64 vertices with centres) holds a pin by up to 2.8 for some frames.
-#define WEFT_PATIENCE 8.0f
 #define WEFT_HORIZON 10u   // substeps, at most, that paths lead
 #define WEFT_ROUNDS 16u    // of contact_limit, a multiple of four: a particle has a fraction for each
 
@@ -294,7 +291,7 @@ struct Detection {
 #define WEFT_OPEN 1u
 #define WEFT_NEAR 2u   // pairs of each kind that may be near each other, for each candidate that there is room for
 
-/// What every pass is told. 108 of the 128 bytes that every device has.
+/// What every pass is told. 112 of the 128 bytes that every device has.
 struct Push {
   uint count;         // threads with work
   uint tether_pairs;  // per particle
@@ -312,6 +309,7 @@ struct Push {
   float cell;         // m, at level 0
   float quantum;      // m, unit of contact_sums
   float recover;      // m: what a substep makes good of a distance that is too small
+  float patience;     // times the distance that a pair keeps: how far behind its target cloth may hold an anchor
   float reach_low, reach_high;   // m, limits of Detection::reach
   // The method implicit only.
   uint iteration;     // of the solve; after it, how many there were
@@ -333,7 +331,7 @@ struct Push {
 #ifdef __cplusplus
 
 static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 44 && sizeof(Push) == 108 && sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 348);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 44 && sizeof(Push) == 112 && sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 348);
 static_assert(sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);
 

@@ -117,6 +117,7 @@ TEST(BrokenScene, wrong_cloths_are_told_with_path_value_and_limit) {
       Broken{R"({"contacts": "on"})", "contacts: \"on\" is text, not true, false or an object"},
       Broken{R"({"contacts": {"enabled": 1}})", "contacts.enabled: 1, not true or false"},
       Broken{R"({"contacts": {"recover": -1}})", "contacts.recover: -1 is less than 0 (m/s)"},
+      Broken{R"({"contacts": {"patience": -1}})", "contacts.patience: -1 is less than 0"},
       Broken{R"({"contacts": {"capacity": 67108865}})", "contacts.capacity: 67108865 is more than 67108864"},
       Broken{R"({"contacts": {"capacity": 0.5}})", "contacts.capacity: 0.5, not a whole number"},
       Broken{R"({"contacts": {"cell": 1001}})", "contacts.cell: 1001 is more than 1000 (m)"},

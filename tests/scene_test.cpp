@@ -33,7 +33,7 @@ TEST(Scene, every_key_arrives) {
   EXPECT_EQ(scene.solver.averaging, Averaging::count);
   EXPECT_EQ(scene.solver.relaxation, 1);
   EXPECT_EQ(scene.solver.longest_advance, 0.05);
-  EXPECT_EQ(scene.contacts, (Contacts{true, 0.5, 4096, 0.03, 0.002, 2}));
+  EXPECT_EQ(scene.contacts, (Contacts{true, 0.5, 4096, 0.03, 0.002, 2, 3}));
 
   const Cloth& curtain = scene.cloths.at(0);
   EXPECT_EQ(curtain.name, "curtain");

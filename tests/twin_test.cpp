@@ -261,11 +261,11 @@ TEST(AnchorTwin, it_starts_and_ends_where_it_is_told) {
 
 TEST(AnchorTwin, it_makes_good_a_lag_little_by_little_while_its_patience_lasts) {
   const Vector x(1, 2, 3), target = x + Vector(0, 0.3, -0.4);
-  EXPECT_LT((anchor_after(target, x, 0.1, 0.05, 1) - (x + Vector(0, 0.09, -0.12))).norm(), 1e-15);
-  EXPECT_EQ(anchor_after(target, x, 0.5, 0.05, 1), target);
-  EXPECT_EQ(anchor_after(target, x, 0.1, 0.05, 0.4), target);
-  EXPECT_EQ(anchor_after(x, x, 0, 0, 1), x);
-  EXPECT_LT((anchor_after(target, x, 0, 0, 0.6) - (x + 0.012 * Vector(0, 0.3, -0.4))).norm(), 1e-15) << "where nothing recovers, too";
+  EXPECT_LT((anchor_after(target, x, 0.1, 0.05, 0.1, 10) - (x + Vector(0, 0.09, -0.12))).norm(), 1e-15);
+  EXPECT_EQ(anchor_after(target, x, 0.5, 0.05, 0.1, 10), target);
+  EXPECT_EQ(anchor_after(target, x, 0.1, 0.05, 0.1, 4), target);
+  EXPECT_EQ(anchor_after(x, x, 0, 0, 1, 1), x);
+  EXPECT_LT((anchor_after(target, x, 0, 0, 0.1, 6) - (x + 0.016 * Vector(0, 0.3, -0.4))).norm(), 1e-15) << "where nothing recovers, too";
 }
 
 TEST(SurfaceTwin, normals_of_a_sphere_point_outwards) {
