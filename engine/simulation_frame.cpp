@@ -99,7 +99,7 @@ void Simulation::State::move_collider_meshes() {
 }
 
 void Simulation::State::move_scene(FrameInput& input) {
-  input.anchors_move = anchors_are_owed;   // where a frame has failed
+  input.anchors_move = anchors_are_owed;
   for (gpu::Anchor& anchor : anchors) anchor.from = anchor.to;
   if (anchors_are_keyed) {
     const std::vector<Vec3> keyed = anchor_targets(scene, fabric, now());

@@ -1,7 +1,7 @@
 // Saving and restoring the whole state.
 //
-// Between frames both iterates are where the particles are, or where they are led to, so that they follow from positions and anchors, and
-// it does not matter which of them a frame begins with; keys tell the rest.
+// Between frames both iterates are where the particles are, so that they follow from positions, and it does not matter which of them a frame
+// begins with; where anchors are led the next frame tells the GPU.
 // Everything is looked at before anything is changed, so that a snapshot that does not fit leaves the simulation as it was.
 #include <algorithm>
 #include <cmath>
@@ -167,10 +167,6 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
   std::vector<gpu::vec4> iterate = elements<gpu::vec4>(*find(snapshot, "positions"));
   for (std::size_t i = 0; i < iterate.size(); ++i) iterate[i].w = fabric.iterate_weights[i];
   anchors = anchors_of(snapshot);
-  for (const gpu::Anchor& anchor : anchors) {
-    gpu::vec4& p = iterate[anchor.particle];
-    p = {anchor.to.x, anchor.to.y, anchor.to.z, p.w};
-  }
   std::vector<compute::Upload> uploads;
   for (const gpu::Binding binding : {gpu::predicted, gpu::relaxed}) uploads.push_back({&solver->buffer(binding), std::as_bytes(std::span(iterate))});
   for (const gpu::Binding binding : lasting) {
@@ -180,7 +176,7 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
   if (auto done = compute::upload_all(*device, uploads); !done) return done;
 
   half_done = false;
-  anchors_are_owed = contacts;   // where they are led the GPU does not know yet
+  anchors_are_owed = true;
   // What the frame's end would have copied there.
   std::memcpy(readback[0].mapped, find(snapshot, "counters")->data(), sizeof(gpu::Counters));
   const gpu::Detection found = detection_of(snapshot);

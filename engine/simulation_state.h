@@ -61,7 +61,7 @@ struct Simulation::State {
   std::vector<bool> collider_is_led;
   std::vector<gpu::Collider> colliders;        // of the frame at hand
   bool anchors_are_keyed = false;
-  bool anchors_are_owed = false;               // a frame was to take them to new places, and no frame has yet
+  bool anchors_are_owed = false;               // the GPU does not know yet where they are led: a frame has failed, or they were put somewhere
 
   std::vector<DispatchTime> cpu_times;         // on devices without timestamps
   const FrameSlot* last_timed = nullptr;

@@ -14,6 +14,9 @@ WRITE(vec4, predicted)
 
 layout(push_constant, scalar) uniform Constants { Push push; };
 
+// Where it belongs when so much of the frame is over.
+vec3 place_at(Anchor anchor, float fraction) { return fraction == 1 ? anchor.to : anchor.from + fraction * (anchor.to - anchor.from); }
+
 #ifdef WATCH
 GATHER(positions)
 GATHER(velocities)
@@ -27,7 +30,7 @@ const float kRounding = 1.0 / 1048576;   // 2^-20, of a place
 
 // What it is away from where it should have been by now (m).
 void count_lag(vec3 x, Anchor anchor) {
-  const float behind = length((push.fraction_from == 1 ? anchor.to : anchor.from + push.fraction_from * (anchor.to - anchor.from)) - x);
+  const float behind = length(place_at(anchor, push.fraction_from) - x);
   const vec3 size = abs(x);
   if (behind > kRounding * max(size.x, max(size.y, size.z))) atomicMax(counters[0].lag, floatBitsToUint(behind));   // floats above 0 are ordered as their bits are
 }
@@ -45,8 +48,7 @@ void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.count) return;
   const Anchor anchor = anchors[i];
-  const bool arrived = push.fraction_to == 1;
-  vec3 target = arrived ? anchor.to : anchor.from + push.fraction_to * (anchor.to - anchor.from);
+  vec3 target = place_at(anchor, push.fraction_to);
 #ifdef WATCH
   const vec3 x = FETCH(positions, anchor.particle).xyz;
   count_lag(x, anchor);

@@ -79,12 +79,13 @@ void main() {
   if (i >= push.count) return;
   vec4 p = FETCH(predicted, i);
   const uint age = detection[0].age;
-  const vec3 expected = expected_at(i, age + 1), expected_then = expected_at(i, age + 2);
-  const float leash = uintBitsToFloat(leashes[i]);
+  const vec3 expected = expected_at(i, age + 1);
   if (p.w == 0) {
     lead(i, p.xyz, expected);
     return;
   }
+  const vec3 expected_then = expected_at(i, age + 2);
+  const float leash = uintBitsToFloat(leashes[i]);
   const vec3 x = FETCH(positions, i).xyz;
   const vec4 v = FETCH(velocities, i);
   p.xyz = allowed(i, x, p.xyz, leash);
