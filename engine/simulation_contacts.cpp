@@ -50,16 +50,22 @@ Result<void> Simulation::State::put_frame_back() {
 Result<bool> Simulation::State::make_room() {
   const std::uint64_t room = solver->contact_sizes().capacity;
   // Half as much again as was found: the frame would have found more if it had not been held up.
-  const std::uint64_t wanted = std::min<std::uint64_t>(std::max<std::uint64_t>(2 * room, counters().contacts_most + counters().contacts_most / 2), kMostCandidates);
+  std::uint64_t wanted = std::min<std::uint64_t>(std::max<std::uint64_t>(2 * room, counters().contacts_most + counters().contacts_most / 2), kMostCandidates);
   if (wanted <= room || room_ends) return false;
   // First: what was found so far is gone as soon as there is more room, and nobody may take what is there instead for pairs.
   if (auto done = detect_anew(); !done) return done.take_error();
-  if (auto grown = solver->grow(static_cast<std::uint32_t>(wanted)); !grown) {
-    room_ends = true;
-    fabric.notes.push_back("contacts: no room for " + std::to_string(wanted) + " candidates: " + grown.error());
-    return false;
+  // What a device has no buffer or memory for it may have for some of these.
+  for (std::string refused;;) {
+    auto grown = solver->grow(static_cast<std::uint32_t>(wanted));
+    if (!grown && refused.empty()) refused = std::to_string(wanted) + " candidates: " + grown.error();
+    const std::uint64_t less = room + (wanted - room) / 2;
+    room_ends = !grown && less - room <= room / 16;
+    if (grown || room_ends) {
+      if (!refused.empty()) fabric.notes.push_back("contacts: room for " + std::to_string(solver->contact_sizes().capacity) + " candidates, and none for " + refused);
+      return bool(grown);
+    }
+    wanted = less;
   }
-  return true;
 }
 
 Result<void> Simulation::State::detect_anew() {

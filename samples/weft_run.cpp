@@ -212,10 +212,12 @@ Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& f
   const CookedFabric& fabric = simulation.fabric();
   std::printf("%s: %zu particles, %zu edges, %zu bends, %llu tethers on %s\n", scene.name.c_str(), std::size_t(cloth_particles(fabric)), fabric.links.size(),
               fabric.bends.size() + fabric.hinges.size(), static_cast<unsigned long long>(fabric.tether_count), (*device)->name().c_str());
+  const std::size_t notes_before = fabric.notes.size();
   for (const std::string& note : fabric.notes) std::printf("note: %s\n", note.c_str());
   if (const Exit exit = begin(simulation, options, passage); exit != kDone) return exit;
   std::fflush(stdout);
   if (const Result<void> gone = go_through(simulation, painter, options, passage); !gone) return failed(gone.error());
+  for (const std::string& note : std::span(fabric.notes).subspan(notes_before)) std::printf("note: %s\n", note.c_str());
 
   if (const Result<void> drawn = painter.draw(simulation, options.out / (file_name(scene.name) + ".png")); !drawn) return failed(drawn.error());
   if (const Result<void> written = write_mesh(simulation, options.out / "final.ply"); !written) return failed(written.error());

@@ -59,6 +59,7 @@ struct Faults {
   VkResult fault = VK_ERROR_OUT_OF_DEVICE_MEMORY;               // or VK_ERROR_DEVICE_LOST
   std::atomic<long> fail_at = -1;                               // the call that has it, from 0; -1: none
   std::atomic<bool> lost = false;
+  std::atomic<std::uint32_t> most_storage = 0;                  // bytes, the maxStorageBufferRange that the device says it has; 0: its own
   VkQueue queue = VK_NULL_HANDLE;                               // the last one that was submitted to
   std::mutex mutex;                                             // for what follows
   std::vector<Call> counted;                                    // which those were
@@ -135,7 +136,12 @@ VKAPI_ATTR R VKAPI_CALL Through<kCall, R(VKAPI_PTR*)(A...)>::call(A... arguments
     // vkDestroyInstance and vkDestroyDevice name the thing itself first, the others its device.
     if constexpr (!kind.empty() && std::is_void_v<R>)
       if (std::get<sizeof...(A) - 2>(std::tuple(arguments...)) != VK_NULL_HANDLE) count(-1);
-    return real(arguments...);
+    if constexpr (kCall == Call::vkGetPhysicalDeviceProperties) {
+      real(arguments...);
+      if (faults.most_storage > 0) std::get<1>(std::tuple(arguments...))->limits.maxStorageBufferRange = faults.most_storage;
+    } else {
+      return real(arguments...);
+    }
   }
 }
 
