@@ -54,12 +54,12 @@ Result<bool> Simulation::State::make_room() {
   if (wanted <= room || room_ends) return false;
   // First: what was found so far is gone as soon as there is more room, and nobody may take what is there instead for pairs.
   if (auto done = detect_anew(); !done) return done.take_error();
-  // What a device has no buffer or memory for it may have for some of these.
+  // What a device has no buffer or memory for it may have for some of these: half as many more at a time, to within a part in 256.
   for (std::string refused;;) {
     auto grown = solver->grow(static_cast<std::uint32_t>(wanted));
     if (!grown && refused.empty()) refused = std::to_string(wanted) + " candidates: " + grown.error();
     const std::uint64_t less = room + (wanted - room) / 2;
-    room_ends = !grown && less - room <= room / 16;
+    room_ends = !grown && less - room <= room / 256;
     if (grown || room_ends) {
       if (!refused.empty()) fabric.notes.push_back("contacts: room for " + std::to_string(solver->contact_sizes().capacity) + " candidates, and none for " + refused);
       return bool(grown);

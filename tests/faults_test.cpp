@@ -214,7 +214,7 @@ TEST_F(Faults, memory_that_runs_out_while_contacts_get_more_room_is_told_and_not
       });
 }
 
-// A knot wants 1.5 times the room that there is, and twice as much is more than a storage buffer may hold.
+// Contacts want 1.5 times the room that there is, and twice as much is more than a storage buffer may hold.
 TEST_F(Faults, contacts_get_as_much_room_as_the_device_has_for_them_where_it_has_not_twice_as_much) {
   Scene scene = close_sheets();
   for (Cloth& cloth : scene.cloths) cloth.grid->cells_x = cloth.grid->cells_y = 24;
@@ -225,15 +225,17 @@ TEST_F(Faults, contacts_get_as_much_room_as_the_device_has_for_them_where_it_has
   const std::uint64_t hash = hash_of(*roomy);
   roomy.reset();
 
-  faults.most_storage = (found + found / 8) * 16;
-  lend();
   scene.contacts.capacity = found * 2 / 3;
-  const auto simulation = must(Simulation::create(device(), scene));
-  must(simulation->advance(1.0 / 60));
-  EXPECT_EQ(simulation->counts().contacts_lost, 0u);
-  EXPECT_EQ(hash_of(*simulation), hash);
-  ASSERT_FALSE(simulation->fabric().notes.empty());
-  EXPECT_NE(simulation->fabric().notes.back().find("maxStorageBufferRange"), std::string::npos) << simulation->fabric().notes.back();
+  for (const std::uint32_t spare : {found / 8, found / 64}) {
+    faults.most_storage = static_cast<std::uint32_t>((found + spare) * sizeof(gpu::uvec4));
+    lend();
+    const auto simulation = must(Simulation::create(device(), scene));
+    must(simulation->advance(1.0 / 60));
+    EXPECT_EQ(simulation->counts().contacts_lost, 0u) << "room for " << spare << " more";
+    EXPECT_EQ(hash_of(*simulation), hash);
+    ASSERT_FALSE(simulation->fabric().notes.empty());
+    EXPECT_NE(simulation->fabric().notes.back().find("maxStorageBufferRange"), std::string::npos) << simulation->fabric().notes.back();
+  }
 }
 
 TEST_F(Faults, memory_that_runs_out_while_a_state_is_put_back_is_a_sentence_and_it_can_be_put_back_again) {
