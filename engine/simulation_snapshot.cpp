@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <tuple>
 
 #include "engine/mend.h"
 #include "engine/simulation_state.h"
@@ -42,6 +43,13 @@ Result<void> check_values(const char* name, const std::vector<gpu::vec4>& values
 // Of the candidates only those that there are; of others no more than is used, as the rest of their memory was never written.
 std::size_t bytes_of(const Solver& solver, gpu::Binding binding, const gpu::Detection& detection, std::uint32_t capacity) {
   return binding == gpu::candidates ? std::min(detection.candidates, capacity) * sizeof(gpu::uvec4) : static_cast<std::size_t>(solver.used_bytes(binding));
+}
+
+// Whichever thread came first wrote its candidate first. Nothing that a frame does depends on it, and neither shall the file.
+void put_in_order(std::vector<std::byte>& bytes) {
+  std::vector<gpu::uvec4> candidates = elements<gpu::uvec4>(bytes);
+  std::ranges::sort(candidates, {}, [](const gpu::uvec4& packed) { return std::tuple(packed.x, packed.y, packed.z, packed.w); });
+  if (!bytes.empty()) std::memcpy(bytes.data(), candidates.data(), bytes.size());
 }
 
 // Of a snapshot: where the particles are led that others lead, the vertices of mesh colliders among them.
@@ -96,6 +104,7 @@ Result<Snapshot> Simulation::save() const {
     const compute::Buffer& buffer = s.solver->buffer(binding);
     std::vector<std::byte> bytes(bytes_of(*s.solver, binding, detection_of(snapshot), snapshot.capacity));
     if (auto done = compute::read_back(*s.device, buffer, bytes); !done) return done.take_error();
+    if (binding == gpu::candidates) put_in_order(bytes);
     snapshot.contents.push_back({buffer.name, std::move(bytes)});
   }
   const auto anchors = std::as_bytes(std::span(s.anchors));
