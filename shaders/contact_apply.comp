@@ -29,14 +29,6 @@ vec3 moved_by_contacts(uint i, vec3 p) {
   return p + push.quantum * vec3(sum);
 }
 
-vec3 held(uint i, vec3 p) {
-  const float leash = uintBitsToFloat(leashes[i]);
-  const uint age = detection[0].age;
-  const vec3 end = leash > 0 ? on_leash(p, expected_at(i, age), expected_at(i, age + 1), leash) : FETCH(positions, i).xyz;
-  if (end != p) atomicAdd(counters[0].truncated, 1);
-  return end;
-}
-
 void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.count) return;
@@ -46,6 +38,10 @@ void main() {
 #ifdef COLLIDERS
   p = out_of_colliders(FETCH(positions, i).xyz, p, FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)));
 #endif
-  if ((push.flags & WEFT_LAST_ITERATION) != 0) p = held(i, p);
+  if ((push.flags & WEFT_LAST_ITERATION) != 0) {
+    const vec3 end = held(i, FETCH(positions, i).xyz, p, detection[0].age);
+    if (end != p) atomicAdd(counters[0].truncated, 1);
+    p = end;
+  }
   if (p != before.xyz) predicted[i].xyz = p;
 }

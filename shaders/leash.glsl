@@ -22,6 +22,12 @@ vec3 on_leash(vec3 p, vec3 from, vec3 to, float leash) {
   return squared > leash * leash ? passed + (leash / sqrt(squared)) * d : p;
 }
 
+// Where the substep of this age may end that was to take particle i from x to p. One whose pairs there was no room for, its leash 0, stays.
+vec3 held(uint i, vec3 x, vec3 p, uint age) {
+  const float leash = uintBitsToFloat(leashes[i]);
+  return leash > 0 ? on_leash(p, expected_at(i, age), expected_at(i, age + 1), leash) : x;
+}
+
 // Whether a prediction leaves the constraints less than half of the reach: time to detect again.
 bool strays(vec3 prediction, vec3 expected, float reach) {
   const vec3 d = prediction - expected;

@@ -40,12 +40,11 @@ float fraction_of(uint i) {
 }
 
 // Where the substep really takes the particle from x when the constraints took it to p.
-vec3 allowed(uint i, vec3 x, vec3 p, float leash) {
+vec3 allowed(uint i, vec3 x, vec3 p) {
   // With candidates at hand contact_apply has put it on its leash, before the planes were asked.
   const bool contacts = detection[0].touched.x > 0;
   const float fraction = contacts ? fraction_of(i) : 1;
-  const uint age = detection[0].age;
-  const vec3 end = contacts ? p : on_leash(p, expected_at(i, age), expected_at(i, age + 1), leash);
+  const vec3 end = contacts ? p : held(i, x, p, detection[0].age);
   if (fraction < 1 || end != p) atomicAdd(counters[0].truncated, 1);
   return fraction < 1 ? x + fraction * (end - x) : end;
 }
@@ -55,10 +54,12 @@ bool strays_from(vec3 end, vec3 expected, float reach) {
   return !(dot(off, off) <= reach * reach);
 }
 
-// A particle that is held, its leash 0, waits for the next detection.
-void watch(vec3 end, vec3 expected, vec3 prediction, vec3 expected_then, float leash) {
+// A particle that is held, its leash 0, waits for the next detection. At a frame's end there is no prediction yet: the next frame
+// watches its own (predict.comp).
+void watch(uint i, vec3 end, vec3 expected, vec3 prediction) {
   const float reach = detection[0].reach;
-  if (leash == 0 || strays_from(end, expected, reach) || strays(prediction, expected_then, reach)) detection[0].due = 1;
+  const bool leaves = (push.flags & WEFT_LAST_SUBSTEP) == 0 && strays(prediction, expected_at(i, detection[0].age + 2), reach);
+  if (leaves || leashes[i] == 0 || strays_from(end, expected, reach)) detection[0].due = 1;
 }
 
 // A particle that is led goes to its target, or as far as contact_limit lets it: then it goes on from there in the next substep.
@@ -78,19 +79,16 @@ void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.count) return;
   vec4 p = FETCH(predicted, i);
-  const uint age = detection[0].age;
-  const vec3 expected = expected_at(i, age + 1);
+  const vec3 expected = expected_at(i, detection[0].age + 1);
   if (p.w == 0) {
     lead(i, p.xyz, expected);
     return;
   }
-  const vec3 expected_then = expected_at(i, age + 2);
-  const float leash = uintBitsToFloat(leashes[i]);
   const vec3 x = FETCH(positions, i).xyz;
   const vec4 v = FETCH(velocities, i);
-  p.xyz = allowed(i, x, p.xyz, leash);
+  p.xyz = allowed(i, x, p.xyz);
   const vec3 end = p.xyz;
   p = finish_substep(i, x, p, v.xyz, FETCH(materials, floatBitsToUint(v.w)).x);
-  watch(end, expected, p.xyz, expected_then, leash);
+  watch(i, end, expected, p.xyz);
   predicted[i] = p;
 }

@@ -142,6 +142,14 @@ TEST_F(CommandLine, check_counts_crossings_at_every_frame) {
   EXPECT_GT(crossed["intersections"]["max"], 0) << "nothing keeps its folds apart";
   EXPECT_GE(crossed["intersections"]["max"], crossed["intersections"]["final"]);
   EXPECT_NE(read(folder / "stdout").find("in the worst frame"), std::string::npos);
+
+  // An oblique sheet falls through one that is held, and is through at the end: no single frame would do.
+  const std::string through_it = write("through.json", R"({"frames": 30, "cloths": [
+      {"grid": {"size": [0.3, 0.3], "cells": [4, 4]}, "anchors": [{"box": {"low": [-1, -1, -1], "high": [1, 1, 1]}}]},
+      {"grid": {"size": [0.2, 0.2], "cells": [4, 4]}, "transform": {"translate": [0, 0.05, 0], "axis": [1, 0, 0], "degrees": 20}}]})");
+  const json through = report_of({"run", through_it, "--check", "--no-picture", "--out", out()});
+  EXPECT_GT(through["intersections"]["max"], 0);
+  EXPECT_EQ(through["intersections"]["final"], 0);
 }
 
 TEST_F(CommandLine, a_run_over_a_mesh_reports_its_contacts_and_exports_cloth_alone) {

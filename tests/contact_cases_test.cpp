@@ -5,7 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "compute/commands.h"
 #include "engine/reference/intersections.h"
+#include "tests/mesh_files.h"
 #include "tests/sheets.h"
 
 namespace weft {
@@ -129,6 +131,54 @@ TEST_F(ContactCase, a_gltf_mesh_collapses_onto_the_floor_without_crossing_itself
   const auto simulation = must(Simulation::create(device(), scene));
   run_without_crossing(*simulation, 40);
   EXPECT_GT(simulation->counts().contacts_most, 100u);
+  double reached = INFINITY;
+  for (const gpu::vec4& p : must(simulation->read_positions())) reached = std::min<double>(reached, p.y);
+  EXPECT_LT(reached, lowest - 0.005) << "it did not reach the floor";
+  EXPECT_GT(reached, lowest - 0.0101);
+}
+
+// A strip of two pieces that share no vertex in their file stands on its edge above the floor, a little oblique, and crumples.
+TEST_F(ContactCase, a_mesh_with_a_seam_crumples_without_crossing_itself) {
+  constexpr int kAcross = 12, kUp = 24;
+  constexpr float kCell = 0.02f;   // m
+  std::vector<float> places;
+  std::vector<std::uint16_t> corners;
+  for (const int piece : {0, 1}) {   // left and right of the seam
+    const auto first = static_cast<int>(places.size() / 3), columns = kAcross / 2 + 1;
+    for (int j = 0; j <= kUp; ++j)
+      for (int i = 0; i < columns; ++i)
+        for (const float x : {kCell * static_cast<float>(i + piece * kAcross / 2), kCell * static_cast<float>(j), 0.001f * static_cast<float>(j * j) / kUp}) places.push_back(x);
+    for (int j = 0; j < kUp; ++j)
+      for (int i = 0; i + 1 < columns; ++i) {
+        const int a = first + j * columns + i, c = a + columns;
+        for (const int corner : {a, a + 1, c + 1, a, c + 1, c}) corners.push_back(static_cast<std::uint16_t>(corner));
+      }
+  }
+  const test::Folder folder;
+  test::Gltf gltf;
+  gltf.primitive(gltf.vec3(places))["indices"] = gltf.indices16(corners);
+  Cloth cloth;
+  cloth.mesh = gltf.write(folder).string();
+  cloth.fabric.thickness = 0.002;
+  for (const bool contacts : {true, false}) {
+    Scene scene = scene_of({cloth});
+    scene.colliders.push_back(plane(-0.01f));
+    scene.contacts.enabled = contacts;
+    const auto simulation = must(Simulation::create(device(), scene));
+    EXPECT_EQ(simulation->fabric().positions.size(), (kAcross + 1u) * (kUp + 1u)) << "the seam is one";
+    EXPECT_EQ(simulation->positions().count, (kAcross + 2u) * (kUp + 1u)) << "and drawn with two sides";
+    if (contacts) {
+      run_without_crossing(*simulation, 50);
+      EXPECT_GT(simulation->counts().contacts_most, 1000u);
+    } else {
+      std::uint64_t crossings = 0;
+      for (int frame = 0; frame < 50; ++frame) {
+        must(simulation->advance(kFrame));
+        crossings += crossings_of(*simulation);
+      }
+      EXPECT_GT(crossings, 0u) << "nothing had to be kept apart";
+    }
+  }
 }
 
 // F4: contact reactions that are not barycentric do not conserve momentum. A strip is bent into a U and its arms are thrown at
@@ -181,6 +231,8 @@ TEST_P(Hanging, a_flat_sheet_stretches_as_it_does_without_contacts) {
     run(*simulation, 1);
     strain[contacts] = strain_of(*simulation);
     EXPECT_EQ(simulation->counts().contacts_lost, 0u);
+    EXPECT_EQ(simulation->counts().detections > 0, contacts);
+    EXPECT_LT(simulation->counts().detections, 60u) << "of 600 substeps";
   }
   EXPECT_NEAR(strain[1].mean / strain[0].mean, 1, 0.01);
   EXPECT_NEAR(strain[1].rms / strain[0].rms, 1, 0.01);
@@ -230,6 +282,32 @@ TEST_F(ContactCase, submitted_frames_that_found_no_room_are_safe_and_say_so) {
   }
   EXPECT_GT(simulation->counts().contacts_lost, 0u);
   EXPECT_EQ(simulation->counts().non_finite, 0u);
+}
+
+// A host that records has the room it began with. A sheet is thrown at another, so fast that pairs are lost before one of them is a candidate.
+TEST_F(ContactCase, recorded_frames_that_find_no_room_are_safe_and_say_so) {
+  for (const std::uint32_t capacity : {1u, 8u, 64u, 512u}) {
+    SCOPED_TRACE(capacity);
+    Scene scene = scene_of({cloth_of({0.3f, 0.3f}, 8, {0, 0, 0}), cloth_of({0.3f, 0.3f}, 7, {0.01f, 0.1f, 0.02f})});
+    scene.cloths[1].transform.degrees = 10;
+    scene.contacts.capacity = capacity;
+    const auto simulation = must(Simulation::create(device(), scene));
+    auto speed = must(simulation->read_velocities());
+    for (std::size_t i = simulation->fabric().cloths[1].first_particle; i < speed.size(); ++i) speed[i].y = -20;
+    must(simulation->write_velocities(speed));
+    for (int frame = 0; frame < 20; ++frame) {
+      must(compute::run_once(device(), "host", [&](VkCommandBuffer commands) { must(simulation->record(commands, kFrame)); }));
+      ASSERT_EQ(crossings_of(*simulation), 0u) << "after frame " << frame;
+    }
+    const auto positions = must(simulation->read_positions());
+    const auto height = [&](std::size_t cloth) {
+      const ClothRange& range = simulation->fabric().cloths[cloth];
+      return centre_of_mass({positions.begin() + range.first_particle, positions.begin() + range.first_particle + range.particles}).y;
+    };
+    EXPECT_GT(height(1), height(0)) << "one is through the other";
+    EXPECT_GT(simulation->counts().contacts_lost, 0u);
+    EXPECT_EQ(simulation->counts().non_finite, 0u);
+  }
 }
 
 TEST_F(ContactCase, the_same_scene_twice_is_the_same_to_the_bit) {

@@ -56,6 +56,94 @@ TEST_F(ContactEdgeCase, a_particle_without_a_leash_stays) {
   for (std::size_t i = 0; i < got.size(); ++i) EXPECT_EQ(vector(got[i]), t.inverse_masses[i] == 0 ? t.p[i] : t.x[i]) << i;
 }
 
+// Pairs may be lost where no other was found, and then contact_apply has no threads.
+TEST_F(ContactEdgeCase, a_particle_without_a_leash_stays_where_there_are_no_candidates) {
+  Random random(17);
+  const Tufts t = reference::tufts(random, 10, 1, 0.5);
+  const Scene scene = scene_of(t);
+  const CookedFabric fabric = fabric_of(t, scene.solver);
+  Passes passes(device(), scene, fabric, t, false);
+  put_leash(passes, t.x.size(), {0, 0, 0, 0}, {1, 0, -2, 0}, 0, 0);
+  auto detection = passes.detection();
+  detection.touched.x = detection.candidates = 0;
+  passes.put(gpu::detection, std::vector<gpu::Detection>{detection});
+  passes.run("settle");
+  const auto got = passes.particles(gpu::positions);
+  for (std::size_t i = 0; i < got.size(); ++i) EXPECT_EQ(vector(got[i]), t.inverse_masses[i] == 0 ? t.p[i] : t.x[i]) << i;
+  EXPECT_EQ(passes.detection().due, 1u) << "they wait for a search";
+}
+
+// One particle on a path that leads ten substeps of `expected` each. It goes `way` in this substep, which is one of so many.
+struct Watched {
+  std::uint32_t due_by_settle, due_by_predict;
+};
+Watched watched(const compute::Device& device, const reference::Vector& expected, const reference::Vector& way, std::uint32_t substeps, float inverse_mass = 10) {
+  Tufts t;
+  for (int i = 0; i < 4; ++i) {
+    t.x.push_back(reference::Vector(i, 0, 0));
+    t.p.push_back((t.x.back() + (i == 0 ? way : expected)).cast<float>().cast<double>());
+    t.inverse_masses.push_back(i == 0 ? inverse_mass : 10);
+  }
+  t.pairs.push_back({{0, 1, 2, 3}, 0.001, false});
+  const Scene scene = scene_of(t);
+  CookedFabric fabric = fabric_of(t, scene.solver);
+  for (gpu::Material& material : fabric.materials) material.keep = 1;   // no damping
+  Passes passes(device, scene, fabric, t, false);
+  passes.put(gpu::paths, std::vector<gpu::vec4>(t.x.size(), with(WEFT_HORIZON * expected, 0)));
+  auto detection = passes.detection();
+  detection.reach = 0.001f;
+  detection.touched.x = detection.candidates = 0;
+  passes.put(gpu::detection, std::vector<gpu::Detection>{detection});
+  passes.begin(frame_of(substeps));
+  passes.run("settle");
+  const std::uint32_t due_by_settle = passes.detection().due;
+  passes.begin(frame_of(1));
+  passes.run("predict");
+  return {due_by_settle, passes.detection().due};
+}
+
+TEST_F(ContactEdgeCase, who_goes_his_path_is_not_searched_for_again_and_who_is_about_to_leave_it_is) {
+  const reference::Vector fast(0.01, 0, 0.02), off(0.0003, 0, 0), far(0.0006, 0, 0);   // of a reach of 1 mm
+  for (const std::uint32_t substeps : {1u, 2u}) {   // at a frame's end there is no prediction to look at
+    const auto [on_it, still_on_it] = watched(device(), fast, fast, substeps);
+    EXPECT_EQ(on_it, 0u) << substeps;
+    EXPECT_EQ(still_on_it, 0u) << substeps;
+    // It is 0.3 mm off and about to be 0.6.
+    const auto [leaving, left] = watched(device(), fast, fast + off, substeps);
+    EXPECT_EQ(leaving, substeps == 1 ? 0u : 1u);
+    EXPECT_EQ(left, 1u) << substeps;
+    const auto [gone, anyway] = watched(device(), fast, fast + 2 * far, substeps);
+    EXPECT_EQ(gone, 1u) << substeps;
+    EXPECT_EQ(anyway, 1u) << substeps;
+  }
+}
+
+TEST_F(ContactEdgeCase, an_anchor_that_leaves_its_path_calls_for_a_search) {
+  for (const float lead : {0.0004f, 0.0006f}) {   // m, off its path at the substep's end, of a reach of 1 mm
+    Tufts t;
+    for (int i = 0; i < 4; ++i) {
+      t.x.push_back(reference::Vector(i, 0, 0));
+      t.p.push_back(t.x.back());
+      t.inverse_masses.push_back(i == 0 ? 0 : 10);
+    }
+    t.pairs.push_back({{0, 1, 2, 3}, 0.001, false});
+    const Scene scene = scene_of(t);
+    CookedFabric fabric = fabric_of(t, scene.solver);
+    fabric.anchors.push_back({0, 0, 0, 0, {0, 0, 0}});
+    Passes passes(device(), scene, fabric, t, false);
+    auto detection = passes.detection();
+    detection.reach = 0.001f;
+    passes.put(gpu::detection, std::vector<gpu::Detection>{detection});
+    const gpu::Anchor anchor{0, {0, 0, 0}, {0, lead, 0}};
+    FrameInput input = frame_of(1);
+    input.anchors = {&anchor, 1};
+    input.anchors_move = true;
+    passes.begin(input);
+    passes.run("anchor");
+    EXPECT_EQ(passes.detection().due, lead > 0.0005f ? 1u : 0u) << lead;
+  }
+}
+
 TEST_F(ContactEdgeCase, contacts_do_not_push_into_colliders) {
   Random random(18);
   const Tufts t = reference::tufts(random, 40, 12, 0.01);

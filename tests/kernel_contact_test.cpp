@@ -149,7 +149,7 @@ TEST_F(ContactKernel, the_order_of_candidates_does_not_matter) {
     for (const char* pass : {"contact_prepare", "contact_weigh", "contact_solve", "contact_apply"}) passes.run(pass);
     const auto solved = passes.iterate();
     passes.limit();
-    const auto limited = passes.get<gpu::uvec4>(gpu::fractions, 2 * t.x.size());
+    const auto limited = passes.get<gpu::uvec4>(gpu::fractions, WEFT_ROUNDS / 4 * t.x.size());
     passes.run("settle");
     if (order > 0) {
       EXPECT_TRUE(same_bits(solved, iterate));

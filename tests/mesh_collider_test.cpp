@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <numbers>
+#include <sstream>
+#include <string>
 
 #include "engine/reference/intersections.h"
 #include "tests/mesh_files.h"
@@ -87,6 +90,47 @@ TEST_F(MeshCollider, a_sheet_that_falls_on_it_lies_on_its_top_and_crosses_it_in_
   EXPECT_LT(lowest, 0.05f) << "the rest hangs down";
   EXPECT_EQ(simulation->counts().contacts_lost, 0u);
   EXPECT_EQ(simulation->counts().non_finite, 0u);
+}
+
+// From behind its triangles, too.
+TEST_F(MeshCollider, it_has_two_sides) {
+  const test::Folder folder;
+  Scene scene = over_block(folder);
+  std::string turned;
+  std::istringstream lines(kBlock);
+  for (std::string line; std::getline(lines, line); turned += '\n') {
+    int a, b, c, d;
+    const bool face = std::sscanf(line.c_str(), "f %d %d %d %d", &a, &b, &c, &d) == 4;
+    turned += face ? "f " + std::to_string(d) + ' ' + std::to_string(c) + ' ' + std::to_string(b) + ' ' + std::to_string(a) : line;
+  }
+  folder.write("block.obj", turned);
+  const auto simulation = must(Simulation::create(device(), scene));
+  for (int frame = 0; frame < 45; ++frame) {
+    must(simulation->advance(kFrame));
+    ASSERT_EQ(crossings_of(*simulation), 0u) << "after frame " << frame;
+  }
+  EXPECT_GT(simulation->counts().contacts_most, 100u);
+  EXPECT_EQ(simulation->counts().contacts_lost, 0u);
+}
+
+// A small sheet lies on it; then it is drawn away sideways.
+TEST_F(MeshCollider, its_friction_takes_cloth_along_and_without_friction_cloth_stays_behind) {
+  const test::Folder folder;
+  Scene scene = over_block(folder);
+  scene.cloths[0].grid->size = {0.2f, 0.2f};
+  scene.cloths[0].transform.translate = {0, 0.103f, 0};
+  scene.cloths[0].fabric.damping = 0;
+  scene.colliders[0].keys = {{0.2, {0, 0, 0}, {0, 1, 0}, 0}, {0.5, {0.08f, 0, 0}, {0, 1, 0}, 0}};
+  for (const double friction : {0.0, 1.0}) {
+    scene.cloths[0].fabric.friction = scene.colliders[0].friction = friction;
+    const auto simulation = must(Simulation::create(device(), scene));
+    for (int frame = 0; frame < 30; ++frame) {
+      must(simulation->advance(kFrame));
+      ASSERT_EQ(crossings_of(*simulation), 0u) << "after frame " << frame;
+    }
+    EXPECT_NEAR(centre_of_mass(must(simulation->read_positions())).x, 0.08 * friction, 0.01) << friction;
+    EXPECT_EQ(simulation->counts().contacts_lost, 0u);
+  }
 }
 
 TEST_F(MeshCollider, it_goes_exactly_where_its_keys_and_then_its_host_take_it) {
