@@ -21,7 +21,11 @@ Result<OwnedSemaphore> create_semaphore(const Device& device, std::string_view n
 /// 64 bits of nanoseconds end after 584 years; anything near that is for ever.
 uint64_t nanoseconds(double seconds) { return seconds < 1e10 ? static_cast<uint64_t>(seconds * 1e9) : UINT64_MAX; }
 
-Result<void> waited(const Device& device, VkResult result, double seconds) {
+/// Who is told that waiting failed must think that nothing has happened. Where there was no memory to wait with, there may be some now.
+template <class Wait>
+Result<void> waited(const Device& device, double seconds, Wait&& wait) {
+  VkResult result = wait(nanoseconds(seconds));
+  if (result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY) result = wait(nanoseconds(seconds));
   if (device.heard(result) == VK_SUCCESS) return {};
   if (result == VK_TIMEOUT) return fail(device.name(), " did not finish its work within ", seconds, " s");
   return fail("waiting for ", device.name(), " failed: ", result_name(result));
@@ -87,8 +91,7 @@ Result<OwnedSemaphore> create_binary_semaphore(const Device& device, std::string
 }
 
 Result<void> wait_for(const Device& device, VkFence fence, double seconds) {
-  return waited(device, device.vk().vkWaitForFences(device.handle(), 1, &fence, VK_TRUE, nanoseconds(seconds)),
-                seconds);
+  return waited(device, seconds, [&](uint64_t most) { return device.vk().vkWaitForFences(device.handle(), 1, &fence, VK_TRUE, most); });
 }
 
 Result<void> wait_for(const Device& device, VkSemaphore timeline, uint64_t value, double seconds) {
@@ -96,7 +99,7 @@ Result<void> wait_for(const Device& device, VkSemaphore timeline, uint64_t value
   wait.semaphoreCount = 1;
   wait.pSemaphores = &timeline;
   wait.pValues = &value;
-  return waited(device, device.vk().vkWaitSemaphores(device.handle(), &wait, nanoseconds(seconds)), seconds);
+  return waited(device, seconds, [&](uint64_t most) { return device.vk().vkWaitSemaphores(device.handle(), &wait, most); });
 }
 
 Result<void> run_once(const Device& device, std::string_view name, const std::function<void(VkCommandBuffer)>& record) {

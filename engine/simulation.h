@@ -27,7 +27,7 @@
 // Errors: what Vulkan refuses is a sentence. After one of advance, submit or record the simulation is whole and can go on: the clock has
 // moved by that frame, the cloth may not have. After a lost device everything fails, and all that is left is to destroy it.
 //
-// Limitations: no wind yet; a bend's rest state is flat; a mesh collider that turns takes its vertices straight to where they
+// Limitations: no wind yet; a mesh collider that turns takes its vertices straight to where they
 // are at the frame's end; anchors are chosen at create and can be moved, not added; hosts that record must record frames in
 // the order they submit them.
 #pragma once
@@ -103,7 +103,7 @@ struct Counts {
   std::uint32_t non_finite = 0;   // particles put back to their last finite position
   std::uint32_t coincident = 0;   // links whose ends were at one place, pushed apart along a line of no meaning (springs that only pull, and those of the method implicit: left alone)
   std::uint32_t contacts_most = 0;   // pairs that could meet, the most that one detection found
-  std::uint32_t contacts_lost = 0;   // pairs that found no room and held their particles still instead: only with record and submit
+  std::uint32_t contacts_lost = 0;   // pairs that found no room and held their particles still instead: with record and submit, and where the device has no more room
   std::uint32_t truncated = 0;       // times that a particle, or an anchor, was stopped short so that no cloth crosses another
   std::uint32_t detections = 0;      // searches for pairs
   float lag = 0;                     // m: how far behind its target cloth held an anchor, or a mesh collider's corner, at most
@@ -137,7 +137,8 @@ class Simulation {
   std::uint64_t ready_value() const;
 
   /// Records `seconds` into the host's command buffer (recording state, outside a render pass, on the queue family of the
-  /// device). Barriers to and from vertex input, host copies and earlier frames are recorded too.
+  /// device). Barriers to and from vertex input, host copies and earlier frames are recorded too. Whatever else is called next that waits, or
+  /// advance or submit, needs the host's frames done: it may give contacts more room, in other buffers, and reads what the last frame counted.
   Result<Advance> record(VkCommandBuffer commands, double seconds);
 
   /// Of every render vertex, cloth after cloth, then mesh collider after mesh collider: RGBA32F, 16 bytes apart. Valid until the simulation is destroyed.

@@ -26,7 +26,7 @@ Result<void> Simulation::State::create_kept() {
   return {};
 }
 
-// Between the solver's buffers and what is kept of them; barriers are the caller's.
+// Between the solver's buffers and what is kept of them; barriers are the caller's. A frame that is put back may have stopped between any two passes.
 void Simulation::State::copy_kept(VkCommandBuffer commands, bool back) const {
   for (std::size_t k = 0; k < lasting.size(); ++k) {
     const compute::Buffer& live = solver->buffer(lasting[k]);
@@ -35,6 +35,8 @@ void Simulation::State::copy_kept(VkCommandBuffer commands, bool back) const {
     const VkBufferCopy region{0, 0, std::min(bytes, live.bytes)};
     device->vk().vkCmdCopyBuffer(commands, back ? kept[k].handle : live.handle, back ? live.handle : kept[k].handle, 1, &region);
   }
+  for (const auto& [binding, word] : kScratch)
+    if (back && solver->has(binding)) device->vk().vkCmdFillBuffer(commands, solver->buffer(binding).handle, 0, VK_WHOLE_SIZE, word);
 }
 
 const gpu::Counters& Simulation::State::counters() const { return *reinterpret_cast<const gpu::Counters*>(readback[0].mapped); }
@@ -113,6 +115,7 @@ Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
     if (!*room) return {};   // as far as it goes: safe, and counted
     if (auto done = compute::run_once(*device, "weft repeat", [&](VkCommandBuffer commands) { copy_kept(commands, true); }); !done) return done;
     solver->set_parity(parity);
+    solver->set_turn(turn);
   }
 }
 

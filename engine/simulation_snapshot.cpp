@@ -40,9 +40,11 @@ Result<void> check_values(const char* name, const std::vector<gpu::vec4>& values
   return {};
 }
 
-// Of the candidates only those that there are; of others no more than is used, as the rest of their memory was never written.
+// Of the candidates only those that there are, and none where the next substep searches first: there may be new room for them that was never
+// written. Of others no more than is used: the rest of their memory was never written either.
 std::size_t bytes_of(const Solver& solver, gpu::Binding binding, const gpu::Detection& detection, std::uint32_t capacity) {
-  return binding == gpu::candidates ? std::min(detection.candidates, capacity) * sizeof(gpu::uvec4) : static_cast<std::size_t>(solver.used_bytes(binding));
+  if (binding != gpu::candidates) return static_cast<std::size_t>(solver.used_bytes(binding));
+  return detection.due != 0 ? 0 : std::min(detection.candidates, capacity) * sizeof(gpu::uvec4);
 }
 
 // Whichever thread came first wrote its candidate first. Nothing that a frame does depends on it, and neither shall the file.
@@ -150,9 +152,12 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
       for (const float leash : elements<float>(*bytes))
         if (!(leash >= 0 && leash < kFarthest)) return unfit("its buffer ", buffer.name, " has one of ", leash, " m");
     if (binding != gpu::candidates) continue;
-    for (const gpu::uvec4& packed : elements<gpu::uvec4>(*bytes))
-      for (const std::uint32_t particle : gpu::unpack_candidate(packed).particle)
+    for (const gpu::uvec4& packed : elements<gpu::uvec4>(*bytes)) {
+      const gpu::Candidate candidate = gpu::unpack_candidate(packed);
+      for (const std::uint32_t particle : candidate.particle)
         if (particle >= fabric.positions.size()) return unfit("a candidate has particle ", particle, " of ", fabric.positions.size());
+      if (!(candidate.keep >= 0 && candidate.keep < kFarthest)) return unfit("a candidate keeps a distance of ", candidate.keep, " m");
+    }
   }
   return {};
 }
@@ -162,6 +167,7 @@ Result<void> Simulation::fits(const Snapshot& snapshot) const { return state_->c
 Result<void> Simulation::restore(const Snapshot& snapshot) {
   if (auto good = fits(snapshot); !good) return good;
   if (auto done = state_->wait(); !done) return done;
+  if (auto done = state_->put_frame_back(); !done) return done;
   return state_->put_back(snapshot);
 }
 
@@ -175,7 +181,6 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
   }
   std::vector<gpu::vec4> iterate = elements<gpu::vec4>(*find(snapshot, "positions"));
   for (std::size_t i = 0; i < iterate.size(); ++i) iterate[i].w = fabric.iterate_weights[i];
-  anchors = anchors_of(snapshot);
   std::vector<compute::Upload> uploads;
   for (const gpu::Binding binding : {gpu::predicted, gpu::relaxed}) uploads.push_back({&solver->buffer(binding), std::as_bytes(std::span(iterate))});
   for (const gpu::Binding binding : lasting) {
@@ -184,7 +189,7 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
   }
   if (auto done = compute::upload_all(*device, uploads); !done) return done;
 
-  half_done = false;
+  anchors = anchors_of(snapshot);
   anchors_are_owed = true;
   // What the frame's end would have copied there.
   std::memcpy(readback[0].mapped, find(snapshot, "counters")->data(), sizeof(gpu::Counters));

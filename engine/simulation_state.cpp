@@ -34,65 +34,72 @@ Result<void> Simulation::State::check_count(std::span<const gpu::vec4> values) c
   return values.size() == fabric.positions.size() ? Result<void>() : fail(values.size(), " values were given for ", fabric.positions.size(), " particles");
 }
 
-Result<void> Simulation::State::write(gpu::Binding binding, std::vector<gpu::vec4> values) {
-  // w belongs to the solver: inverse mass, split mass or material.
-  auto present = read(binding, values.size());
-  if (!present) return present.take_error();
-  for (std::size_t i = 0; i < values.size(); ++i) values[i].w = (*present)[i].w;
-  return compute::upload(*device, solver->buffer(binding), std::as_bytes(std::span(values)));
+// The counters with so many more mended. The device must be done: in between they are its.
+Result<gpu::Counters> Simulation::State::counters_and_mended(std::size_t more) {
+  gpu::Counters counted{};
+  if (auto done = compute::read_back(*device, solver->buffer(gpu::counters), std::as_writable_bytes(std::span(&counted, 1))); !done) return done.take_error();
+  counted.non_finite += static_cast<std::uint32_t>(more);
+  return counted;
 }
 
-// The device must be done: in between the counters are its.
-Result<void> Simulation::State::count_non_finite(std::size_t more) {
-  if (more == 0) return {};
-  gpu::Counters counted{};
-  const auto bytes = std::as_writable_bytes(std::span(&counted, 1));
-  if (auto done = compute::read_back(*device, solver->buffer(gpu::counters), bytes); !done) return done;
-  counted.non_finite += static_cast<std::uint32_t>(more);
+// All of it, or, where there is no memory, nothing.
+Result<void> Simulation::State::write(std::vector<compute::Upload> uploads, const gpu::Counters& counted) {
+  uploads.push_back({&solver->buffer(gpu::counters), std::as_bytes(std::span(&counted, 1))});
+  if (auto done = compute::upload_all(*device, uploads); !done) return done;
   std::memcpy(readback[0].mapped, &counted, sizeof counted);
-  return compute::upload(*device, solver->buffer(gpu::counters), bytes);
+  return {};
 }
 
 Result<std::vector<gpu::vec4>> Simulation::read_positions() const { return state_->read(gpu::positions, state_->fabric.positions.size()); }
 Result<std::vector<gpu::vec4>> Simulation::read_velocities() const { return state_->read(gpu::velocities, state_->fabric.positions.size()); }
 
 Result<void> Simulation::write_positions(std::span<const gpu::vec4> positions) {
-  if (auto good = state_->check_count(positions); !good) return good;
+  State& s = *state_;
+  if (auto good = s.check_count(positions); !good) return good;
   auto present = read_positions();
   if (!present) return present.take_error();
+  auto velocities = read_velocities();
+  if (!velocities) return velocities.take_error();
   std::vector<gpu::vec4> wanted(positions.begin(), positions.end());
   std::vector<bool> mended;
-  mend_positions(state_->fabric, *present, wanted, mended);
-  const auto lost = static_cast<std::size_t>(std::count(mended.begin(), mended.end(), true));
-  // Both iterates follow: what a frame does not predict (anchors) it takes from them.
-  for (const gpu::Binding binding : {gpu::positions, gpu::predicted, gpu::relaxed})
-    if (auto done = state_->write(binding, wanted); !done) return done;
-  if (lost > 0) {   // at rest
-    auto velocities = read_velocities();
-    if (!velocities) return velocities.take_error();
-    for (std::size_t i = 0; i < mended.size(); ++i)
-      if (mended[i]) (*velocities)[i] = {0, 0, 0, 0};
-    if (auto done = state_->write(gpu::velocities, std::move(*velocities)); !done) return done;
-    if (auto done = state_->count_non_finite(lost); !done) return done;
+  mend_positions(s.fabric, *present, wanted, mended);
+  // w belongs to the solver: inverse mass, split mass or material. Both iterates follow: what a frame does not predict (anchors) it takes from them.
+  std::vector<gpu::vec4> iterate = wanted;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    wanted[i].w = (*present)[i].w;
+    iterate[i].w = s.fabric.iterate_weights[i];
+    if (mended[i]) (*velocities)[i] = {0, 0, 0, (*velocities)[i].w};
   }
-  for (gpu::Anchor& anchor : state_->anchors) {
+  auto counted = s.counters_and_mended(static_cast<std::size_t>(std::count(mended.begin(), mended.end(), true)));
+  if (!counted) return counted.take_error();
+  // First: paths and leashes must never be those of another pose.
+  if (s.solver->has(gpu::detection))
+    if (auto done = s.detect_anew(); !done) return done;
+  const auto upload = [&](gpu::Binding binding, const std::vector<gpu::vec4>& values) { return compute::Upload{&s.solver->buffer(binding), std::as_bytes(std::span(values))}; };
+  if (auto done = s.write({upload(gpu::positions, wanted), upload(gpu::predicted, iterate), upload(gpu::relaxed, iterate), upload(gpu::velocities, *velocities)}, *counted); !done)
+    return done;
+  for (gpu::Anchor& anchor : s.anchors) {
     const gpu::vec4& p = wanted[anchor.particle];
     anchor.from = anchor.to = {p.x, p.y, p.z};
   }
-  state_->anchors_are_owed = true;
-  if (state_->solver->has(gpu::detection))
-    if (auto done = state_->detect_anew(); !done) return done;
-  return state_->draw_surface();
+  s.anchors_are_owed = true;
+  return s.draw_surface();
 }
 
 Result<void> Simulation::write_velocities(std::span<const gpu::vec4> velocities) {
-  if (auto good = state_->check_count(velocities); !good) return good;
-  std::vector<gpu::vec4> wanted(velocities.begin(), velocities.end());
+  State& s = *state_;
+  if (auto good = s.check_count(velocities); !good) return good;
+  auto wanted = read_velocities();   // w belongs to the solver
+  if (!wanted) return wanted.take_error();
   std::size_t lost = 0;
-  for (gpu::vec4& v : wanted)
-    if (!is_finite(v)) v = {0, 0, 0, 0}, ++lost;
-  if (auto done = state_->write(gpu::velocities, std::move(wanted)); !done) return done;
-  return state_->count_non_finite(lost);
+  for (std::size_t i = 0; i < wanted->size(); ++i) {
+    const gpu::vec4& v = velocities[i];
+    lost += !is_finite(v);
+    (*wanted)[i] = is_finite(v) ? gpu::vec4{v.x, v.y, v.z, (*wanted)[i].w} : gpu::vec4{0, 0, 0, (*wanted)[i].w};
+  }
+  auto counted = s.counters_and_mended(lost);
+  if (!counted) return counted.take_error();
+  return s.write({{&s.solver->buffer(gpu::velocities), std::as_bytes(std::span(*wanted))}}, *counted);
 }
 
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <optional>
 
 #include "compute/commands.h"
@@ -23,6 +24,13 @@ ColliderPose keyed_pose(const Collider& collider, const Key& key);
 /// What a frame leaves to the next one. All other buffers never change, are made anew, or are the same between any two frames.
 inline constexpr gpu::Binding kLasting[] = {gpu::positions, gpu::velocities, gpu::references, gpu::paths,    gpu::leashes,
                                             gpu::detection, gpu::counters,   gpu::candidates, gpu::iterates, gpu::acceleration};
+
+/// What contacts leave between two passes of a substep, and find between substeps: a word, everywhere.
+struct Scratch {
+  gpu::Binding binding;
+  std::uint32_t word;
+};
+inline constexpr Scratch kScratch[] = {{gpu::grid_counts, 0}, {gpu::contact_counts, 0}, {gpu::contact_sums, 0}, {gpu::contact_lacks, 0}, {gpu::fractions, std::bit_cast<std::uint32_t>(1.0f)}};
 
 struct Simulation::State {
   const compute::Device* device = nullptr;
@@ -92,9 +100,9 @@ struct Simulation::State {
   Result<void> put_back(const Snapshot& snapshot);
   Result<void> wait() const;
   Result<std::vector<gpu::vec4>> read(gpu::Binding binding, std::size_t count);
-  Result<void> write(gpu::Binding binding, std::vector<gpu::vec4> values);
+  Result<void> write(std::vector<compute::Upload> uploads, const gpu::Counters& counted);
   Result<void> check_count(std::span<const gpu::vec4> values) const;
-  Result<void> count_non_finite(std::size_t more);
+  Result<gpu::Counters> counters_and_mended(std::size_t more);
 };
 
 }  // namespace weft
