@@ -224,7 +224,7 @@ struct Counters {
   uint coincident;    // links whose ends were at one place
   uint contacts_most; // candidates that one detection found, at most
   uint contacts_lost; // candidates that found no place, all detections together
-  uint truncated;     // times that a particle was stopped short: by a plane, its leash or a lost candidate; anchors only by a plane
+  uint truncated;     // times that a particle was stopped short: by a plane, or in an iteration of contacts by its leash or a lost candidate; anchors only by a plane
   uint detections;
   uint lag;           // bits of a float (m): how far cloth held an anchor back from its target, at most, at a substep's start
   uint unconverged;   // implicit solves that left more than WEFT_CONVERGED of the residual
