@@ -92,6 +92,29 @@ TEST_F(MeshCollider, a_sheet_that_falls_on_it_lies_on_its_top_and_crosses_it_in_
   EXPECT_EQ(simulation->counts().non_finite, 0u);
 }
 
+// A sewn glTF cloth over a glTF table: assets/scenes/table.json as it is.
+TEST_F(MeshCollider, a_tablecloth_dropped_on_a_table_hangs_over_its_edges_and_crosses_neither_it_nor_itself) {
+  const auto simulation = must(Simulation::create(device(), must(load_scene(WEFT_SOURCE_DIR "/assets/scenes/table.json"))));
+  const std::size_t particles = cloth_particles(simulation->fabric());
+  for (int frame = 0; frame < 90; ++frame) {
+    must(simulation->advance(kFrame));
+    ASSERT_EQ(crossings_of(*simulation), 0u) << "after frame " << frame;
+  }
+  const std::vector<Vec3> places = places_of(*simulation);
+  float top = -INFINITY;
+  for (const Vec3 p : std::span(places).subspan(particles)) top = std::max(top, p.y);
+  std::size_t on_it = 0, below = 0;
+  for (const Vec3 p : std::span(places).first(particles)) {
+    on_it += p.y > top && p.y < top + 0.02f;
+    below += p.y < top - 0.1f;
+  }
+  EXPECT_GT(on_it, particles / 4);
+  EXPECT_GT(below, particles / 8);
+  EXPECT_GT(simulation->counts().contacts_most, 10000u);
+  EXPECT_EQ(simulation->counts().contacts_lost, 0u);
+  EXPECT_EQ(simulation->counts().non_finite, 0u);
+}
+
 // From behind its triangles, too.
 TEST_F(MeshCollider, it_has_two_sides) {
   const test::Folder folder;
