@@ -178,7 +178,7 @@ struct Contacts {
   double cell = 0;              // m, cell of the spatial hash; 0: chosen
   double reach = 0;             // m, how far a particle may stray from its path before pairs are searched again; 0: chosen
   std::uint32_t iterations = 4; // 1 ... 100: of contacts, in each of the solver's iterations
-  double patience = 8;          // times the distance that a pair keeps, >= 0: how far behind its target cloth may hold an anchor or a mesh collider before it is driven through
+  double patience = 8;          // times the larger thickness of the two, >= 0: how far behind its target cloth may hold an anchor or a mesh collider before it is driven through
   bool operator==(const Contacts&) const = default;
 };
 

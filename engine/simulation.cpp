@@ -217,7 +217,7 @@ Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPo
     for (std::size_t k = 0; k < points.size(); ++k) (*positions)[mesh->first_particle + k] = {points[k].x, points[k].y, points[k].z, 0};
     // What writes positions sets anchors there, too; those that wait for cloth to make way must not be taken for led no further.
     const std::vector<gpu::Anchor> led = state_->anchors;
-    if (auto done = write_positions(*positions); !done) return done;
+    if (auto done = state_->put(*positions); !done) return done;
     for (std::size_t k = 0; k < led.size(); ++k) {
       const bool own = led[k].particle >= mesh->first_particle && led[k].particle - mesh->first_particle < mesh->particles;
       if (!own) state_->anchors[k].to = led[k].to;
@@ -225,7 +225,7 @@ Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPo
   }
   state_->collider_poses[collider] = *there;
   state_->collider_wishes[collider].reset();
-  return {};
+  return state_->mesh_of(collider) != nullptr ? state_->draw_surface() : Result<void>();
 }
 
 Result<void> Simulation::set_gravity(Vec3 gravity) {

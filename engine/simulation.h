@@ -104,7 +104,7 @@ struct Counts {
   std::uint32_t coincident = 0;   // links whose ends were at one place, pushed apart along a line of no meaning (springs that only pull, and those of the method implicit: left alone)
   std::uint32_t contacts_most = 0;   // pairs that could meet, the most that one detection found
   std::uint32_t contacts_lost = 0;   // pairs that found no room and held their particles still instead: with record and submit, and where the device has no more room
-  std::uint32_t truncated = 0;       // times that a particle, or an anchor, was stopped short so that no cloth crosses another; by its leash in each iteration of contacts
+  std::uint32_t truncated = 0;       // times that a particle, or an anchor, was stopped short so that no cloth crosses another; perhaps several times a substep
   std::uint32_t detections = 0;      // searches for pairs
   float lag = 0;                     // m: how far behind its target cloth held an anchor, or a mesh collider's corner, at most
   // Method implicit only. The norm of a residual r is r . D^-1 r, D the blocks on the matrix's diagonal.
@@ -146,7 +146,7 @@ class Simulation {
   FrameView normals() const;
 
   /// Targets for the end of the next frame, in world space, in CookedFabric::anchors' order from `first` on; they replace the
-  /// scene's keys for these anchors from now on. Among contacts an anchor may wait for cloth in its way, up to eight times the distance that the two keep from there, or what Scene::contacts.patience says. Errors: beyond the last anchor; not finite, or 1e10 m away or more.
+  /// scene's keys for these anchors from now on. Among contacts an anchor may wait for cloth in its way, up to eight times the larger thickness of the two from there, or what Scene::contacts.patience says. Errors: beyond the last anchor; not finite, or 1e10 m away or more.
   Result<void> move_anchors(std::uint32_t first, std::span<const Vec3> targets);
   /// Pose for the end of the next frame, whole (a capsule or a box without a rotation stands along its own axes); replaces the scene's
   /// keys for this collider. It turns there the shorter way round. Errors: no such collider; not finite; a normal or rotation of length 0.

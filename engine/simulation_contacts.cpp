@@ -6,6 +6,7 @@
 // repeat: they hold the particles of a lost candidate still, so that nothing crosses, and are counted; submit() at least makes room
 // for the frames that follow.
 #include <algorithm>
+#include <cstring>
 
 #include "compute/functions.h"
 #include "engine/simulation_state.h"
@@ -90,7 +91,9 @@ Result<void> Simulation::State::make_room_later() {
 // Runs what was planned, again with more room while candidates are lost for want of it.
 Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
   const bool contacts = solver->has(gpu::candidates) && input.substeps > 0;
-  const std::uint32_t lost = counters().contacts_lost, parity = solver->parity(), turn = solver->turn();
+  const gpu::Counters before = counters();
+  const gpu::Detection found = detection();
+  const std::uint32_t lost = before.contacts_lost, parity = solver->parity(), turn = solver->turn();
   const bool keeps = contacts || (timed_on_cpu() && input.substeps > 0);
   if (auto done = put_frame_back(); !done) return done;
   found_at_start = contacts ? std::min(detection().candidates, solver->contact_sizes().capacity) : 0;
@@ -116,6 +119,9 @@ Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
     if (auto done = compute::run_once(*device, "weft repeat", [&](VkCommandBuffer commands) { copy_kept(commands, true); }); !done) return done;
     solver->set_parity(parity);
     solver->set_turn(turn);
+    // What the frame had counted is taken back with it: it may not get as far as counting again.
+    std::memcpy(readback[0].mapped, &before, sizeof before);
+    std::memcpy(readback[1].mapped, &found, sizeof found);
   }
 }
 

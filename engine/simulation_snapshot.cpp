@@ -136,6 +136,8 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
   if (!(found.reach >= 0 && found.reach < kFarthest)) return unfit("its leashes have no length");
   if (found.age > WEFT_HORIZON || found.horizon > WEFT_HORIZON)
     return unfit("its last detection is ", found.age, " substeps ago and was for ", found.horizon, "; neither is ever above ", WEFT_HORIZON);
+  if (found.due == 0 && found.candidates > snapshot.capacity)   // lost pairs ask for a search
+    return unfit("it goes on with ", found.candidates, " candidates and has room for ", snapshot.capacity);
   for (const gpu::Binding binding : lasting) {
     const compute::Buffer& buffer = solver->buffer(binding);
     const std::size_t wanted = bytes_of(*solver, binding, found, snapshot.capacity);

@@ -53,37 +53,42 @@ Result<void> Simulation::State::write(std::vector<compute::Upload> uploads, cons
 Result<std::vector<gpu::vec4>> Simulation::read_positions() const { return state_->read(gpu::positions, state_->fabric.positions.size()); }
 Result<std::vector<gpu::vec4>> Simulation::read_velocities() const { return state_->read(gpu::velocities, state_->fabric.positions.size()); }
 
-Result<void> Simulation::write_positions(std::span<const gpu::vec4> positions) {
-  State& s = *state_;
-  if (auto good = s.check_count(positions); !good) return good;
-  auto present = read_positions();
+// What write_positions promises, but for the surface.
+Result<void> Simulation::State::put(std::span<const gpu::vec4> positions) {
+  if (auto good = check_count(positions); !good) return good;
+  auto present = read(gpu::positions, positions.size());
   if (!present) return present.take_error();
-  auto velocities = read_velocities();
+  auto velocities = read(gpu::velocities, positions.size());
   if (!velocities) return velocities.take_error();
   std::vector<gpu::vec4> wanted(positions.begin(), positions.end());
   std::vector<bool> mended;
-  mend_positions(s.fabric, *present, wanted, mended);
+  mend_positions(fabric, *present, wanted, mended);
   // w belongs to the solver: inverse mass, split mass or material. Both iterates follow: what a frame does not predict (anchors) it takes from them.
   std::vector<gpu::vec4> iterate = wanted;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     wanted[i].w = (*present)[i].w;
-    iterate[i].w = s.fabric.iterate_weights[i];
+    iterate[i].w = fabric.iterate_weights[i];
     if (mended[i]) (*velocities)[i] = {0, 0, 0, (*velocities)[i].w};
   }
-  auto counted = s.counters_and_mended(static_cast<std::size_t>(std::count(mended.begin(), mended.end(), true)));
+  auto counted = counters_and_mended(static_cast<std::size_t>(std::count(mended.begin(), mended.end(), true)));
   if (!counted) return counted.take_error();
   // First: paths and leashes must never be those of another pose.
-  if (s.solver->has(gpu::detection))
-    if (auto done = s.detect_anew(); !done) return done;
-  const auto upload = [&](gpu::Binding binding, const std::vector<gpu::vec4>& values) { return compute::Upload{&s.solver->buffer(binding), std::as_bytes(std::span(values))}; };
-  if (auto done = s.write({upload(gpu::positions, wanted), upload(gpu::predicted, iterate), upload(gpu::relaxed, iterate), upload(gpu::velocities, *velocities)}, *counted); !done)
+  if (solver->has(gpu::detection))
+    if (auto done = detect_anew(); !done) return done;
+  const auto upload = [&](gpu::Binding binding, const std::vector<gpu::vec4>& values) { return compute::Upload{&solver->buffer(binding), std::as_bytes(std::span(values))}; };
+  if (auto done = write({upload(gpu::positions, wanted), upload(gpu::predicted, iterate), upload(gpu::relaxed, iterate), upload(gpu::velocities, *velocities)}, *counted); !done)
     return done;
-  for (gpu::Anchor& anchor : s.anchors) {
+  for (gpu::Anchor& anchor : anchors) {
     const gpu::vec4& p = wanted[anchor.particle];
     anchor.from = anchor.to = {p.x, p.y, p.z};
   }
-  s.anchors_are_owed = true;
-  return s.draw_surface();
+  anchors_are_owed = true;
+  return {};
+}
+
+Result<void> Simulation::write_positions(std::span<const gpu::vec4> positions) {
+  if (auto done = state_->put(positions); !done) return done;
+  return state_->draw_surface();
 }
 
 Result<void> Simulation::write_velocities(std::span<const gpu::vec4> velocities) {

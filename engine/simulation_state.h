@@ -100,6 +100,7 @@ struct Simulation::State {
   Result<void> put_back(const Snapshot& snapshot);
   Result<void> wait() const;
   Result<std::vector<gpu::vec4>> read(gpu::Binding binding, std::size_t count);
+  Result<void> put(std::span<const gpu::vec4> positions);
   Result<void> write(std::vector<compute::Upload> uploads, const gpu::Counters& counted);
   Result<void> check_count(std::span<const gpu::vec4> values) const;
   Result<gpu::Counters> counters_and_mended(std::size_t more);

@@ -224,7 +224,7 @@ struct Counters {
   uint coincident;    // links whose ends were at one place
   uint contacts_most; // candidates that one detection found, at most
   uint contacts_lost; // candidates that found no place, all detections together
-  uint truncated;     // times that a particle was stopped short: by a plane, or in an iteration of contacts by its leash or a lost candidate; anchors only by a plane
+  uint truncated;     // times that a particle was stopped short: by a plane, its leash or a lost candidate, the latter two perhaps several times a substep; anchors only by a plane
   uint detections;
   uint lag;           // bits of a float (m): how far cloth held an anchor back from its target, at most, at a substep's start
   uint unconverged;   // implicit solves that left more than WEFT_CONVERGED of the residual
@@ -309,7 +309,7 @@ struct Push {
   float cell;         // m, at level 0
   float quantum;      // m, unit of contact_sums
   float recover;      // m: what a substep makes good of a distance that is too small
-  float patience;     // times the distance that a pair keeps: how far behind its target cloth may hold an anchor
+  float patience;     // times a thickness (anchor.comp) or the distance that a pair keeps (contact_limit.comp): how far behind its target cloth may hold an anchor
   float reach_low, reach_high;   // m, limits of Detection::reach
   // The method implicit only.
   uint iteration;     // of the solve; after it, how many there were

@@ -11,6 +11,7 @@
 #include "engine/snapshot.h"
 #include "tests/faulty/vulkan.h"
 #include "tests/gpu_fixture.h"
+#include "tests/mesh_files.h"
 #include "tests/sheets.h"
 
 namespace weft {
@@ -232,6 +233,28 @@ TEST_F(Faults, a_pose_is_written_whole_or_not_at_all) {
       });
 }
 
+// A collider that is placed is there with its vertices, or both are where they were.
+TEST_F(Faults, a_mesh_collider_is_placed_whole_or_not_at_all) {
+  const test::Folder folder;
+  folder.write("floor.obj", "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 4 3 2\n");
+  Scene scene = sheet(4);
+  scene.folder = folder / "";
+  Collider& floor = scene.colliders.emplace_back();
+  floor.shape = ColliderShape::mesh;
+  floor.mesh = "floor.obj";
+  floor.centre = {0, -0.5f, 0};
+  ColliderPose pose;
+  pose.centre = {0, -2, 0};
+  at_every_call(
+      VK_ERROR_OUT_OF_DEVICE_MEMORY, 1, [&] { return must(Simulation::create(device(), scene)); },
+      [&](const std::unique_ptr<Simulation>& simulation) { return simulation->place_collider(0, pose); },
+      [](const std::unique_ptr<Simulation>& simulation) {
+        EXPECT_EQ(must(simulation->read_positions()).back().y, simulation->colliders()[0].centre.y);
+        must(simulation->advance(1.0 / 60));
+        EXPECT_EQ(must(simulation->read_positions()).back().y, simulation->colliders()[0].centre.y);
+      });
+}
+
 // A pin that stands where it was led to stays there, or where the snapshot has it, when another is moved.
 TEST_F(Faults, a_state_that_could_not_be_put_back_has_its_own_pins) {
   Scene scene = close_sheets();
@@ -292,6 +315,10 @@ TEST_F(Faults, memory_that_runs_out_while_contacts_get_more_room_is_told_and_not
       [](const std::unique_ptr<Simulation>& simulation) {
         must(simulation->advance(1.0 / 60));
         EXPECT_GT(simulation->counts().contacts_most, 16u);
+        // A loss that was taken back must not be taken for one of the frame that follows.
+        for (const BufferUse& buffer : simulation->buffers()) {
+          if (buffer.name == "candidates") { EXPECT_LE(buffer.bytes, 4 * sizeof(gpu::uvec4) * simulation->counts().contacts_most); }
+        }
         const auto particles = must(simulation->read_positions());
         std::vector<Vec3> positions;
         for (const gpu::vec4& p : particles) positions.push_back({p.x, p.y, p.z});

@@ -66,6 +66,7 @@ TEST_F(ContactEdgeCase, a_particle_without_a_leash_stays_where_there_are_no_cand
   put_leash(passes, t.x.size(), {0, 0, 0, 0}, {1, 0, -2, 0}, 0, 0);
   auto detection = passes.detection();
   detection.touched.x = detection.candidates = 0;
+  detection.reach = 1000;   // m: nobody strays
   passes.put(gpu::detection, std::vector<gpu::Detection>{detection});
   passes.run("settle");
   const auto got = passes.particles(gpu::positions);
@@ -73,18 +74,25 @@ TEST_F(ContactEdgeCase, a_particle_without_a_leash_stays_where_there_are_no_cand
   EXPECT_EQ(passes.detection().due, 1u) << "they wait for a search";
 }
 
+// Four particles in a row that stand still, and a pair of them.
+Tufts four(double first_inverse_mass) {
+  Tufts t;
+  for (int i = 0; i < 4; ++i) {
+    t.x.push_back(reference::Vector(i, 0, 0));
+    t.inverse_masses.push_back(i == 0 ? first_inverse_mass : 10);
+  }
+  t.p = t.x;
+  t.pairs.push_back({{0, 1, 2, 3}, 0.001, false});
+  return t;
+}
+
 // One particle on a path that leads ten substeps of `expected` each. It goes `way` in this substep, which is one of so many.
 struct Watched {
   std::uint32_t due_by_settle, due_by_predict;
 };
-Watched watched(const compute::Device& device, const reference::Vector& expected, const reference::Vector& way, std::uint32_t substeps, float inverse_mass = 10) {
-  Tufts t;
-  for (int i = 0; i < 4; ++i) {
-    t.x.push_back(reference::Vector(i, 0, 0));
-    t.p.push_back((t.x.back() + (i == 0 ? way : expected)).cast<float>().cast<double>());
-    t.inverse_masses.push_back(i == 0 ? inverse_mass : 10);
-  }
-  t.pairs.push_back({{0, 1, 2, 3}, 0.001, false});
+Watched watched(const compute::Device& device, const reference::Vector& expected, const reference::Vector& way, std::uint32_t substeps) {
+  Tufts t = four(10);
+  for (std::size_t i = 0; i < 4; ++i) t.p[i] = (t.x[i] + (i == 0 ? way : expected)).cast<float>().cast<double>();
   const Scene scene = scene_of(t);
   CookedFabric fabric = fabric_of(t, scene.solver);
   for (gpu::Material& material : fabric.materials) material.keep = 1;   // no damping
@@ -120,13 +128,7 @@ TEST_F(ContactEdgeCase, who_goes_his_path_is_not_searched_for_again_and_who_is_a
 
 TEST_F(ContactEdgeCase, an_anchor_that_leaves_its_path_calls_for_a_search) {
   for (const float lead : {0.0004f, 0.0006f}) {   // m, off its path at the substep's end, of a reach of 1 mm
-    Tufts t;
-    for (int i = 0; i < 4; ++i) {
-      t.x.push_back(reference::Vector(i, 0, 0));
-      t.p.push_back(t.x.back());
-      t.inverse_masses.push_back(i == 0 ? 0 : 10);
-    }
-    t.pairs.push_back({{0, 1, 2, 3}, 0.001, false});
+    const Tufts t = four(0);
     const Scene scene = scene_of(t);
     CookedFabric fabric = fabric_of(t, scene.solver);
     fabric.anchors.push_back({0, 0, 0, 0, {0, 0, 0}});
