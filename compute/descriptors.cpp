@@ -110,7 +110,7 @@ Result<DescriptorSet> DescriptorSet::create(const Device& device, std::string_vi
   device.name_object(VK_OBJECT_TYPE_DESCRIPTOR_SET, made.set_, name);
 
   std::vector<VkWriteDescriptorSet> writes;
-  std::vector<VkDescriptorBufferInfo> wholes(buffers.size());
+  std::vector<VkDescriptorBufferInfo> parts(buffers.size());
   for (size_t i = 0; i < buffers.size(); ++i) {
     const BoundBuffer& bound = buffers[i];
     const DescriptorBinding* binding = find(layout.bindings(), bound.binding);
@@ -121,13 +121,13 @@ Result<DescriptorSet> DescriptorSet::create(const Device& device, std::string_vi
       return fail("binding ", bound.binding, " of descriptor set ", name, " is a texel buffer, and buffer ",
                   bound.buffer->name, " was created without a texel format");
     }
-    wholes[i] = {bound.buffer->handle, 0, VK_WHOLE_SIZE};
+    parts[i] = {bound.buffer->handle, bound.offset, bound.bytes};
     auto write = typed<VkWriteDescriptorSet>(VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET);
     write.dstSet = made.set_;
     write.dstBinding = bound.binding;
     write.descriptorCount = 1;
     write.descriptorType = binding->type;
-    write.pBufferInfo = &wholes[i];
+    write.pBufferInfo = &parts[i];
     write.pTexelBufferView = &bound.buffer->view;
     writes.push_back(write);
   }

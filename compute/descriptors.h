@@ -38,10 +38,12 @@ Result<OwnedPipelineLayout> create_pipeline_layout(const Device& device, std::st
                                                    uint32_t push_constant_bytes = 0,
                                                    VkShaderStageFlags stages = VK_SHADER_STAGE_COMPUTE_BIT);
 
-/// `buffer` is bound whole, by its view where the binding is a texel buffer.
+/// `buffer` is bound from `offset` on, by its view, whole, where the binding is a texel buffer.
 struct BoundBuffer {
   uint32_t binding = 0;
   const Buffer* buffer = nullptr;
+  VkDeviceSize offset = 0;
+  VkDeviceSize bytes = VK_WHOLE_SIZE;
 };
 
 /// One set with a pool of exactly its size.

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "compute/owned.h"
+#include "compute/specialize.h"
 
 namespace weft::compute {
 
@@ -36,12 +37,6 @@ class PipelineCache {
   size_t loaded_bytes_ = 0;
   uint32_t broken_files_ = 0;
   std::string refusal_;
-};
-
-/// A float is passed by its bits: std::bit_cast<uint32_t>(0.5f).
-struct SpecializationConstant {
-  uint32_t id = 0;
-  uint32_t value = 0;
 };
 
 class ComputePipeline {

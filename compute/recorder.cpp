@@ -57,22 +57,23 @@ void record_barrier(const Functions& fn, VkCommandBuffer commands, Scope from, S
 
 }  // namespace
 
-bool HazardTracker::needs_barrier(uint64_t reads, uint64_t writes, uint64_t indirect) const {
-  return ((reads & written_) | (writes & (written_ | read_ | indirect_read_)) | (indirect & unseen_by_indirect_)) != 0;
+bool HazardTracker::needs_barrier(const Touches& pass) const {
+  return pass.reads.intersects(written_) || pass.writes.intersects(written_) || pass.writes.intersects(read_) ||
+         pass.writes.intersects(argument_read_) || pass.arguments.intersects(unseen_by_indirect_);
 }
 
-void HazardTracker::note(uint64_t reads, uint64_t writes, uint64_t indirect) {
-  read_ |= reads;
-  written_ |= writes;
-  indirect_read_ |= indirect;
-  unseen_by_indirect_ |= writes;
+void HazardTracker::note(const Touches& pass) {
+  read_.insert(pass.reads);
+  written_.insert(pass.writes);
+  argument_read_.insert(pass.arguments);
+  unseen_by_indirect_.insert(pass.writes);
 }
 
 void HazardTracker::barrier(bool to_indirect) {
-  read_ = 0;
-  written_ = 0;
-  indirect_read_ = 0;
-  if (to_indirect) unseen_by_indirect_ = 0;
+  read_.clear();
+  written_.clear();
+  argument_read_.clear();
+  if (to_indirect) unseen_by_indirect_.clear();
 }
 
 Result<Timestamps> Timestamps::create(const Device& device, std::string_view name, uint32_t passes) {
@@ -152,17 +153,18 @@ Recorder::Recorder(const Device& device, VkCommandBuffer commands, Timestamps* t
 
 Recorder::~Recorder() { finish(); }
 
-void Recorder::begin_pass(const char* name, uint64_t reads, uint64_t writes, uint64_t indirect) {
+void Recorder::begin_pass(const char* name, const Touches& touches) {
   finish();
   const Functions& fn = device_->vk();
-  if (hazards_.needs_barrier(reads, writes, indirect)) {
+  if (hazards_.needs_barrier(touches)) {
+    const bool reads_arguments = !touches.arguments.empty();
     const Scope from = hazards_.waits_for_indirect() ? kCompute | kIndirect : kCompute;
-    const Scope to = indirect != 0 ? kCompute | kIndirect : kCompute;
+    const Scope to = reads_arguments ? kCompute | kIndirect : kCompute;
     record_barrier(fn, commands_, from, to);
-    hazards_.barrier(indirect != 0);
+    hazards_.barrier(reads_arguments);
     ++barriers_;
   }
-  hazards_.note(reads, writes, indirect);
+  hazards_.note(touches);
   if (fn.vkCmdBeginDebugUtilsLabelEXT != nullptr) {
     auto label = typed<VkDebugUtilsLabelEXT>(VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT);
     label.pLabelName = name;

@@ -1,7 +1,7 @@
 // Recording passes: barriers where passes touch the same buffer, a label and a timestamp pair around each.
 //
-// A pass says what it reads and what it writes as two masks, one bit per buffer. Between two passes stands a barrier
-// exactly when one is needed:
+// A pass says which buffers it reads and which it writes, by numbers of the caller's choice. Between two passes stands a
+// barrier exactly when one is needed:
 //
 //     (reads & written) | (writes & (written | read))
 //
@@ -15,9 +15,15 @@
 #include <string_view>
 #include <vector>
 
+#include "compute/index_set.h"
 #include "compute/owned.h"
 
 namespace weft::compute {
+
+/// The buffers that a pass touches. `arguments`: whose dispatch arguments it reads.
+struct Touches {
+  IndexSet reads, writes, arguments;
+};
 
 /// Remembers what was touched since the last barrier. Pure: calls no Vulkan.
 ///
@@ -25,19 +31,17 @@ namespace weft::compute {
 /// does not reach it: what was written and not yet shown to that stage is kept apart.
 class HazardTracker {
  public:
-  bool needs_barrier(uint64_t reads, uint64_t writes, uint64_t indirect = 0) const;
+  bool needs_barrier(const Touches& pass) const;
   /// Some argument reads are pending, so a barrier must also wait for that stage.
-  bool waits_for_indirect() const { return indirect_read_ != 0; }
+  bool waits_for_indirect() const { return !argument_read_.empty(); }
   /// Records what a pass touches; call barrier() first if needs_barrier() said so.
-  void note(uint64_t reads, uint64_t writes, uint64_t indirect = 0);
+  void note(const Touches& pass);
   /// A barrier from and to shaders was recorded; `to_indirect`: also to the stage that reads arguments.
   void barrier(bool to_indirect = false);
 
  private:
-  uint64_t read_ = 0;
-  uint64_t written_ = 0;
-  uint64_t indirect_read_ = 0;
-  uint64_t unseen_by_indirect_ = 0;
+  IndexSet read_, written_, argument_read_;
+  IndexSet unseen_by_indirect_;
 };
 
 /// Time of one pass on the GPU, in milliseconds after the first timestamp of the frame.
@@ -96,7 +100,7 @@ constexpr Use operator|(Use a, Use b) { return static_cast<Use>(static_cast<uint
 ///
 ///     Recorder recorder(device, commands, &timestamps);
 ///     recorder.barrier(Use::transfer, Use::compute);
-///     recorder.begin_pass("predict", reads, writes);
+///     recorder.begin_pass("predict", touches);
 ///     recorder.bind(pipeline, layout, sets);
 ///     recorder.dispatch(groups);
 ///     recorder.finish();
@@ -111,7 +115,7 @@ class Recorder {
 
   /// Ends the pass before it, and puts a barrier between if there must be one. Dispatches within one pass must not
   /// depend on each other. `name` ends in a zero byte.
-  void begin_pass(const char* name, uint64_t reads, uint64_t writes, uint64_t indirect = 0);
+  void begin_pass(const char* name, const Touches& touches);
   void bind(VkPipeline pipeline, VkPipelineLayout layout, std::span<const VkDescriptorSet> sets);
   void push(VkPipelineLayout layout, std::span<const std::byte> bytes);
   void dispatch(uint32_t x, uint32_t y = 1, uint32_t z = 1);

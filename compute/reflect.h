@@ -1,7 +1,8 @@
 // What a shader touches, read from its SPIR-V. No Vulkan needed.
 //
-// A shader is the only place that says which buffers it reads and which it writes (`readonly`, `writeonly`); bindings,
-// descriptor layouts and barriers all follow from what is found here.
+// A shader is the only place that says which buffers it reads and which it writes; bindings, descriptor layouts and barriers
+// all follow from what is found here. A buffer counts as read or written where the shader's declaration allows it
+// (`readonly`, `writeonly`) and its code does so; where a pointer goes where no instruction tells, the declaration alone counts.
 //
 // Based on: SPIR-V Specification 1.6, sections 2.3 (physical layout) and 3 (binary form).
 // Limitations: one entry point per module; arrays of descriptors count as one binding.
@@ -35,6 +36,7 @@ struct Binding {
   Kind kind = Kind::other;
   bool read = false;
   bool written = false;
+  uint32_t element_bytes = 0;  ///< of the array that a storage block ends in; 0: it ends in none
   std::string name;  ///< the variable's, or its block's; empty when names were stripped
 };
 

@@ -236,7 +236,7 @@ bool contacts_on(const Scene& scene);
 constexpr bool on_springs(Method method) { return method == Method::implicit || method == Method::mass_spring || method == Method::verlet; }
 
 /// Over-relaxation from here on can blow a scene up: 1 + 3^(-1/iterations), 4/3 with one iteration a substep; with Chebyshev 1 + rho.
-/// scene_method.cpp says why.
+/// engine/scene/method.cpp says why.
 double most_relaxation(const SolverSettings& solver);
 
 /// What the solver's relaxation and Chebyshev's spectral radius are, with defaults filled in.

@@ -2,7 +2,7 @@
 //
 // A substep of h solves one linear system for the change of the velocities against a free flight v* = exp(-c h) (v + h g),
 //     (M + h D + h^2 K) dv = h f(x, v*) - h^2 K v*,     v <- v* + dv,  x <- x + h v,
-// with the springs' stiffness K and damping D at x (shaders/implicit.ref.h). That is one Newton step of implicit Euler.
+// with the springs' stiffness K and damping D at x (shaders/implicit/implicit.ref.h). That is one Newton step of implicit Euler.
 //
 // The matrix is a mass on every particle and a 3x3 block on every spring, A = M + sum (e_a - e_b) B (e_a - e_b)^T, all of them
 // positive semidefinite: whatever the pose, there is one answer and both solvers go towards it.
@@ -22,7 +22,7 @@
 //
 // Planes constrain the direction across them: a particle that would end below goes onto the plane, and its residual loses that
 // direction, unless the springs would pull it off. Should they fail to, it is put onto the plane after the solve. On the device all
-// colliders that have a distance do so, with friction (shaders/implicit_wall.glsl).
+// colliders that have a distance do so, with friction (shaders/implicit/implicit_wall.glsl).
 //
 // Limitations: springs only; planes that stand still, without friction; no tethers; one thread.
 #pragma once
@@ -35,7 +35,7 @@
 #include "compute/result.h"
 #include "engine/fabric.h"
 #include "engine/scene.h"
-#include "shaders/implicit.ref.h"
+#include "shaders/implicit/implicit.ref.h"
 
 namespace weft::reference {
 

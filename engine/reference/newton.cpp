@@ -2,6 +2,7 @@
 // step as they do in the engine, v <- exp(-c h) (v + h g), so that both take the same steps and only their solvers differ.
 #include <cmath>
 
+#include "engine/effects/effect.h"
 #include "engine/reference/time_step.h"
 
 namespace weft::reference {
@@ -25,9 +26,7 @@ Positions anchor_places(const Scene& scene, const CookedFabric& fabric, double t
 
 Result<Trajectory> integrate_newton(const Scene& scene, const CookedFabric& fabric, std::uint32_t frames, const NewtonSettings& settings,
                                     const Progress& progress) {
-  if (!scene.colliders.empty()) return fail("colliders[0]: the reference has no colliders; it was given ", scene.colliders.size());
-  if (contacts_on(scene)) return fail("contacts: the reference has none");
-  if (!fabric.hinges.empty()) return fail("bend_rest: the reference bends cloth about a flat shape; the scene has ", fabric.hinges.size(), " hinges about its mesh's");
+  if (const std::string fault = reference_fault(scene, fabric); !fault.empty()) return fail(fault);
   const auto steps = steps_a_frame(scene, settings.h);
   if (!steps) return fail(steps.error());
 

@@ -11,7 +11,7 @@
 
 #include "compute/commands.h"
 #include "engine/simulation.h"
-#include "engine/solver.h"
+#include "engine/solve/solver.h"
 #include "tests/bench/yardstick.h"
 
 namespace weft::bench {

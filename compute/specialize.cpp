@@ -1,0 +1,87 @@
+#include "compute/specialize.h"
+
+#include <algorithm>
+#include <set>
+#include <spirv-tools/optimizer.hpp>
+#include <string>
+#include <unordered_map>
+
+#include "compute/spirv.h"
+
+namespace weft::compute {
+namespace {
+constexpr size_t kHeaderWords = 5;
+
+// glslang's own numbers repeat where a resource is used by the initialiser of a global alone.
+void number_bindings(std::span<uint32_t> spirv) {
+  uint32_t next = 0;
+  for (size_t at = kHeaderWords; at < spirv.size() && spirv[at] >> 16 != 0; at += spirv[at] >> 16)
+    if ((spirv[at] & 0xffff) == spirv::OpDecorate && spirv[at] >> 16 == 4 && spirv[at + 2] == spirv::kBinding) spirv[at + 3] = next++;
+}
+
+}  // namespace
+
+Result<std::vector<uint32_t>> specialize(std::span<const uint32_t> spirv, std::span<const SpecializationConstant> constants) {
+  if (spirv.size() < kHeaderWords) return fail("SPIR-V of ", spirv.size(), " words is shorter than its header of ", kHeaderWords);
+  std::unordered_map<uint32_t, std::vector<uint32_t>> values;
+  for (const SpecializationConstant& constant : constants) values[constant.id] = {constant.value};
+  spvtools::Optimizer optimizer(SPV_ENV_VULKAN_1_2);
+  std::string complaint;
+  optimizer.SetMessageConsumer([&](spv_message_level_t level, const char*, const spv_position_t&, const char* message) {
+    if (level <= SPV_MSG_ERROR && complaint.empty()) complaint = message;
+  });
+  optimizer.RegisterPass(spvtools::CreateSetSpecConstantDefaultValuePass(values))
+      .RegisterPass(spvtools::CreateFreezeSpecConstantValuePass())
+      .RegisterPass(spvtools::CreateFoldSpecConstantOpAndCompositePass())
+      .RegisterPerformancePasses();
+  // Weft's own modules were validated when they were built.
+  spvtools::OptimizerOptions options;
+  options.set_run_validator(false);
+  std::vector<uint32_t> specialized;
+  if (!optimizer.Run(spirv.data(), spirv.size(), &specialized, options))
+    return fail("SPIR-V could not be specialised: ", complaint.empty() ? "the optimizer gave no reason" : complaint);
+  number_bindings(specialized);
+  return specialized;
+}
+
+namespace {
+
+// Constants that some instruction uses: the others change nothing. A literal that happens to have a constant's id counts as a use, which
+// only shares less.
+std::vector<uint32_t> used_constants(std::span<const uint32_t> spirv) {
+  using namespace spirv;
+  std::map<uint32_t, uint32_t> specs;   // result -> number
+  std::set<uint32_t> used;
+  for (size_t at = kHeaderWords; at < spirv.size() && spirv[at] >> 16 != 0; at += spirv[at] >> 16) {
+    const auto words = spirv.subspan(at, std::min<size_t>(spirv[at] >> 16, spirv.size() - at));
+    const uint32_t op = words[0] & 0xffff;
+    if (op == OpDecorate && words.size() > 3 && words[2] == kSpecId) specs[words[1]] = words[3];
+    const bool names = op == OpName || op == OpDecorate || op == OpSpecConstantTrue || op == OpSpecConstantFalse || op == OpSpecConstant;
+    for (size_t k = 1; k < words.size() && !names; ++k)
+      if (const auto spec = specs.find(words[k]); spec != specs.end()) used.insert(spec->second);
+  }
+  return {used.begin(), used.end()};
+}
+
+}  // namespace
+
+Result<std::span<const uint32_t>> Specializer::specialize(std::span<const uint32_t> spirv, std::span<const SpecializationConstant> constants) {
+  auto ids = ids_.find(spirv.data());
+  if (ids == ids_.end()) ids = ids_.try_emplace(spirv.data(), used_constants(spirv)).first;
+  std::vector<uint32_t> values;
+  for (const uint32_t id : ids->second)
+    for (const SpecializationConstant& constant : constants)
+      if (constant.id == id) values.insert(values.end(), {id, constant.value});
+  const auto [made, is_new] = made_.try_emplace({spirv.data(), std::move(values)});
+  if (is_new) {
+    auto words = compute::specialize(spirv, constants);
+    if (!words) {
+      made_.erase(made);
+      return words.take_error();
+    }
+    made->second = std::move(*words);
+  }
+  return std::span<const uint32_t>(made->second);
+}
+
+}  // namespace weft::compute

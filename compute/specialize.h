@@ -1,0 +1,43 @@
+// From a module with specialisation constants to the code of one specialisation.
+//
+// A driver is told the values of specialisation constants when it compiles a pipeline, too late for descriptor layouts and barriers: a
+// branch that is never taken still names its buffers. So the values are put in before: constants are frozen, folded and propagated, dead
+// code and the variables that only it used are removed, and what is left is optimised. Reflection then sees what really runs. No Vulkan needed.
+//
+// The work is done by SPIRV-Tools' optimizer (Khronos), with the passes of `spirv-opt -O`.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "compute/result.h"
+
+namespace weft::compute {
+
+/// A specialisation constant's value as 32 bits: std::bit_cast<uint32_t>(0.5f); 0 or 1 for false and true.
+struct SpecializationConstant {
+  uint32_t id = 0;
+  uint32_t value = 0;
+};
+
+/// Constants that the module does not have are ignored; those that are not named keep their defaults. The result has none, and its bindings
+/// are numbered anew: no two of them have one number.
+/// Errors: words that are no valid SPIR-V for Vulkan 1.2.
+Result<std::vector<uint32_t>> specialize(std::span<const uint32_t> spirv, std::span<const SpecializationConstant> constants);
+
+/// The same, remembering: where nothing has changed that a module knows of, it is not specialised again.
+class Specializer {
+ public:
+  /// `spirv` must outlive the specializer. The words are valid as long as it lives.
+  Result<std::span<const uint32_t>> specialize(std::span<const uint32_t> spirv, std::span<const SpecializationConstant> constants);
+  size_t modules() const { return made_.size(); }
+
+ private:
+  std::map<const uint32_t*, std::vector<uint32_t>> ids_;   // of the constants that a module uses
+  std::map<std::pair<const uint32_t*, std::vector<uint32_t>>, std::vector<uint32_t>> made_;
+};
+
+}  // namespace weft::compute

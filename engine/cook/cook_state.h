@@ -1,0 +1,48 @@
+// What cooking hands from effect to effect: the scene, the arrays as they grow, and the cloth at hand. Internal.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/cook/parts.h"
+
+namespace weft::cooking {
+
+struct ClothInput {
+  const weft::Cloth& cloth;
+  const Mesh& mesh;
+  std::span<const AnchorChoice> anchors;
+  std::size_t first_link = 0, first_bend = 0;   // of the cloth, in the fabric's lists
+};
+
+class CookState {
+ public:
+  explicit CookState(const Scene& scene);
+
+  const Scene& scene() const { return scene_; }
+  CookedFabric& fabric() { return fabric_; }
+  /// Of the cloth at hand: point -> particle.
+  std::span<const std::uint32_t> particle_of() const { return particle_of_; }
+  void set_particles(std::vector<std::uint32_t> particle_of) { particle_of_ = std::move(particle_of); }
+
+  /// With one iteration a substep a pass moves particles by omega / (W + s) of what a constraint asks for. Over-relaxation is meant for the
+  /// masses that Jacobi splits, W, and not for the cloth's compliance: omega / (W + s) = 1 / (W / omega + alpha / h^2). So s / alpha is
+  /// omega / h^2 (1/s^2).
+  double softening() const;
+
+  template <class... Parts>
+  void note(const weft::Cloth& cloth, const Parts&... parts) {
+    fabric_.notes.push_back(fail(cloth.name, ": ", parts..., ".").message);
+  }
+
+  /// Of each particle, until they are laid out.
+  std::vector<std::vector<gpu::Tether>> tethers;
+
+ private:
+  const Scene& scene_;
+  CookedFabric fabric_;
+  std::vector<std::uint32_t> particle_of_;
+};
+
+}  // namespace weft::cooking

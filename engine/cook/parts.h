@@ -1,0 +1,110 @@
+// What the files of the cook (fabric*.cpp) share; not part of the public API.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "engine/fabric.h"
+
+namespace weft::cooking {
+
+// Softer than this (m/N) pulls with nothing that could be seen, and its quotient by h^2 would not be finite any more: infinity
+// times a multiplier of zero is no number, and takes a particle's other links along.
+inline constexpr double kSoftest = 1e12;
+
+inline Eigen::Vector3d vector(Vec3 v) { return {v.x, v.y, v.z}; }
+
+/// order[k] is the point that becomes the cloth's k-th particle: reverse Cuthill-McKee (1969) over the mesh's edges.
+std::vector<std::uint32_t> locality_order(const Mesh& mesh);
+
+/// A link with the stiffness of the strip of cloth that it stands for.
+struct Spring {
+  std::uint32_t a, b;      // points
+  double rest;             // m
+  double compliance;       // m/N
+  bool only_pulls;
+  enum class Kind { edge, diagonal, far } kind = Kind::edge;   // diagonal: either one of a quad
+};
+
+struct Stiffness {
+  double stretch, shear;   // N/m; infinity is rigid
+};
+
+/// Edges of the mesh, the second diagonal of every quad, and far links along straight lines of edges. Stiffness by
+/// direction: see engine/effects/stretch/links.cpp.
+std::vector<Spring> springs(const Mesh& mesh, const Stiffness& stiffness);
+
+/// Links that only pull between points `steps` edges apart on a straight line of edges: see engine/effects/stretch/far_links.cpp. Up to half of the
+/// stiffness of those edges (the first of `near`, in the mesh's order) moves over to them; `is_diagonal` edges make no line.
+void add_far_links(const Mesh& mesh, const std::vector<bool>& is_diagonal, std::uint32_t steps, std::vector<Spring>& near);
+
+/// A spring of Cloth::springs, which pushes and pulls.
+struct NeighbourSpring {
+  std::uint32_t a, b;      // points
+  double rest;             // m
+  Springs::Kind kind;
+};
+
+/// Between all points that are one or two links of the mesh apart, or, `straight`, one link or two edges straight ahead: see
+/// engine/effects/spring/springs.cpp.
+std::vector<NeighbourSpring> neighbour_springs(const Mesh& mesh, const weft::Springs& springs, bool straight);
+
+/// The longest step of symplectic Euler that is stable in every pose, s; infinite where nothing moves: see engine/effects/spring/longest_step.cpp.
+double largest_step(std::span<const ParticleSpring> springs, std::span<const gpu::vec4> positions);
+
+/// The bending matrix of stencils over particles, as linear springs.
+void add_bending_springs(std::span<const gpu::Bend> bends, std::vector<ParticleSpring>& springs);
+
+SpringRows spring_rows(std::span<const ParticleSpring> springs, std::size_t particles);
+
+/// Which Jacobi converges with, whatever the pose.
+double jacobi_weight(std::span<const ParticleSpring> springs);
+
+/// Parts the links into colours, so that no two of one share a particle: see engine/effects/gauss_seidel/colours.cpp.
+void colour_links(CookedFabric& fabric);
+
+/// Bending stencils over points; split_weight is left at 0. `clamped` counts slivers whose cotangents were limited.
+std::vector<gpu::Bend> bend_stencils(const Mesh& mesh, double rigidity, std::uint32_t& clamped);
+
+/// Hinges of a cloth that bends about its mesh, `particle_of` its points; lay_out_hinges adds masses and uses. Returns how many slivers'
+/// stiffness was limited. See engine/effects/dihedral/hinges.cpp.
+std::uint32_t add_hinges(const Mesh& mesh, std::span<const std::uint32_t> particle_of, double rigidity, CookedFabric& fabric);
+void lay_out_hinges(Averaging averaging, CookedFabric& fabric);
+
+/// The nearest `count` of `anchors` (points) to every point with their geodesic distances, nearest first; fewer where fewer
+/// are connected. See geodesic.cpp.
+struct Reach {
+  std::uint32_t anchor;    // index into `anchors`
+  double distance;         // m
+};
+std::vector<std::vector<Reach>> nearest_anchors(const Mesh& mesh, std::span<const std::uint32_t> anchors, std::uint32_t count);
+
+/// The points that each of the cloth's anchor entries chooses. Errors name the entry.
+struct AnchorChoice {
+  std::uint32_t entry, point, vertex;
+};
+Result<std::vector<AnchorChoice>> choose_anchors(const weft::Cloth& cloth, const Mesh& mesh);
+
+/// The rest poses of the cloth's particles; what add_collider_mesh adds comes after them.
+void add_rest(CookedFabric& fabric);
+
+/// Puts a cloth's particles where its `start` says, with its velocity: see engine/cook/start.cpp. Last of all: what is cooked is cooked at rest.
+void take_start(const weft::Cloth& cloth, const ClothRange& range, CookedFabric& fabric);
+
+/// Appends a mesh collider, where the scene's keys have it at time 0. Errors: too many particles.
+Result<void> add_collider_mesh(const Scene& scene, std::uint32_t collider, const Mesh& mesh, CookedFabric& fabric);
+
+/// All edges of all triangles, and how long those of cloth are.
+void add_edges(CookedFabric& fabric);
+
+enum class Padding { owner, repeated };
+
+/// Lists of (id, payload) pairs, packed two a fetch; a place that is left over holds the list's own number or the last id, and
+/// payload 0. Where that adds no more than the fraction `most_padding`, all rows are padded to one length with pairs of the list's
+/// own number and payload 0; 0: never.
+PairRows pack_rows(std::span<const std::vector<gpu::uvec2>> lists, Padding padding, double most_padding = 0);
+
+}  // namespace weft::cooking

@@ -1,0 +1,104 @@
+// How cloths start that do not start at rest: stretched, folded, thrown, or so badly off that only a robust solver comes back.
+// Everything else was cooked from the rest pose, so a start changes where particles are and how fast, and nothing about the cloth.
+//
+// Poses are told along the axes of the rest pose's bounding box, the longest first. A fold bends that side round an arc:
+//
+//        __________            half the angle to either side of the middle; a radius of 0 is an edge
+//       (__________
+//
+// A mesh that is not flat turns with it: what is off the plane through its particle nearest to the middle stays as far off.
+//
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "engine/cook/parts.h"
+
+namespace weft::cooking {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kMostStretch = 0.3;
+constexpr std::uint32_t kSeed = 1;   // of what is scrambled: the same in every process
+
+struct Box {
+  Vector3d centre, half;
+  std::array<int, 3> axes;   // by their extent, the longest first; of two as long the first
+};
+
+Box box_of(std::span<const gpu::vec4> positions) {
+  Vector3d low = Vector3d::Constant(INFINITY), high = -low;
+  for (const gpu::vec4& p : positions) {
+    low = low.cwiseMin(Vector3d(p.x, p.y, p.z));
+    high = high.cwiseMax(Vector3d(p.x, p.y, p.z));
+  }
+  Box box{(low + high) / 2, (high - low) / 2, {0, 1, 2}};
+  std::stable_sort(box.axes.begin(), box.axes.end(), [&](int a, int b) { return box.half[a] > box.half[b]; });
+  return box;
+}
+
+// From -1 to 1: the generator's words are the same everywhere, its distributions are not.
+double random_part(std::mt19937& words) { return 2 * (words() / 4294967296.0) - 1; }
+
+// Of the particle nearest to the middle of the longest side: how high it is.
+double height_of_fold(std::span<const gpu::vec4> positions, const Box& box) {
+  double nearest = INFINITY, height = 0;
+  for (const gpu::vec4& p : positions) {
+    const Vector3d place = Vector3d(p.x, p.y, p.z) - box.centre;
+    if (std::abs(place[box.axes[0]]) < nearest) nearest = std::abs(place[box.axes[0]]), height = place[box.axes[2]];
+  }
+  return height;
+}
+
+Vector3d folded(Vector3d place, double fold, const Box& box, const Start& start) {
+  const int along = box.axes[0], up = box.axes[2];
+  const double turn = start.degrees * std::numbers::pi / 180 / 2, arc = start.radius * std::abs(turn);   // of one half
+  const double s = place[along], bent = std::min(std::abs(s), arc), side = s < 0 ? -1 : 1;
+  const double angle = arc > 0 ? std::abs(turn) * bent / arc : std::abs(turn), straight = std::abs(s) - bent, sign = turn < 0 ? -1 : 1;
+  const double off = place[up] - fold;
+  place[along] = side * (start.radius * (arc > 0 ? std::sin(angle) : 0) + straight * std::cos(angle) - sign * off * std::sin(angle));
+  place[up] = fold + sign * (start.radius * (arc > 0 ? 1 - std::cos(angle) : 0) + straight * std::sin(angle)) + off * std::cos(angle);
+  return place;
+}
+
+}  // namespace
+
+void take_start(const Cloth& cloth, const ClothRange& range, CookedFabric& fabric) {
+  const Start& start = cloth.start;
+  const std::span<gpu::vec4> positions = std::span(fabric.positions).subspan(range.first_particle, range.particles);
+  const std::span<gpu::vec4> velocities = std::span(fabric.velocities).subspan(range.first_particle, range.particles);
+  const Box box = box_of(positions);
+  const int longest = box.axes[0];
+  const double fold = height_of_fold(positions, box);
+  std::mt19937 words(kSeed);
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    gpu::vec4 &p = positions[i], &v = velocities[i];
+    Vector3d place = Vector3d(p.x, p.y, p.z) - box.centre;
+    switch (start.pose) {
+      case StartPose::rest: break;
+      case StartPose::stretched: {
+        // Strain grows evenly from one end to the other: x + k (x + half)^2 / (4 half).
+        const double from_end = place[longest] + box.half[longest];
+        if (box.half[longest] > 0) place[longest] += kMostStretch * from_end * from_end / (4 * box.half[longest]);
+        break;
+      }
+      case StartPose::folded: place = folded(place, fold, box, start); break;
+      case StartPose::flattened: place[longest] = 0; break;
+      case StartPose::scrambled:
+        for (int axis = 0; axis < 3; ++axis) place[axis] = box.half[longest] * random_part(words);
+        break;
+      case StartPose::collapsed: place.setZero(); break;
+    }
+    if (p.w == 0) continue;   // anchors; after the draw, so that they do not change what others draw
+    if (start.pose != StartPose::rest) {
+      place += box.centre;
+      p = {static_cast<float>(place.x()), static_cast<float>(place.y()), static_cast<float>(place.z()), p.w};
+    }
+    v = {start.velocity.x, start.velocity.y, start.velocity.z, v.w};
+  }
+}
+
+}  // namespace weft::cooking

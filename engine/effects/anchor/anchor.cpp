@@ -1,0 +1,41 @@
+#include "engine/effects/anchor/anchor.h"
+
+#include "engine/effects/effect.h"
+
+namespace weft {
+
+std::vector<gpu::Anchor> anchors_at_rest(const CookedFabric& fabric) {
+  std::vector<gpu::Anchor> anchors;
+  for (const AnchorTarget& anchor : fabric.anchors) {
+    const gpu::vec3 rest{anchor.rest.x, anchor.rest.y, anchor.rest.z};
+    anchors.push_back({anchor.particle, rest, rest});
+  }
+  for (const ColliderMesh& mesh : fabric.collider_meshes)
+    for (std::uint32_t i = mesh.first_particle; i < mesh.first_particle + mesh.particles; ++i) {
+      const gpu::vec4& x = fabric.positions[i];
+      anchors.push_back({i, {x.x, x.y, x.z}, {x.x, x.y, x.z}});
+    }
+  return anchors;
+}
+
+namespace effects {
+namespace {
+
+constexpr const Buffer* kBuffers[] = {&buffers::anchors};
+
+constexpr Pass kPasses[] = {
+    {.name = "anchor", .stage = Stage::substep_begin, .threads = {lengths::anchors}, .with_contacts = "+watch", .only_towards_targets = true},
+};
+
+}  // namespace
+
+constinit const Effect anchor{
+    .name = "anchor",
+    .called_for = [](const Scene&, const CookedFabric& fabric) { return moved_particles(fabric) > 0; },
+    .buffers = kBuffers,
+    .passes = kPasses,
+    .reference = Reference::modelled,
+};
+
+}  // namespace effects
+}  // namespace weft

@@ -1,0 +1,103 @@
+#include "engine/effects/bend/bend.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/cook/cook_state.h"
+#include "engine/effects/effect.h"
+
+namespace weft::effects {
+namespace {
+
+constexpr const Buffer* kBuffers[] = {&buffers::bend_rows,     &buffers::bend_entries, &buffers::bends,        &buffers::bend_lambda,
+                                      &buffers::bend_impulses, &buffers::bend_uses,    &buffers::bend_use_rows};
+
+bool iterated(const Needs& needs) { return needs.constants[gpu::constant::is_iterated] != 0; }
+bool once(const Needs& needs) { return !iterated(needs); }
+
+constexpr Pass kPasses[] = {
+    {.name = "bend", .stage = Stage::iteration, .threads = threads::particles, .changes = Changes::iterate, .can_finalize = true, .when = once},
+    {.name = "bend_lambda", .stage = Stage::iteration, .threads = {lengths::bends}, .when = iterated},
+    {.name = "bend_gather", .stage = Stage::iteration, .threads = threads::particles, .changes = Changes::iterate, .can_finalize = true, .when = iterated},
+};
+
+Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
+  const Cloth& cloth = input.cloth;
+  if (!cloth.bending || !(cloth.fabric.bend > 0) || cloth.bend_rest != BendRest::flat) return {};
+  std::uint32_t clamped = 0;
+  for (gpu::Bend bend : cooking::bend_stencils(input.mesh, cloth.fabric.bend, clamped)) {
+    for (std::uint32_t& p : bend.particle) p = state.particle_of()[p];
+    bend.compliance = std::min(bend.compliance, static_cast<float>(cooking::kSoftest));
+    state.fabric().bends.push_back(bend);
+  }
+  if (clamped > 0) state.note(cloth, clamped, " bending stencils lie on slivers; their cotangents were limited");
+  return {};
+}
+
+// Row i of the matrix in bend.comp: M_ij = sum over stencils e of share_i(e) K_j(e) / D_e.
+std::vector<std::vector<gpu::uvec2>> bend_matrix(std::span<const std::vector<gpu::uvec2>> shares, const CookedFabric& fabric, double softening) {
+  std::vector<std::vector<gpu::uvec2>> rows(shares.size());
+  std::vector<std::pair<std::uint32_t, double>> row;
+  for (std::uint32_t i = 0; i < shares.size(); ++i) {
+    row.clear();
+    for (const auto& [e, share] : shares[i]) {
+      const gpu::Bend& bend = fabric.bends[e];
+      const double scale = std::bit_cast<float>(share) / (bend.split_weight + bend.compliance * softening);
+      for (int j = 0; j < 4; ++j)
+        if (bend.particle[j] != i) row.emplace_back(bend.particle[j], scale * bend.k[j]);
+    }
+    std::sort(row.begin(), row.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    double largest = 0;
+    for (std::size_t k = 0; k < row.size();) {
+      const std::uint32_t other = row[k].first;
+      double sum = 0;
+      for (; k < row.size() && row[k].first == other; ++k) sum += row[k].second;
+      largest = std::max(largest, std::abs(sum));
+      // Stencils of right angles cancel to rounding: no entry.
+      if (std::abs(sum) > 1e-9 * largest) rows[i].push_back({other, std::bit_cast<std::uint32_t>(static_cast<float>(sum))});
+    }
+  }
+  return rows;
+}
+
+// Masses are split among a particle's bends as among its links; with plain averaging the counts stand in the gather alone.
+void lay_out(cooking::CookState& state) {
+  CookedFabric& fabric = state.fabric();
+  if (fabric.bends.empty()) return;
+  const bool split = state.scene().solver.averaging == Averaging::mass_split;
+  std::vector<std::uint32_t> uses(fabric.positions.size());
+  for (const gpu::Bend& bend : fabric.bends)
+    for (const std::uint32_t p : bend.particle) ++uses[p];
+  std::vector<std::vector<gpu::uvec2>> shares(fabric.positions.size());
+  for (std::uint32_t e = 0; e < fabric.bends.size(); ++e) {
+    gpu::Bend& bend = fabric.bends[e];
+    double weight = 0;
+    for (int j = 0; j < 4; ++j)
+      weight += double(split ? uses[bend.particle[j]] : 1) * fabric.positions[bend.particle[j]].w * bend.k[j] * bend.k[j];
+    bend.split_weight = static_cast<float>(weight);
+    for (int j = 0; j < 4; ++j) {
+      const std::uint32_t p = bend.particle[j];
+      const float share = bend.k[j] * fabric.positions[p].w / static_cast<float>(split ? 1 : uses[p]);
+      if (share != 0) shares[p].push_back({e, std::bit_cast<std::uint32_t>(share)});
+    }
+  }
+  if (state.scene().solver.iterations > 1) {
+    fabric.bend_uses = cooking::pack_rows(shares, cooking::Padding::repeated);
+    return;
+  }
+  fabric.bend = cooking::pack_rows(bend_matrix(shares, fabric, state.softening()), cooking::Padding::repeated);
+}
+
+}  // namespace
+
+constinit const Effect bend{
+    .name = "bend",
+    .called_for = [](const Scene& scene, const CookedFabric& fabric) { return !fabric.bends.empty() && !on_springs(scene.solver.method); },
+    .buffers = kBuffers,
+    .passes = kPasses,
+    .reference = Reference::modelled,
+    .cook = cook,
+    .lay_out = lay_out,
+};
+
+}  // namespace weft::effects

@@ -1,0 +1,25 @@
+#include "engine/effects/chebyshev/chebyshev.h"
+
+#include "engine/effects/effect.h"
+
+namespace weft::effects {
+namespace {
+
+constexpr const Buffer* kBuffers[] = {&buffers::stretch_steps, &buffers::bend_steps, &buffers::iterates, &buffers::acceleration};
+
+constexpr Pass kPasses[] = {
+    {.name = "accelerate", .stage = Stage::iteration, .threads = threads::particles, .changes = Changes::iterate, .can_finalize = true},
+};
+
+}  // namespace
+
+constinit const Effect chebyshev{
+    .name = "chebyshev",
+    .called_for = [](const Scene& scene, const CookedFabric&) { return scene.solver.method == Method::chebyshev; },
+    .buffers = kBuffers,
+    .passes = kPasses,
+    .specialize = [](const Cooked&, Constants& constants) { constants[gpu::constant::is_accelerated] = 1; },
+    .reference = Reference::a_way_to,
+};
+
+}  // namespace weft::effects

@@ -1,0 +1,22 @@
+// Bending about the dihedral angles that a mesh has at rest (Bridson et al. 2003).
+#pragma once
+
+#include "engine/effects/buffer.h"
+
+namespace weft {
+
+namespace lengths {
+inline std::uint64_t hinges(const Cooked& s) { return s.fabric.hinges.size(); }
+}  // namespace lengths
+
+namespace buffers {
+/// Edges that bend about an angle.
+inline constexpr Buffer hinges = cooked<gpu::Hinge, &CookedFabric::hinges>("hinges");
+/// Of each of a hinge's particles: xyz gradient times change of the multiplier; the first's w: the multiplier.
+inline constexpr Buffer hinge_impulses = scratch<gpu::vec4>("hinge_impulses", [](const Cooked& s) { return 4 * lengths::hinges(s); });
+/// Of each particle: first use pair, number of uses.
+inline constexpr Buffer hinge_use_rows = cooked<gpu::uvec2, &CookedFabric::hinge_uses, &PairRows::rows>("hinge_use_rows");
+/// (4 x hinge + which of its particles, inverse mass as float bits) twice.
+inline constexpr Buffer hinge_uses = cooked<gpu::uvec4, &CookedFabric::hinge_uses, &PairRows::pairs>("hinge_uses");
+}  // namespace buffers
+}  // namespace weft

@@ -1,0 +1,144 @@
+// An effect is one declaration: what calls for it, what it cooks, its buffers, its passes, the constants that they are specialised to and
+// told, and whether the reference has it. All effects there are stand in list.h.
+//
+// A scene that does not call for an effect has none of it: no pipeline, no byte, no dispatch. Where an effect is no pass of its own but a
+// part of other passes (a tether is satisfied where the iteration ends), it is a constant that these are specialised to.
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/effects/buffer.h"
+#include "engine/effects/list.h"
+
+namespace weft {
+
+namespace cooking {
+class CookState;
+struct ClothInput;
+}  // namespace cooking
+
+enum class EffectId {
+#define WEFT_ENUMERATE(name) name,
+  WEFT_EFFECTS(WEFT_ENUMERATE)
+#undef WEFT_ENUMERATE
+};
+#define WEFT_COUNT(name) +1
+inline constexpr std::size_t kEffects = 0 WEFT_EFFECTS(WEFT_COUNT);
+#undef WEFT_COUNT
+
+/// When a pass runs; engine/solve/frame_program.h says how often.
+enum class Stage { frame_begin, substep_begin, force, detect, assemble, linear, iteration, contact, substep_end, frame_end };
+
+/// How many threads a pass has.
+struct Threads {
+  Length count;                         // what the shader is told
+  Length groups = nullptr;              // of workgroups; null: as many as `count` threads need
+  std::uint32_t arguments = kCounted;   // where in gpu::Detection the GPU itself has left the numbers of workgroups, in bytes
+  bool grows = false;                   // in proportion to the room for contacts
+  static constexpr std::uint32_t kCounted = UINT32_MAX;   // the CPU counts
+};
+
+namespace threads {
+inline constexpr Threads particles{lengths::particles}, vertices{lengths::vertices};
+/// A single one, which is told how many particles there are.
+inline constexpr Threads once{lengths::particles, lengths::one};
+}  // namespace threads
+
+/// Some of a pass's elements.
+struct Range {
+  std::uint32_t first = 0, count = 0;
+};
+
+/// What a pass changes that others must follow.
+enum class Changes {
+  nothing,
+  iterate,      // writes the next iterate: `predicted` and `relaxed` trade places after it
+  velocity      // only by motion/force.glsl, which keeps the prediction in step
+};
+
+using Constants = std::array<std::uint32_t, gpu::constant::kCount>;
+
+/// What a scene calls for, as far as its passes depend on it.
+struct Needs {
+  std::bitset<kEffects> effects;
+  Constants constants{};
+  bool has(EffectId effect) const { return effects[static_cast<std::size_t>(effect)]; }
+};
+
+struct Pass {
+  const char* name;                              // of the shader in the effect's room, in timings, labels and reports
+  Stage stage;
+  Threads threads;
+  Changes changes = Changes::nothing;
+  bool can_finalize = false;                     // the last of these in an iteration ends it (motion/finalize.glsl)
+  bool (*when)(const Needs&) = nullptr;          // null: always when the effect is called for
+  const char* with_contacts = "";                // what its label ends in where it looks after contacts, too
+  bool collides = false;                         // puts particles out of colliders, which its label says then
+  bool only_towards_targets = false;             // not where nothing that the host or keys lead has a way to go
+  std::uint32_t rounds = 1;                      // dispatches one after another; the round is in push.flags
+  std::vector<Range> (*ranges)(const Cooked&) = nullptr;   // instead: a dispatch for each
+};
+
+/// A slice of the uniform buffer, which frames tell to all passes that read SLICE(..., name). What changes while running is the solver's to
+/// tell (Solver::tell).
+struct Slice {
+  std::string_view name = {};
+  Contents (*first)(const Cooked&) = nullptr;
+};
+
+/// How the double-precision reference knows an effect.
+enum class Reference {
+  absent,       // not at all: comparisons refuse scenes with it
+  modelled,     // it is among the reference's energies or motions
+  a_way_to      // it is a way to a solution, and the reference goes another way to the same
+};
+
+struct Effect {
+  const char* name;
+  const char* key = "";                          // by which a scene asks for it, for sentences
+  bool (*called_for)(const Scene&, const CookedFabric&);
+  std::span<const Buffer* const> buffers = {};
+  std::span<const Pass> passes = {};
+  const char* part_of_finalize = "";             // what a finalizing pass's label ends in with it
+  void (*specialize)(const Cooked&, Constants&) = nullptr;
+  Slice slice = {};
+  Reference reference = Reference::absent;
+  /// A cloth's share of what it cooks; what comes after all cloths; and lists as the GPU reads them, when all particles are known.
+  /// Errors are sentences without the cloth's path.
+  Result<void> (*cook)(cooking::CookState&, const cooking::ClothInput&) = nullptr;
+  Result<void> (*cook_bodies)(cooking::CookState&, std::span<const Mesh> collider_meshes) = nullptr;   // particles that are no cloth
+  void (*lay_out)(cooking::CookState&) = nullptr;
+};
+
+/// Each in its room.
+namespace effects {
+#define WEFT_DECLARE(name) extern const Effect name;
+WEFT_EFFECTS(WEFT_DECLARE)
+#undef WEFT_DECLARE
+}  // namespace effects
+
+/// In the order of list.h.
+std::span<const Effect* const> all_effects();
+inline const Effect& effect(EffectId id) { return *all_effects()[static_cast<std::size_t>(id)]; }
+
+/// Every row, effect by effect.
+std::span<const Buffer* const> all_buffers();
+/// Where a row is among them: its number. Rows are told apart by their address.
+std::size_t number_of(const Buffer& row);
+/// The row of that name; null where there is none.
+const Buffer* buffer_named(std::string_view name);
+
+Cooked cooked_of(const Scene& scene, const CookedFabric& fabric);
+
+/// What a cooked scene calls for. `workgroup` and `through_texels` are the device's.
+Needs needs_of(const Cooked& subject, std::uint32_t workgroup, bool through_texels);
+
+/// Why the reference cannot follow the scene, as a sentence that begins with the key; empty if it can.
+std::string reference_fault(const Scene& scene, const CookedFabric& fabric);
+
+}  // namespace weft

@@ -1,0 +1,20 @@
+// Every effect there is. Within a stage of a frame their passes run in this order.
+//
+// An effect is a room of this name: its passes and twins in shaders/, its declaration and its cooking in engine/effects/, its tests in
+// tests/effects/. C++ makes the table of effects from this list (effects.h), and CMake the list of folders to build.
+#pragma once
+
+#define WEFT_EFFECTS(EFFECT) \
+  EFFECT(anchor) \
+  EFFECT(stretch) \
+  EFFECT(gauss_seidel) \
+  EFFECT(bend) \
+  EFFECT(dihedral) \
+  EFFECT(spring) \
+  EFFECT(implicit) \
+  EFFECT(chebyshev) \
+  EFFECT(tether) \
+  EFFECT(collide) \
+  EFFECT(motion) \
+  EFFECT(contact) \
+  EFFECT(surface)

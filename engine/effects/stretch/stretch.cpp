@@ -1,0 +1,71 @@
+#include "engine/effects/stretch/stretch.h"
+
+#include <algorithm>
+
+#include "engine/cook/cook_state.h"
+#include "engine/effects/effect.h"
+
+namespace weft::effects {
+namespace {
+
+// Rows of links are padded to one length where that adds no more than this: to fetch where a row begins costs as much.
+constexpr double kMostPadding = 0.15;
+
+constexpr const Buffer* kBuffers[] = {&buffers::stretch_rows, &buffers::stretch_links, &buffers::stretch_lambda};
+
+constexpr Pass kPasses[] = {
+    {.name = "stretch", .stage = Stage::iteration, .threads = threads::particles, .changes = Changes::iterate, .can_finalize = true},
+};
+
+Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
+  const auto particle_of = state.particle_of();
+  for (const cooking::Spring& s : cooking::springs(input.mesh, {input.cloth.fabric.stretch, input.cloth.fabric.shear})) {
+    // What the GPU will read, so that strain and reference see the same link.
+    const gpu::uvec2 packed = gpu::pack_link({0, static_cast<float>(s.rest), static_cast<float>(std::min(s.compliance, cooking::kSoftest)), s.only_pulls});
+    const gpu::Link link = gpu::unpack_link(packed.x, packed.y);
+    state.fabric().links.push_back({particle_of[s.a], particle_of[s.b], link.rest, link.response, s.only_pulls, 0});
+  }
+  return {};
+}
+
+// Split masses, the responses that follow from them, and rows of links.
+void lay_out(cooking::CookState& state) {
+  const SolverSettings& solver = state.scene().solver;
+  CookedFabric& fabric = state.fabric();
+  std::vector<std::uint32_t> uses(fabric.positions.size());
+  for (const StretchLink& link : fabric.links) ++uses[link.a], ++uses[link.b];
+  const bool split = solver.averaging == Averaging::mass_split, iterated = solver.iterations > 1;
+  const bool alone = solver.method == Method::gauss_seidel || on_springs(solver.method);   // no masses are split
+  for (std::size_t i = 0; i < uses.size(); ++i)
+    fabric.split_weights.push_back((split ? std::max<float>(1, static_cast<float>(uses[i])) : 1) * fabric.positions[i].w);
+  std::vector<std::vector<gpu::uvec2>> lists(fabric.positions.size());
+  for (StretchLink& link : fabric.links) {
+    const double weight = double(fabric.split_weights[link.a]) + fabric.split_weights[link.b];
+    const double gain = weight > 0 ? 1 / (weight + link.compliance * state.softening()) : 0;
+    const float response = iterated ? link.compliance : static_cast<float>(gain);
+    const gpu::uvec2 to_b = gpu::pack_link({link.b, link.rest, response, link.only_pulls});
+    lists[link.a].push_back(to_b);
+    lists[link.b].push_back(gpu::pack_link({link.a, link.rest, response, link.only_pulls}));
+    if (!iterated) link.gain = gpu::unpack_link(to_b.x, to_b.y).response;
+  }
+  for (std::size_t i = 0; i < uses.size(); ++i) {
+    const float weight = fabric.split_weights[i], count = std::max<float>(1, static_cast<float>(uses[i]));
+    fabric.iterate_weights.push_back(alone ? fabric.positions[i].w : iterated ? weight : split ? fabric.positions[i].w : weight / count);
+  }
+  fabric.stretch = cooking::pack_rows(lists, cooking::Padding::owner, iterated ? 0 : kMostPadding);
+}
+
+}  // namespace
+
+constinit const Effect stretch{
+    .name = "stretch",
+    .called_for = [](const Scene& scene, const CookedFabric&) { return scene.solver.method == Method::jacobi || scene.solver.method == Method::chebyshev; },
+    .buffers = kBuffers,
+    .passes = kPasses,
+    .specialize = [](const Cooked& s, Constants& constants) { constants[gpu::constant::stretch_stride] = s.fabric.stretch.stride; },
+    .reference = Reference::modelled,
+    .cook = cook,
+    .lay_out = lay_out,
+};
+
+}  // namespace weft::effects

@@ -1,0 +1,139 @@
+// Geodesic rest distances to the nearest anchors.
+//
+// A wave runs out from every anchor over the mesh (Dijkstra's order), and each vertex keeps the first few anchors that reach
+// it. Along edges alone distances would be up to 8 % too long on a grid, and a tether that is too long lets the cloth
+// stretch that much. So a distance is also handed across triangles: with the distances of a and b known, the source is
+// placed in the triangle's plane and c measured straight from it, which is exact wherever the cloth unrolls flat.
+//
+//          c          This work is based on: Novotni and Klein 2002, "Computing geodesic distances on triangular
+//         / \         meshes" (circular wavefronts); Kimmel and Sethian 1998.
+//        a---b        Limitation: behind a hole or a corner, where the straight line leaves the cloth, distances
+//         \ /         follow edges and are a little too long: tethers there are slack, never too tight.
+//      (source)
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <queue>
+
+#include "engine/cook/parts.h"
+
+namespace weft::cooking {
+namespace {
+
+// A wave dies where nearer anchors take all places, and next to that border distances are handed along edges. Places to spare move
+// the border away from the anchors that are kept.
+constexpr std::uint32_t kSpare = 1;
+
+// Length of the line from the source to c, if it crosses ab.
+std::optional<double> across_triangle(double ab, double ac, double bc, double to_a, double to_b) {
+  const double cx = (ab * ab + ac * ac - bc * bc) / (2 * ab);
+  const double cy = std::sqrt(std::max(0.0, ac * ac - cx * cx));
+  const double sx = (ab * ab + to_a * to_a - to_b * to_b) / (2 * ab);
+  const double sy = std::sqrt(std::max(0.0, to_a * to_a - sx * sx));
+  if (cy + sy <= 1e-12 * ab) return std::nullopt;
+  const double crossing = sx + (cx - sx) * sy / (cy + sy);
+  if (crossing < -1e-9 * ab || crossing > (1 + 1e-9) * ab) return std::nullopt;
+  return std::hypot(cx - sx, cy + sy);
+}
+
+class Waves {
+ public:
+  Waves(const Mesh& mesh, std::uint32_t kept) : mesh_(mesh), kept_(kept), reached_(mesh.points.size()) {
+    first_.assign(mesh.points.size() + 1, 0);
+    for (const Triangle& t : mesh.triangles)
+      for (const std::uint32_t p : t) ++first_[p + 1];
+    for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+    around_.resize(first_.back());
+    std::vector<std::uint32_t> fill(first_.begin(), first_.end() - 1);
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+      for (const std::uint32_t p : mesh.triangles[t]) around_[fill[p]++] = t;
+  }
+
+  std::vector<std::vector<Reach>> run(std::span<const std::uint32_t> anchors, std::uint32_t count) {
+    anchors_ = anchors;
+    for (std::uint32_t k = 0; k < anchors.size(); ++k) offer(anchors[k], k, 0);
+    while (!front_.empty()) {
+      const Arrival arrival = front_.top();
+      front_.pop();
+      Known* known = find(arrival.point, arrival.anchor);
+      if (known == nullptr || known->distance != arrival.distance) continue;   // improved or crowded out since
+      known->spread = true;
+      for (std::uint32_t k = first_[arrival.point]; k < first_[arrival.point + 1]; ++k) spread(arrival, mesh_.triangles[around_[k]]);
+    }
+    std::vector<std::vector<Reach>> nearest(reached_.size());
+    for (std::size_t p = 0; p < reached_.size(); ++p)
+      for (std::size_t k = 0; k < std::min<std::size_t>(count, reached_[p].size()); ++k) nearest[p].push_back({reached_[p][k].anchor, reached_[p][k].distance});
+    return nearest;
+  }
+
+ private:
+  struct Known {
+    std::uint32_t anchor;
+    double distance;
+    bool spread;   // it has been handed on at this distance
+  };
+
+  struct Arrival {
+    double distance;
+    std::uint32_t point, anchor;
+    bool operator>(const Arrival& other) const {
+      return std::tie(distance, point, anchor) > std::tie(other.distance, other.point, other.anchor);
+    }
+  };
+
+  double between(std::uint32_t a, std::uint32_t b) const { return (vector(mesh_.points[a]) - vector(mesh_.points[b])).norm(); }
+
+  Known* find(std::uint32_t point, std::uint32_t anchor) {
+    for (Known& known : reached_[point])
+      if (known.anchor == anchor) return &known;
+    return nullptr;
+  }
+
+  // Keeps the nearest `kept_` anchors of a point, sorted; a better distance replaces a worse one.
+  void offer(std::uint32_t point, std::uint32_t anchor, double distance) {
+    auto& list = reached_[point];
+    const auto known = std::find_if(list.begin(), list.end(), [&](const Known& k) { return k.anchor == anchor; });
+    if (known != list.end()) {
+      if (distance >= known->distance * (1 - 1e-12)) return;
+      list.erase(known);
+    } else if (list.size() == kept_) {
+      if (distance >= list.back().distance) return;
+      list.pop_back();
+    }
+    const auto place = std::find_if(list.begin(), list.end(), [&](const Known& k) { return k.distance > distance; });
+    list.insert(place, {anchor, distance, false});
+    front_.push({distance, point, anchor});
+  }
+
+  void spread(const Arrival& from, const Triangle& triangle) {
+    const auto at = std::find(triangle.begin(), triangle.end(), from.point) - triangle.begin();
+    const std::uint32_t others[] = {triangle[(at + 1) % 3], triangle[(at + 2) % 3]};
+    for (int side = 0; side < 2; ++side) {
+      const std::uint32_t near = others[side], far = others[1 - side];
+      offer(near, from.anchor, from.distance + between(from.point, near));
+      // Two distances place the source; the end of an edge that is handed on later sees both, and so does one that is handed
+      // on again: in obtuse triangles the wave can come to a corner before the ends of the edge that it has crossed.
+      const Known* known = find(near, from.anchor);
+      if (known == nullptr || !known->spread) continue;
+      const auto straight = across_triangle(between(from.point, near), between(from.point, far), between(near, far), from.distance, known->distance);
+      // No way along the surface is shorter than the straight line in space.
+      if (straight) offer(far, from.anchor, std::max(*straight, between(far, anchors_[from.anchor])));
+    }
+  }
+
+  const Mesh& mesh_;
+  std::uint32_t kept_;
+  std::span<const std::uint32_t> anchors_;
+  std::vector<std::vector<Known>> reached_;
+  std::vector<std::uint32_t> first_, around_;   // triangles around each point
+  std::priority_queue<Arrival, std::vector<Arrival>, std::greater<>> front_;
+};
+
+}  // namespace
+
+std::vector<std::vector<Reach>> nearest_anchors(const Mesh& mesh, std::span<const std::uint32_t> anchors, std::uint32_t count) {
+  if (count == 0) return std::vector<std::vector<Reach>>(mesh.points.size());
+  return Waves(mesh, count + kSpare).run(anchors, count);
+}
+
+}  // namespace weft::cooking

@@ -1,0 +1,77 @@
+// Which scenes a method solves: a combination that makes no sense, or that nobody has built, is refused by a sentence that names
+// both sides of it, by the reader and, for scenes that a host made, by the cook.
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "engine/scene/fields.h"
+
+namespace weft {
+namespace {
+
+// With k Jacobi iterations a substep, a mode that an iteration corrects by the fraction b is left with q = (1 - omega b)^k of its
+// violation, and obeys x'' = q (2 x' - x) from substep to substep. That is stable for -1/3 < q <= 1 (README, "Stable
+// over-relaxation"). Masses that are split keep b <= 1, so omega < 1 + 3^(-1/k) is stable in every pose. Defaults keep q >= -1/4.
+//
+// Chebyshev's iteration leaves q = T_k((1 - omega b) / rho) / T_k(1 / rho), T_k the Chebyshev polynomial (Golub and Varga 1961). While
+// omega <= 1 + rho its argument is at least -1 and q at least -1 / T_k(1 / rho): above -1/4 for rho < 1 / cosh(acosh(4) / k).
+constexpr double kLimit = 3, kDefault = 4;
+
+}  // namespace
+
+double rho_of(const SolverSettings& solver) { return solver.rho != 0 ? solver.rho : 1 / std::cosh(std::acosh(kDefault) / std::max(1u, solver.iterations)); }
+
+double most_relaxation(const SolverSettings& solver) {
+  return solver.method == Method::chebyshev ? 1 + rho_of(solver) : 1 + std::pow(kLimit, -1.0 / std::max(1u, solver.iterations));
+}
+
+double relaxation_of(const SolverSettings& solver) {
+  if (solver.relaxation != 0) return solver.relaxation;
+  if (solver.method == Method::chebyshev) return 1 + rho_of(solver);
+  // Measured: Gauss-Seidel strains less at 1 than at 1.25.
+  return solver.method == Method::gauss_seidel ? 1 : 1 + std::pow(kDefault, -1.0 / std::max(1u, solver.iterations));
+}
+
+std::string relaxation_fault(const Scene& scene) {
+  const double most = most_relaxation(scene.solver);
+  std::ostringstream text;
+  if (scene.solver.relaxation < 0) text << scene.solver.relaxation << " is less than 0";
+  if (!(scene.solver.relaxation < most))
+    text << scene.solver.relaxation << " is not below " << most << ", up to which " << scene.solver.iterations
+         << (scene.solver.iterations == 1 ? " iteration" : " iterations") << " a substep are stable";
+  return text.str();
+}
+
+std::string method_fault(const Scene& scene) {
+  const std::string named = '"' + std::string(scene_fields::kMethods[static_cast<std::size_t>(scene.solver.method)]) + '"';
+  const Method method = scene.solver.method;
+  const bool automatic = method == Method::automatic;
+  if (automatic && !scene.solver.budget_ms) return named + " needs solver.budget_ms, the milliseconds that a frame may take";
+  if (!automatic && scene.solver.budget_ms) return named + " takes the time it takes, and solver.budget_ms is there: \"auto\" chooses by it";
+  if (automatic && (scene.solver.substeps != 0 || scene.solver.iterations != 1))
+    return named + " chooses substeps and iterations, and solver has some: leave them away";
+  for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
+    const Cloth& cloth = scene.cloths[i];
+    const std::string path = "cloths[" + std::to_string(i) + "].";
+    if (!on_springs(method) && cloth.springs) return named + " solves no springs, and " + path + "springs are there: \"implicit\" and \"mass_spring\" do";
+    if (on_springs(method) && !cloth.springs && (std::isinf(cloth.fabric.stretch) || std::isinf(cloth.fabric.shear)))
+      return named + " needs springs that give way, and " + path + "fabric is \"rigid\": give its stretch and shear in N/m, or springs";
+    if (cloth.bend_rest == BendRest::mesh && (on_springs(method) || method == Method::chebyshev))
+      return named + " bends cloth about a flat shape, and " + path + "bend_rest is \"mesh\": \"jacobi\" and \"gauss_seidel\" bend it about the mesh's";
+    if (method == Method::verlet && cloth.springs && cloth.springs->bend.stiffness > 0)
+      return named + " has links to 8 neighbours that only pull, and " + path + "springs.bend is there: \"mass_spring\" has it";
+  }
+  if ((method == Method::mass_spring || method == Method::verlet) && scene.solver.iterations > 1)
+    return named + " evaluates its forces once a substep, and solver.iterations is " + std::to_string(scene.solver.iterations) + ", not 1";
+  if (method == Method::chebyshev) {
+    if (scene.solver.iterations < 2) return named + " accelerates iterations, and solver.iterations is 1, not at least 2";
+    if (contacts_on(scene)) return named + " does not go with contacts: pushing pairs apart is not among the steps that it extrapolates";
+    // Measured: with them a hung sheet strains up to hundreds of times as much as with Jacobi.
+    for (std::size_t i = 0; i < scene.cloths.size(); ++i)
+      if (scene.cloths[i].tethers && !scene.cloths[i].anchors.empty())
+        return named + " does not go with tethers, which hold particles back by what it extrapolates: set cloths[" + std::to_string(i) + "].tethers to false";
+  }
+  return {};
+}
+
+}  // namespace weft

@@ -1,0 +1,89 @@
+// Rules that bind several keys of one object together.
+#include "engine/scene/rules.h"
+
+#include <sstream>
+
+#include "engine/scene/fields.h"
+
+namespace weft {
+
+namespace {
+
+template <class... Parts>
+std::string join(const Parts&... parts) {
+  std::ostringstream text;
+  (text << ... << parts);
+  return text.str();
+}
+
+void check_vertices(const std::string& path, const Grid& grid, const std::vector<std::uint32_t>& vertices, Faults& faults) {
+  const std::uint64_t lattice = (std::uint64_t{grid.cells_x} + 1) * (std::uint64_t{grid.cells_y} + 1);
+  const std::uint64_t centres = grid.topology == Topology::centre ? std::uint64_t{grid.cells_x} * grid.cells_y : 0;
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    if (vertices[i] >= lattice + centres)
+      faults.add(join(path, "[", i, "]"), join(vertices[i], " is not a vertex, the grid has ", lattice + centres));
+}
+
+}  // namespace
+
+void check_times(const std::string& path, const std::vector<Key>& keys, Faults& faults) {
+  for (std::size_t i = 1; i < keys.size(); ++i)
+    if (!(keys[i].time > keys[i - 1].time))
+      faults.add(join(path, "[", i, "].time"), join(keys[i].time, " is not after ", keys[i - 1].time, " (s), the time of the key before"));
+}
+
+void check(const Read& read, const Anchor::Box& box) {
+  for (const char* needed : {"low", "high"})
+    if (!read.json.contains(needed)) read.faults.add(read.path, join("has no \"", needed, "\": a box is given by its low and high corners"));
+  const float low[] = {box.low.x, box.low.y, box.low.z}, high[] = {box.high.x, box.high.y, box.high.z};
+  for (int i = 0; i < 3; ++i)
+    if (low[i] > high[i]) read.faults.add(join(read.path, ".low[", i, "]"), join(low[i], " is more than ", high[i], ", its high (m)"));
+}
+
+void check(const Read& read, const Anchor& anchor) {
+  // A selector of the wrong type has been named already; only one that is absent or empty chooses nothing.
+  const bool chooses = read.json.contains("top") || read.json.contains("box") ||
+                       (read.json.contains("vertices") && !read.json["vertices"].empty()) ||
+                       (read.json.contains("corners") && !read.json["corners"].empty());
+  if (!chooses) read.faults.add(read.path, "chooses no vertex: give vertices, corners, top or box");
+  check_times(read.path + ".keys", anchor.keys, read.faults);
+}
+
+void check(const Read& read, const Cloth& cloth) {
+  const bool grid = read.json.contains("grid"), mesh = read.json.contains("mesh");
+  if (grid && mesh) read.faults.add(read.path, "has both a grid and a mesh: give one of them");
+  if (!grid && !mesh) read.faults.add(read.path, "has neither a grid nor a mesh: give one of them");
+  if (cloth.bending && cloth.fabric.bend == 0)
+    read.faults.add(read.path + ".fabric.bend", "0 is not above 0 (N m); for a cloth that does not resist bending say \"bending\": false");
+  if (!cloth.bending && cloth.bend_rest == BendRest::mesh)
+    read.faults.add(read.path + ".bend_rest", "\"mesh\" is the shape that a cloth bends about, and this one does not resist bending: leave one of the two away");
+  for (std::size_t i = 0; i < cloth.anchors.size(); ++i) {
+    const Anchor& anchor = cloth.anchors[i];
+    const std::string path = join(read.path, ".anchors[", i, "]");
+    if (mesh && !grid && !anchor.corners.empty())
+      read.faults.add(path + ".corners", "name the corners of a grid, and this cloth is a mesh: choose by top, box or vertices");
+    if (cloth.grid) check_vertices(path + ".vertices", *cloth.grid, anchor.vertices, read.faults);
+  }
+}
+
+void check(const Read& read, const Collider& collider) {
+  const auto shape = static_cast<std::size_t>(collider.shape);
+  for (const scene_fields::ShapeKey& own : scene_fields::kShapeKeys)
+    if (!own.of[shape] && read.json.contains(own.key))
+      read.faults.add(join(read.path, ".", own.key), join("a ", scene_fields::kShapes[shape], " has no ", own.key));
+  if (collider.shape == ColliderShape::mesh && !read.json.contains("mesh")) read.faults.add(read.path, "has no \"mesh\": the file that it is made of");
+  check_times(read.path + ".keys", collider.keys, read.faults);
+}
+
+void check(const Read& read, const Scene& scene) {
+  if (const std::string fault = method_fault(scene); !fault.empty()) read.faults.add("solver.method", fault);
+  if (const std::string fault = relaxation_fault(scene); !fault.empty()) read.faults.add("solver.relaxation", fault);
+  if (const auto meshes = mesh_colliders(scene); !meshes.empty() && !scene.contacts.enabled && read.json.contains("contacts"))
+    read.faults.add("contacts", join("are off, and colliders[", meshes.front(), "] is a mesh, which cloth meets through contacts alone"));
+}
+
+void check(const Read& read, const Camera& camera) {
+  if (camera.eye == camera.target) read.faults.add(read.path + ".target", "is where the eye is: the camera looks nowhere");
+}
+
+}  // namespace weft

@@ -1,0 +1,130 @@
+// Room for contacts, and frames that are taken back: a frame that found more candidates than there is room for is run again with more room.
+//
+// advance() waits for its frame, so it can tell that candidates were lost and take the frame back: what a frame changes and
+// the next one needs is copied at its start, and put back before it is repeated. With the room it lacked it then does exactly what it
+// would have done with that room from the first. Frames of submit() are not waited for and frames of record() are not Weft's to
+// repeat: they hold the particles of a lost candidate still, so that nothing crosses, and are counted; submit() at least makes room
+// for the frames that follow.
+#include <algorithm>
+#include <cstring>
+
+#include "compute/functions.h"
+#include "engine/solve/state.h"
+
+namespace weft {
+
+// Made again when there is more to keep than it holds: less than all of it must never be put back.
+Result<void> Simulation::State::create_kept() {
+  bool fits = kept.size() > 0;
+  for (std::size_t k = 0; k < kept.size(); ++k) fits &= kept[k].bytes >= solver->buffer(*lasting[k]).bytes;
+  if (fits) return {};
+  std::vector<compute::BufferRequest> requests;
+  for (const Buffer* row : lasting)
+    requests.push_back({"kept " + solver->buffer(*row).name, solver->buffer(*row).bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT});
+  auto arena = compute::Arena::create(*device, compute::Memory::device, "weft kept frame", requests);
+  if (!arena) return arena.take_error();
+  kept = std::move(*arena);
+  return {};
+}
+
+// Between the solver's buffers and what is kept of them; barriers are the caller's. A frame that is put back may have stopped between any two passes.
+void Simulation::State::copy_kept(VkCommandBuffer commands, bool back) const {
+  for (std::size_t k = 0; k < lasting.size(); ++k) {
+    const compute::Buffer& live = solver->buffer(*lasting[k]);
+    // Of the candidates only those that there are.
+    const VkDeviceSize bytes = lasting[k] == &buffers::candidates ? std::max<VkDeviceSize>(1, found_at_start) * sizeof(gpu::uvec4) : kept[k].bytes;
+    const VkBufferCopy region{0, 0, std::min(bytes, live.bytes)};
+    device->vk().vkCmdCopyBuffer(commands, back ? kept[k].handle : live.handle, back ? live.handle : kept[k].handle, 1, &region);
+  }
+  if (!back) return;
+  for (const Plan::PlannedBuffer& planned : solver->plan().buffers)
+    if (planned.row->lifetime == Lifetime::cleared)
+      device->vk().vkCmdFillBuffer(commands, solver->buffer(*planned.row).handle, 0, VK_WHOLE_SIZE, planned.row->word);
+}
+
+const gpu::Counters& Simulation::State::counters() const { return *reinterpret_cast<const gpu::Counters*>(readback[0].mapped); }
+
+// Of a frame that stopped in its middle; if this cannot be done now, the next frame begins with it.
+Result<void> Simulation::State::put_frame_back() {
+  if (!half_done) return {};
+  if (auto done = compute::run_once(*device, "weft put back", [&](VkCommandBuffer commands) { copy_kept(commands, true); }); !done) return done;
+  half_done = false;
+  return {};
+}
+
+Result<bool> Simulation::State::make_room() {
+  const std::uint64_t room = solver->contact_settings().capacity;
+  // Half as much again as was found: the frame would have found more if it had not been held up.
+  std::uint64_t wanted = std::min<std::uint64_t>(std::max<std::uint64_t>(2 * room, counters().contacts_most + counters().contacts_most / 2), kMostCandidates);
+  if (wanted <= room || room_ends) return false;
+  // First: what was found so far is gone as soon as there is more room, and nobody may take what is there instead for pairs.
+  if (auto done = detect_anew(); !done) return done.take_error();
+  // What a device has no buffer or memory for it may have for some of these: half as many more at a time, to within a part in 256.
+  for (std::string refused;;) {
+    auto grown = solver->grow(static_cast<std::uint32_t>(wanted));
+    if (!grown && refused.empty()) refused = std::to_string(wanted) + " candidates: " + grown.error();
+    const std::uint64_t less = room + (wanted - room) / 2;
+    room_ends = !grown && less - room <= room / 256;
+    if (grown || room_ends) {
+      if (!refused.empty()) fabric.notes.push_back("contacts: room for " + std::to_string(solver->contact_settings().capacity) + " candidates, and none for " + refused);
+      return bool(grown);
+    }
+    wanted = less;
+  }
+}
+
+Result<void> Simulation::State::detect_anew() {
+  gpu::Detection detection{};
+  const auto bytes = std::as_writable_bytes(std::span(&detection, 1));
+  if (auto done = compute::read_back(*device, solver->buffer(buffers::detection), bytes); !done) return done;
+  detection.due = 1;
+  return compute::upload(*device, solver->buffer(buffers::detection), bytes);
+}
+
+// For frames that follow one whose losses have been read back.
+Result<void> Simulation::State::make_room_later() {
+  if (!solver->has(buffers::candidates) || counters().contacts_lost == lost_seen) return {};
+  if (auto done = wait(); !done) return done;
+  lost_seen = counters().contacts_lost;
+  auto room = make_room();
+  return room ? Result<void>() : room.take_error();
+}
+
+// Runs what was planned, again with more room while candidates are lost for want of it.
+Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
+  const bool contacts = solver->has(buffers::candidates) && input.substeps > 0;
+  const gpu::Counters before = counters();
+  const gpu::Detection found = detection();
+  const std::uint32_t lost = before.contacts_lost, parity = solver->parity(), turn = solver->turn();
+  const bool keeps = contacts || (timed_on_cpu() && input.substeps > 0);
+  if (auto done = put_frame_back(); !done) return done;
+  found_at_start = contacts ? std::min(detection().candidates, solver->contact_settings().capacity) : 0;
+  for (;;) {
+    if (keeps)
+      if (auto done = create_kept(); !done) return done;
+    if (timed_on_cpu()) {
+      if (auto done = run_pass_by_pass(input, keeps); !done) {
+        solver->set_parity(parity);
+        solver->set_turn(turn);
+        (void)put_frame_back();
+        return done;
+      }
+      if (auto done = submit_frame({}, {}, false); !done) return done;   // what is left of the frame: the counters
+    } else {
+      if (auto done = submit_frame(input, {}, contacts); !done) return done;
+    }
+    if (auto done = wait(); !done) return done;
+    if (!contacts || counters().contacts_lost == lost) return {};
+    auto room = make_room();
+    if (!room) return room.take_error();
+    if (!*room) return {};   // as far as it goes: safe, and counted
+    if (auto done = compute::run_once(*device, "weft repeat", [&](VkCommandBuffer commands) { copy_kept(commands, true); }); !done) return done;
+    solver->set_parity(parity);
+    solver->set_turn(turn);
+    // What the frame had counted is taken back with it: it may not get as far as counting again.
+    std::memcpy(readback[0].mapped, &before, sizeof before);
+    std::memcpy(readback[1].mapped, &found, sizeof found);
+  }
+}
+
+}  // namespace weft

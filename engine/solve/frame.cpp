@@ -1,0 +1,277 @@
+// A frame: how many substeps it takes, where the scene's anchors and colliders go, and the three ways to run it.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "compute/functions.h"
+#include "engine/solve/state.h"
+
+namespace weft {
+namespace {
+
+gpu::vec3 gpu_vector(Vec3 v) { return {v.x, v.y, v.z}; }
+
+bool same(const gpu::vec3& a, const gpu::vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+// The turn from one rotation to another the shorter way round, as an axis times an angle (rad).
+Vec3 spin_between(const Rotation& from, const Rotation& to) {
+  const Rotation turn = to * Rotation{-from.x, -from.y, -from.z, from.w};
+  const Vec3 sine = (turn.w < 0 ? -1.0f : 1.0f) * Vec3{turn.x, turn.y, turn.z};
+  const float size = length(sine);
+  return size > 0 ? (2 * std::atan2(size, std::abs(turn.w)) / size) * sine : Vec3{};
+}
+
+// Keys may turn by more than half a turn in a frame, which the rotations alone do not tell.
+Vec3 spin_between(const Key& from, const Key& to) {
+  if (!(from.axis == to.axis)) return spin_between(rotation_about(from.axis, from.degrees), rotation_about(to.axis, to.degrees));
+  return static_cast<float>((to.degrees - from.degrees) * std::numbers::pi / 180) * to.axis;
+}
+
+using Clock = std::chrono::steady_clock;
+double milliseconds(Clock::time_point from, Clock::time_point to) { return std::chrono::duration<double, std::milli>(to - from).count(); }
+
+}  // namespace
+
+ColliderPose keyed_pose(const Collider& collider, const Key& key) {
+  const Rotation turn = rotation_about(key.axis, key.degrees);
+  return {collider.centre + key.translate, rotated(turn, collider.normal), turn * rest_rotation(collider)};
+}
+
+// Whole substeps that fit; the rest waits for the next frame. A millionth of a substep counts as rounding, so that 1/60 s
+// is always the same number of them.
+Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input) {
+  if (!std::isfinite(seconds) || seconds < 0) return fail("a frame of ", seconds, " s: it must be finite and not negative");
+  Advance advance;
+  const double taken = std::min(seconds, scene.solver.longest_advance);
+  advance.clamped = seconds - taken;
+  const double substeps = std::floor((pending + taken) / fabric.h + 1e-6);
+  advance.substeps = static_cast<std::uint32_t>(substeps);
+  advance.simulated = substeps * fabric.h;
+  pending = std::max(0.0, pending + taken - advance.simulated);
+  input.substeps = advance.substeps;
+  input.gravity = gravity;
+  if (advance.substeps == 0) return advance;
+  ticks += advance.substeps;
+  move_scene(input);
+  return advance;
+}
+
+// Where a collider is at the frame's end; what it turns by on its way there (rad) is returned.
+Vec3 Simulation::State::move_collider_on(std::uint32_t collider) {
+  const Collider& described = scene.colliders[collider];
+  ColliderPose& pose = collider_poses[collider];
+  Vec3 spin;
+  if (std::optional<ColliderPose>& wish = collider_wishes[collider]) {
+    spin = spin_between(pose.rotation, wish->rotation);
+    pose = *wish;
+    wish.reset();
+  } else if (!collider_is_led[collider] && !described.keys.empty()) {
+    const Key key = pose_at(described.keys, now());
+    const ColliderPose to = keyed_pose(described, key);
+    const bool was_placed = !(keyed_pose(described, collider_keys[collider]).rotation == pose.rotation);
+    spin = was_placed ? spin_between(pose.rotation, to.rotation) : spin_between(collider_keys[collider], key);
+    pose = to;
+    collider_keys[collider] = key;
+  }
+  return spin;
+}
+
+const ColliderMesh* Simulation::State::mesh_of(std::uint32_t collider) const {
+  for (const ColliderMesh& mesh : fabric.collider_meshes)
+    if (mesh.collider == collider) return &mesh;
+  return nullptr;
+}
+
+// Their particles are led like anchors, each straight to its next place.
+void Simulation::State::move_collider_meshes() {
+  auto at = anchors.begin() + static_cast<std::ptrdiff_t>(fabric.anchors.size());
+  for (const ColliderMesh& mesh : fabric.collider_meshes) {
+    const ColliderPose from = collider_poses[mesh.collider];
+    move_collider_on(mesh.collider);
+    const ColliderPose& to = collider_poses[mesh.collider];
+    if (!(from.centre == to.centre) || !(from.rotation == to.rotation)) {
+      const std::vector<Vec3> points = collider_points(fabric, mesh, to.centre, to.rotation);
+      for (std::size_t k = 0; k < points.size(); ++k) at[static_cast<std::ptrdiff_t>(k)].to = gpu_vector(points[k]);
+    }
+    at += mesh.particles;
+  }
+}
+
+void Simulation::State::move_scene(FrameInput& input) {
+  input.anchors_move = anchors_are_owed;
+  for (gpu::Anchor& anchor : anchors) anchor.from = anchor.to;
+  if (anchors_are_keyed) {
+    const std::vector<Vec3> keyed = anchor_targets(scene, fabric, now());
+    for (std::size_t k = 0; k < keyed.size(); ++k)
+      if (!anchor_is_led[k]) anchors[k].to = gpu_vector(keyed[k]);
+  }
+  for (std::size_t k = 0; k < anchor_wishes.size(); ++k) {
+    if (anchor_wishes[k]) anchors[k].to = gpu_vector(*anchor_wishes[k]);
+    anchor_wishes[k].reset();
+  }
+  move_collider_meshes();
+  for (const gpu::Anchor& anchor : anchors) input.anchors_move |= !same(anchor.from, anchor.to);
+  colliders.clear();
+  for (const std::uint32_t k : collider_order) {
+    const Collider& described = scene.colliders[k];
+    const ColliderPose from = collider_poses[k];
+    const Vec3 spin = move_collider_on(k);
+    const ColliderPose& to = collider_poses[k];
+    const Vec3 half_size = described.shape == ColliderShape::box ? 0.5f * described.size : Vec3{0, static_cast<float>(0.5 * described.length), 0};
+    const Rotation& turn = from.rotation;
+    colliders.push_back({static_cast<float>(described.radius), static_cast<float>(described.friction), gpu_vector(from.centre),
+                         gpu_vector(to.centre), gpu_vector(from.normal), gpu_vector(to.normal), gpu_vector(spin),
+                         {turn.x, turn.y, turn.z, turn.w}, gpu_vector(half_size)});
+  }
+  anchors_are_owed = input.anchors_move;
+  input.anchors = anchors;
+  input.colliders = colliders;
+}
+
+void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool keep) {
+  using compute::Use;
+  compute::Recorder recorder(*device, commands, timestamps);
+  recorder.barrier(Use::all, Use::compute | Use::transfer | Use::indirect);   // earlier frames, and the renderer that still reads them
+  if (half_done) {
+    copy_kept(commands, true);
+    recorder.barrier(Use::transfer, Use::compute | Use::transfer | Use::indirect);
+  }
+  if (keep) {
+    copy_kept(commands, false);
+    recorder.barrier(Use::transfer, Use::compute | Use::transfer);
+  }
+  const auto steps = solver->frame(input);
+  if (!steps.empty()) solver->record_input(recorder, input);
+  for (const Solver::Step& step : steps) solver->record_step(recorder, step);
+  recorder.finish();
+  recorder.barrier(Use::compute, Use::compute | Use::vertex | Use::transfer);
+  const auto report = [&](const Buffer& row, std::size_t bytes, const compute::Buffer& to) {
+    const VkBufferCopy region{0, 0, bytes};
+    device->vk().vkCmdCopyBuffer(commands, solver->buffer(row).handle, to.handle, 1, &region);
+  };
+  report(buffers::counters, sizeof(gpu::Counters), readback[0]);
+  if (solver->has(buffers::detection)) report(buffers::detection, sizeof(gpu::Detection), readback[1]);
+  recorder.barrier(Use::transfer, Use::host | Use::transfer);
+}
+
+Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits, bool keep) {
+  FrameSlot& slot = slots[submitted % slots.size()];
+  if (slot.value > 0)
+    if (auto done = compute::wait_for(*device, ready.get(), slot.value); !done) return done;
+  compute::Timestamps* timestamps = options.timings && !timed_on_cpu() ? &slot.timestamps : nullptr;
+  if (timestamps != nullptr) timestamps->rewind();
+  const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT, nullptr};
+  if (const VkResult began = device->vk().vkBeginCommandBuffer(slot.commands, &begin); began != VK_SUCCESS)
+    return fail("a frame's command buffer could not be begun: ", compute::result_name(began));
+  const std::uint32_t parity = solver->parity(), turn = solver->turn();
+  const auto give_up = [&](Error why) {   // the next frame begins as if this one had not been recorded
+    solver->set_parity(parity);
+    solver->set_turn(turn);
+    return why;
+  };
+  record_frame(slot.commands, input, timestamps, keep);
+  if (const VkResult ended = device->vk().vkEndCommandBuffer(slot.commands); ended != VK_SUCCESS)
+    return give_up(fail("a frame's command buffer could not be ended: ", compute::result_name(ended)));
+  if (timestamps != nullptr) timestamps->reset();
+  const std::uint64_t value = submitted + 1;
+  const VkCommandBufferSubmitInfo commands{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO, nullptr, slot.commands, 0};
+  const VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, ready.get(), value, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
+  const VkSubmitInfo2 work{VK_STRUCTURE_TYPE_SUBMIT_INFO_2, nullptr, 0, static_cast<std::uint32_t>(waits.size()), waits.data(), 1, &commands, 1, &signal};
+  if (auto done = device->submit(work); !done) return give_up(done.take_error());
+  half_done = false;
+  // Only what was really submitted may be waited for.
+  slot.value = submitted = value;
+  last_timed = timestamps != nullptr ? &slot : nullptr;
+  return {};
+}
+
+// For devices without timestamps: every dispatch is submitted alone and timed on the CPU, waking and waiting included.
+Result<void> Simulation::State::run_pass_by_pass(const FrameInput& input, bool keep) {
+  cpu_times.clear();
+  if (keep)
+    if (auto done = compute::run_once(*device, "weft kept frame", [&](VkCommandBuffer commands) { copy_kept(commands, false); }); !done) return done;
+  half_done = keep;
+  const auto start = Clock::now();
+  const auto steps = solver->frame(input);
+  const auto run = [&](const Solver::Step* step) {
+    return compute::run_once(*device, "weft pass", [&](VkCommandBuffer commands) {
+      compute::Recorder recorder(*device, commands);
+      if (step == nullptr) solver->record_input(recorder, input);
+      else solver->record_step(recorder, *step);
+      recorder.finish();
+    });
+  };
+  if (!steps.empty())
+    if (auto done = run(nullptr); !done) return done;
+  for (const Solver::Step& step : steps) {
+    const auto begun = Clock::now();
+    if (auto done = run(&step); !done) return done;
+    cpu_times.push_back({solver->plan().passes[step.pass].label, milliseconds(start, begun), milliseconds(start, Clock::now())});
+  }
+  half_done = false;
+  return {};
+}
+
+Result<Advance> Simulation::advance(double seconds) {
+  State& s = *state_;
+  FrameInput input;
+  auto advance = s.plan_frame(seconds, input);
+  if (!advance) return advance;
+  if (auto done = s.wait(); !done) return done.take_error();
+  if (auto done = s.run_to_the_end(input); !done) return done.take_error();
+  if (advance->substeps > 0) s.anchors_are_owed = false;
+  return advance;
+}
+
+Result<Advance> Simulation::submit(double seconds, std::span<const VkSemaphoreSubmitInfo> waits) {
+  FrameInput input;
+  auto advance = state_->plan_frame(seconds, input);
+  if (!advance) return advance;
+  if (auto done = state_->make_room_later(); !done) return done.take_error();
+  if (auto done = state_->submit_frame(input, waits, false); !done) return done.take_error();
+  if (advance->substeps > 0) state_->anchors_are_owed = false;
+  return advance;
+}
+
+Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) {
+  FrameInput input;
+  auto advance = state_->plan_frame(seconds, input);
+  if (!advance) return advance;
+  state_->record_frame(commands, input, nullptr, false);
+  state_->half_done = false;
+  if (advance->substeps > 0) state_->anchors_are_owed = false;
+  return advance;
+}
+
+bool Simulation::State::timed_on_cpu() const { return options.timings && (options.timings_on_cpu || !slots[0].timestamps.supported()); }
+
+bool Simulation::timed_on_cpu() const { return state_->timed_on_cpu(); }
+
+std::vector<DispatchTime> Simulation::dispatch_times() const {
+  if (timed_on_cpu()) return state_->cpu_times;
+  if (state_->last_timed == nullptr) return {};
+  auto times = state_->last_timed->timestamps.read();
+  if (!times) return {};
+  std::vector<DispatchTime> dispatches;
+  for (const compute::PassTime& time : *times) dispatches.push_back({state_->last_timed->timestamps.names()[time.name], time.begin_ms, time.end_ms});
+  return dispatches;
+}
+
+std::vector<PassTiming> Simulation::timings() const {
+  std::vector<PassTiming> timings;
+  for (const DispatchTime& time : dispatch_times()) {
+    auto at = std::find_if(timings.begin(), timings.end(), [&](const PassTiming& t) { return t.name == time.name; });
+    if (at == timings.end()) at = timings.insert(at, {time.name, 0, 0, time.begin_ms});
+    ++at->dispatches;
+    at->milliseconds += time.end_ms - time.begin_ms;
+  }
+  return timings;
+}
+
+double Simulation::gpu_milliseconds() const {
+  const auto times = dispatch_times();
+  return times.empty() ? 0 : times.back().end_ms - times.front().begin_ms;
+}
+
+}  // namespace weft

@@ -1,0 +1,271 @@
+#include "engine/simulation.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "engine/solve/sanitize.h"
+#include "engine/reference/choice.h"
+#include "engine/scene/origin.h"
+#include "engine/solve/state.h"
+
+namespace weft {
+namespace {
+
+constexpr double kMostDispatches = 4e6;   // about 400 MB of steps and commands
+constexpr float kLongestLink = 4e9f;      // m: longer ones have no place in a packed link (packed.h)
+
+}  // namespace
+
+Simulation::Simulation(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+Simulation::~Simulation() {
+  // Frames that Weft submitted must be done before their buffers go; a host that recorded frames waits for them itself.
+  if (!state_ || state_->submitted == 0) return;
+  (void)state_->wait();
+  state_->device->wait_idle();   // the software driver (Mesa 22.3) looks at semaphores for a moment after they are signalled
+}
+
+Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& device, const Scene& scene, const SimulationOptions& options) {
+  if (const std::string fault = non_finite_fault(scene); !fault.empty()) return fail(fault);
+  auto near = told_near(scene);
+  if (!near) return near.take_error();
+  return create_at(device, scene, near->origin, std::move(near->meshes), options);
+}
+
+Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& device, const Scene& scene, std::vector<Mesh> meshes,
+                                                       const SimulationOptions& options) {
+  if (const std::string fault = non_finite_fault(scene); !fault.empty()) return fail(fault);
+  const std::span<Mesh> cloths = std::span(meshes).first(std::min(meshes.size(), scene.cloths.size()));
+  const Vec3 origin = origin_near(cloths);
+  if (origin != Vec3{})
+    for (Mesh& mesh : cloths) {
+      for (Vec3& p : mesh.points) p = p - origin;
+      for (Vec3& p : mesh.render.positions) p = p - origin;
+    }
+  return create_at(device, scene, origin, std::move(meshes), options);
+}
+
+// `meshes` are told from the origin, the scene is not.
+Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device& device, const Scene& given, Vec3 origin, std::vector<Mesh> meshes,
+                                                          const SimulationOptions& options) {
+  const Scene described = origin == Vec3{} ? given : told_from(given, origin);
+  std::string chosen_by;
+  std::uint64_t points = 0;
+  for (std::size_t k = 0; k < std::min(described.cloths.size(), meshes.size()); ++k) points += meshes[k].points.size();
+  const auto chosen = with_choice(described, points, options.curve ? *options.curve : builtin_curve(), chosen_by);
+  if (!chosen) return fail(chosen.error());
+  const Scene& scene = *chosen;
+  auto state = std::make_unique<State>();
+  state->device = &device;
+  state->scene = scene;
+  state->described = given;
+  state->described.solver = scene.solver;   // with what was chosen for "auto"
+  state->origin = origin;
+  state->options = options;
+  state->gravity = scene.gravity;
+  auto fabric = cook(scene, meshes);
+  if (!fabric) return fabric.take_error();
+  state->fabric = std::move(*fabric);
+  for (const gpu::vec4& x : state->fabric.positions)
+    if (!is_finite(x)) return fail("a particle would start at (", x.x, ", ", x.y, ", ", x.z, "), which is not finite, or ", kFarthest, " m away or more");
+  for (const StretchLink& link : state->fabric.links)
+    if (!(link.rest < kLongestLink)) return fail("a link is ", kLongestLink, " m long or longer: scale the mesh down");
+  if (!chosen_by.empty()) state->fabric.notes.push_back(chosen_by);
+  state->meshes = std::move(meshes);
+  auto cache = compute::PipelineCache::create(device, options.pipeline_cache);
+  if (!cache) return cache.take_error();
+  state->cache = std::move(*cache);
+  auto solver = Solver::create(device, state->cache, scene, state->fabric, {options.gather_storage, options.workgroup, origin});
+  if (!solver) return solver.take_error();
+  state->solver = std::move(*solver);
+  for (const Plan::PlannedBuffer& planned : state->solver->plan().buffers)
+    if (planned.row->lifetime == Lifetime::kept) state->lasting.push_back(planned.row);
+  // A cache that cannot be written costs the next start some time and nothing else.
+  if (!options.pipeline_cache.empty())
+    if (auto saved = state->cache.save(); !saved) state->fabric.notes.push_back(saved.error());
+
+  const compute::BufferRequest reports[] = {{"counters readback", sizeof(gpu::Counters), VK_BUFFER_USAGE_TRANSFER_DST_BIT},
+                                            {"detection readback", sizeof(gpu::Detection), VK_BUFFER_USAGE_TRANSFER_DST_BIT}};
+  auto readback = compute::Arena::create(device, compute::Memory::readback, "weft readback", reports);
+  if (!readback) return readback.take_error();
+  state->readback = std::move(*readback);
+  for (const compute::Buffer& report : state->readback.buffers()) std::fill_n(report.mapped, report.bytes, std::byte{0});
+  if (state->solver->has(buffers::candidates))
+    if (auto made = state->create_kept(); !made) return made.take_error();
+  // One advance records all of its dispatches at once.
+  const double most_substeps = std::max(scene.solver.longest_advance, 1 / scene.solver.rate) / state->fabric.h + 1;
+  const double dispatches = state->dispatches_of(most_substeps);
+  if (dispatches > kMostDispatches)
+    return fail("solver: the longest advance of ", scene.solver.longest_advance, " s takes about ", dispatches, " dispatches, more than ", kMostDispatches,
+                "; take fewer substeps or iterations, or a shorter longest_advance");
+  auto pool = compute::CommandPool::create(device, "weft");
+  if (!pool) return pool.take_error();
+  state->pool = std::move(*pool);
+  auto ready = compute::create_timeline(device, "weft ready");
+  if (!ready) return ready.take_error();
+  state->ready = std::move(*ready);
+  for (FrameSlot& slot : state->slots) {
+    auto commands = state->pool.allocate("weft frame");
+    if (!commands) return commands.take_error();
+    slot.commands = *commands;
+    if (!options.timings) continue;
+    auto timestamps = compute::Timestamps::create(device, "weft frame", static_cast<std::uint32_t>(std::min(dispatches, 60000.0)));
+    if (!timestamps) return timestamps.take_error();
+    slot.timestamps = std::move(*timestamps);
+  }
+  if (state->timed_on_cpu())
+    if (auto made = state->create_kept(); !made) return made.take_error();
+
+  state->anchors = anchors_at_rest(state->fabric);
+  for (const AnchorTarget& anchor : state->fabric.anchors) state->anchors_are_keyed |= !scene.cloths[anchor.cloth].anchors[anchor.entry].keys.empty();
+  for (const ColliderMesh& mesh : state->fabric.collider_meshes) state->anchors_are_keyed |= !scene.colliders[mesh.collider].keys.empty();
+  state->anchor_wishes.resize(state->fabric.anchors.size());
+  state->anchor_is_led.resize(state->fabric.anchors.size());
+  const std::size_t colliders = scene.colliders.size();
+  state->collider_wishes.resize(colliders);
+  state->collider_is_led.resize(colliders);
+  for (const Collider& collider : scene.colliders) {
+    const Key key = pose_at(collider.keys, 0);
+    state->collider_poses.push_back(keyed_pose(collider, key));
+    state->collider_keys.push_back(key);
+  }
+  for (std::uint32_t k = 0; k < colliders; ++k)
+    if (scene.colliders[k].shape != ColliderShape::mesh) state->collider_order.push_back(k);
+  std::stable_sort(state->collider_order.begin(), state->collider_order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return scene.colliders[a].shape < scene.colliders[b].shape; });
+  std::unique_ptr<Simulation> simulation(new Simulation(std::move(state)));
+  // The surface exists before the first frame: a host may draw at once.
+  if (auto drawn = simulation->state_->draw_surface(); !drawn) return drawn.take_error();
+  return simulation;
+}
+
+FrameView Simulation::positions() const {
+  const compute::Buffer& buffer = state_->solver->buffer(buffers::vertex_positions);
+  return {buffer.handle, 0, sizeof(gpu::vec4), VK_FORMAT_R32G32B32A32_SFLOAT, static_cast<std::uint32_t>(state_->fabric.surface_rows.size())};
+}
+
+FrameView Simulation::normals() const {
+  FrameView view = positions();
+  view.buffer = state_->solver->buffer(buffers::vertex_normals).handle;
+  return view;
+}
+
+Result<void> Simulation::move_anchors(std::uint32_t first, std::span<const Vec3> targets) {
+  const std::size_t anchors = state_->anchor_wishes.size();
+  if (first > anchors || targets.size() > anchors - first)
+    return fail("anchors ", first, " to ", first + targets.size(), " (exclusive) are beyond the simulation's ", anchors);
+  for (std::size_t k = 0; k < targets.size(); ++k)
+    if (!is_finite(targets[k])) return fail("the target of anchor ", first + k, " is not finite, or ", kFarthest, " m away or more");
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    state_->anchor_wishes[first + k] = targets[k] - state_->origin;
+    state_->anchor_is_led[first + k] = true;
+  }
+  return {};
+}
+
+Result<ColliderPose> Simulation::State::checked_pose(std::uint32_t collider, const ColliderPose& pose) const {
+  if (collider >= collider_poses.size()) return fail("collider ", collider, " is not below the scene's ", collider_poses.size());
+  const Rotation& r = pose.rotation;
+  const float turn = std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w);
+  if (!is_finite(pose.centre) || !is_finite(pose.normal) || !std::isfinite(turn))
+    return fail("the pose of collider ", collider, " is not finite, or ", kFarthest, " m away or more");
+  if (!(turn > 1e-6f)) return fail("the rotation of collider ", collider, " is a quaternion of length ", turn, ", not above 1e-6");
+  ColliderPose wish = pose;
+  wish.centre = wish.centre - origin;
+  wish.rotation = {r.x / turn, r.y / turn, r.z / turn, r.w / turn};
+  if (scene.colliders[collider].shape == ColliderShape::plane) {   // a sphere's normal says nothing
+    const float size = length(pose.normal);
+    if (!(size > 1e-6f)) return fail("the normal of collider ", collider, " has a length of ", size, ", not above 1e-6");
+    wish.normal = (1 / size) * pose.normal;
+  }
+  return wish;
+}
+
+Result<void> Simulation::move_collider(std::uint32_t collider, const ColliderPose& pose) {
+  auto wish = state_->checked_pose(collider, pose);
+  if (!wish) return wish.take_error();
+  state_->collider_wishes[collider] = *wish;
+  state_->collider_is_led[collider] = true;
+  return {};
+}
+
+Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPose& pose) {
+  const auto there = state_->checked_pose(collider, pose);
+  if (!there) return fail(there.error());
+  if (const ColliderMesh* mesh = state_->mesh_of(collider)) {
+    auto positions = read_positions();
+    if (!positions) return positions.take_error();
+    const std::vector<Vec3> points = collider_points(state_->fabric, *mesh, there->centre, there->rotation);
+    for (std::size_t k = 0; k < points.size(); ++k) (*positions)[mesh->first_particle + k] = {points[k].x, points[k].y, points[k].z, 0};
+    // What writes positions sets anchors there, too; those that wait for cloth to make way must not be taken for led no further.
+    const std::vector<gpu::Anchor> led = state_->anchors;
+    if (auto done = state_->put(*positions); !done) return done;
+    for (std::size_t k = 0; k < led.size(); ++k) {
+      const bool own = led[k].particle >= mesh->first_particle && led[k].particle - mesh->first_particle < mesh->particles;
+      if (!own) state_->anchors[k].to = led[k].to;
+    }
+  }
+  state_->collider_poses[collider] = *there;
+  state_->collider_wishes[collider].reset();
+  return state_->mesh_of(collider) != nullptr ? state_->draw_surface() : Result<void>();
+}
+
+Result<void> Simulation::set_gravity(Vec3 gravity) {
+  if (!is_finite(gravity)) return fail("the gravity is not finite, or ", kFarthest, " m/s^2 or more");
+  state_->gravity = gravity;
+  return {};
+}
+
+VkSemaphore Simulation::ready_semaphore() const { return state_->ready.get(); }
+std::uint64_t Simulation::ready_value() const { return state_->submitted; }
+double Simulation::time() const { return state_->now(); }
+std::span<const ColliderPose> Simulation::colliders() const {
+  state_->told_poses = state_->collider_poses;
+  for (ColliderPose& pose : state_->told_poses) pose.centre = pose.centre + state_->origin;
+  return state_->told_poses;
+}
+Vec3 Simulation::origin() const { return state_->origin; }
+const Scene& Simulation::scene() const { return state_->described; }
+const std::vector<Mesh>& Simulation::meshes() const { return state_->meshes; }
+const CookedFabric& Simulation::fabric() const { return state_->fabric; }
+const compute::Device& Simulation::device() const { return *state_->device; }
+
+double Simulation::State::dispatches_of(double substeps) const {
+  const FrameShape shape = shape_of(scene);
+  double sum = 0;
+  for (std::size_t k = 0; k < solver->plan().passes.size(); ++k) {
+    const Stage stage = solver->plan().passes[k].pass->stage;
+    const double once = runs_of(stage, shape, 0), a_substep = runs_of(stage, shape, 1) - once;
+    sum += static_cast<double>(solver->rounds(k)) * (once + substeps * a_substep);
+  }
+  return sum;
+}
+
+std::vector<PassUse> Simulation::passes() const {
+  const State& s = *state_;
+  // Springs may have had them divided.
+  const auto substeps = static_cast<std::uint32_t>(std::lround(1 / (s.scene.solver.rate * s.fabric.h)));
+  std::vector<PassUse> uses;
+  for (std::size_t k = 0; k < s.solver->plan().passes.size(); ++k) {
+    const PlannedPass& planned = s.solver->plan().passes[k];
+    const bool idle = planned.pass->only_towards_targets && !s.anchors_are_keyed && !s.solver->has(buffers::detection);
+    const auto runs = static_cast<std::uint32_t>(idle ? 0 : runs_of(planned.pass->stage, shape_of(s.scene), substeps));
+    uses.push_back({planned.label, runs * static_cast<std::uint32_t>(s.solver->rounds(k))});
+  }
+  return uses;
+}
+
+std::vector<BufferUse> Simulation::buffers() const {
+  std::vector<BufferUse> uses;
+  for (const compute::Buffer* buffer : state_->solver->buffers()) uses.push_back({buffer->name, buffer->bytes});
+  return uses;
+}
+
+Counts Simulation::counts() const {
+  const gpu::Counters& counters = state_->counters();
+  return {counters.non_finite, counters.coincident,  counters.contacts_most, counters.contacts_lost, counters.truncated, counters.detections,
+          std::bit_cast<float>(counters.lag), counters.unconverged, counters.stopped, counters.residual, counters.unaccelerated};
+}
+
+}  // namespace weft

@@ -1,0 +1,344 @@
+#include "engine/solve/solver.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+
+#include "engine/effects/anchor/anchor.h"
+#include "engine/effects/collide/collide.h"
+#include "engine/effects/contact/contact.h"
+#include "engine/effects/motion/motion.h"
+
+namespace weft {
+namespace {
+
+// `predicted` and `relaxed` trade places; everything else is itself.
+std::size_t in_role(std::size_t number, std::uint32_t parity) {
+  static const std::size_t predicted = number_of(buffers::predicted), relaxed = number_of(buffers::relaxed);
+  if (parity == 0) return number;
+  return number == predicted ? relaxed : number == relaxed ? predicted : number;
+}
+
+VkFormat texel_format(Texel texel) {
+  switch (texel) {
+    case Texel::float4: return VK_FORMAT_R32G32B32A32_SFLOAT;
+    case Texel::uint4: return VK_FORMAT_R32G32B32A32_UINT;
+    case Texel::uint2: return VK_FORMAT_R32G32_UINT;
+    case Texel::uint1: return VK_FORMAT_R32_UINT;
+    case Texel::none: break;
+  }
+  return VK_FORMAT_UNDEFINED;
+}
+
+// No device asks for more (Vulkan, minUniformBufferOffsetAlignment).
+constexpr std::size_t kSliceAlignment = 256;
+
+// The sets of a pass, by the number that its shader gives them.
+constexpr std::uint32_t kSets[] = {WEFT_STORAGE_SET, WEFT_TEXEL_SET};
+constexpr const char* kSetNames[] = {" storage", " texels"};
+
+compute::Touches touches_of(const PlannedPass& planned, std::uint32_t parity) {
+  compute::Touches touches;
+  for (const PlannedPass::Resource& resource : planned.resources) {
+    if (resource.kind != PlannedPass::Resource::Kind::buffer) continue;
+    const std::size_t number = in_role(resource.number, parity);
+    if (resource.binding.read) touches.reads.insert(number);
+    if (resource.binding.written) touches.writes.insert(number);
+  }
+  if (planned.pass->threads.arguments != Threads::kCounted) touches.arguments.insert(number_of(buffers::detection));
+  return touches;
+}
+
+std::vector<std::byte> first_contents(const Buffer& row, std::uint64_t bytes, const Cooked& subject, std::span<const std::byte>& view) {
+  if (row.contents != nullptr) {
+    Contents contents = row.contents(subject);
+    view = contents.bytes();
+    return std::move(contents.made);
+  }
+  if (row.lifetime != Lifetime::kept && row.lifetime != Lifetime::cleared) return {};
+  std::vector<std::byte> words(bytes);
+  for (std::size_t at = 0; at + sizeof row.word <= bytes; at += sizeof row.word) std::memcpy(words.data() + at, &row.word, sizeof row.word);
+  view = words;
+  return words;
+}
+
+}  // namespace
+
+Result<Solver> Solver::create(const compute::Device& device, const compute::PipelineCache& cache, const Scene& scene, const CookedFabric& fabric,
+                              const SolverOptions& options) {
+  Solver solver;
+  solver.device_ = &device;
+  solver.shape_ = shape_of(scene);
+  solver.rho_ = rho_of(scene.solver);
+  const Cooked subject = cooked_of(scene, fabric);
+  solver.contacts_ = subject.contacts;
+  // Both are measured choices: the software driver runs a workgroup on one core, GPUs want full warps and waves.
+  solver.workgroup_ = options.workgroup != 0 ? options.workgroup : device.is_software() ? 512 : 64;
+  if (solver.workgroup_ > device.limits().max_workgroup_invocations)
+    return fail("a workgroup of ", solver.workgroup_, " threads is larger than the device's ", device.limits().max_workgroup_invocations);
+  compute::Specializer specializer;
+  auto plan = make_plan(needs_of(subject, solver.workgroup_, !options.gather_storage), specializer);
+  if (!plan) return plan.take_error();
+  solver.plan_ = std::move(*plan);
+  if (auto made = solver.create_buffers(subject); !made) return made.take_error();
+  if (auto made = solver.create_runs(subject, cache); !made) return made.take_error();
+  solver.motion_.origin = {options.origin.x, options.origin.y, options.origin.z};
+  solver.tell("motion", solver.motion_);
+  if (!solver.told_.empty())
+    if (auto told = compute::upload(device, solver.arena_[solver.arena_.size() - 1], solver.told_); !told) return told.take_error();
+  return solver;
+}
+
+// All buffers of the plan that grow with the room for contacts, or all others and after them the uniform buffer.
+Result<compute::Arena> Solver::create_arena(bool grows) const {
+  std::vector<compute::BufferRequest> requests;
+  const Plan::PlannedBuffer* predicted = plan_.find(buffers::predicted);
+  for (std::size_t k = 0; k < plan_.buffers.size(); ++k) {
+    const Plan::PlannedBuffer& planned = plan_.buffers[k];
+    const Buffer& row = *planned.row;
+    if (row.grows != grows) continue;
+    compute::BufferRequest request{std::string(row.name), places_[k].bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+    // Both iterates are bound in both roles.
+    const bool iterate = predicted != nullptr && (&row == &buffers::predicted || &row == &buffers::relaxed);
+    if (planned.storage || (iterate && predicted->storage)) request.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    if (planned.texels || (iterate && predicted->texels)) {
+      request.usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
+      request.texel_format = texel_format(row.texel);
+    }
+    if (row.access == Access::vertices) request.usage |= VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
+    if (row.access == Access::arguments) request.usage |= VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
+    requests.push_back(std::move(request));
+  }
+  if (!grows && !told_.empty()) requests.push_back({"slices", told_.size(), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT});
+  return compute::Arena::create(*device_, compute::Memory::device, grows ? "weft candidates" : "weft", requests);
+}
+
+Result<void> Solver::create_buffers(const Cooked& subject) {
+  std::size_t counts[2] = {0, 0};
+  for (const Plan::PlannedBuffer& planned : plan_.buffers) places_.push_back({bytes_of(*planned.row, subject), counts[planned.row->grows]++});
+  for (const Slice* slice : plan_.slices) {
+    const Contents first = slice->first(subject);
+    slices_.push_back({told_.size(), first.bytes().size()});
+    told_.insert(told_.end(), first.bytes().begin(), first.bytes().end());
+    told_.resize((told_.size() + kSliceAlignment - 1) / kSliceAlignment * kSliceAlignment);
+    if (slice->name == "motion") std::memcpy(&motion_, first.bytes().data(), sizeof motion_);
+  }
+  auto arena = create_arena(false);
+  if (!arena) return arena.take_error();
+  arena_ = std::move(*arena);
+  if (counts[1] > 0) {
+    auto growing = create_arena(true);
+    if (!growing) return growing.take_error();
+    growing_arena_ = std::move(*growing);
+  }
+  std::vector<std::vector<std::byte>> made;   // until they are uploaded
+  std::vector<compute::Upload> uploads;
+  for (std::size_t k = 0; k < plan_.buffers.size(); ++k) {
+    const Buffer& row = *plan_.buffers[k].row;
+    std::span<const std::byte> view;
+    made.push_back(first_contents(row, places_[k].bytes, subject, view));
+    if (!view.empty()) uploads.push_back({&buffer(row), view});
+  }
+  return compute::upload_all(*device_, uploads);
+}
+
+Result<void> Solver::create_runs(const Cooked& subject, const compute::PipelineCache& cache) {
+  for (const PlannedPass& planned : plan_.passes) {
+    Run run;
+    run.ranges = ranges_of(*planned.pass, subject);
+    if (planned.pass->threads.groups != nullptr) run.groups = static_cast<std::uint32_t>(planned.pass->threads.groups(subject));
+    for (const Range& range : run.ranges)
+      if ((std::uint64_t(range.count) + workgroup_ - 1) / workgroup_ > device_->limits().max_workgroups_x)
+        return fail("pass ", planned.label, ": ", range.count, " threads need more workgroups than the device's ", device_->limits().max_workgroups_x);
+    for (const std::uint32_t parity : {0u, 1u}) run.touches[parity] = touches_of(planned, parity);
+    if (auto made = create_pipeline(planned, cache, run); !made) return made;
+    runs_.push_back(std::move(run));
+  }
+  auto sets = write_sets();
+  if (!sets) return sets.take_error();
+  sets_ = std::move(*sets);
+  return {};
+}
+
+Result<void> Solver::create_pipeline(const PlannedPass& planned, const compute::PipelineCache& cache, Run& run) const {
+  VkDescriptorSetLayout handles[2];
+  for (const std::uint32_t set : kSets) {
+    std::vector<compute::DescriptorBinding> bindings;
+    std::uint32_t storage = 0;
+    for (const PlannedPass::Resource& resource : planned.resources) {
+      if (resource.binding.set != set) continue;
+      bindings.push_back({resource.binding.binding, compute::descriptor_type(resource.binding.kind)});
+      storage += resource.binding.kind == compute::Binding::Kind::storage_buffer;
+    }
+    if (storage > device_->limits().max_storage_buffers_per_stage)
+      return fail("pass ", planned.label, " uses ", storage, " storage buffers; the device has ", device_->limits().max_storage_buffers_per_stage, " a stage");
+    auto layout = compute::DescriptorLayout::create(*device_, planned.label + kSetNames[set], bindings);
+    if (!layout) return layout.take_error();
+    run.layouts[set] = std::move(*layout);
+    handles[set] = run.layouts[set].handle();
+  }
+  auto layout = compute::create_pipeline_layout(*device_, planned.label, handles, sizeof(gpu::Push));
+  if (!layout) return layout.take_error();
+  run.layout = std::move(*layout);
+  auto pipeline = compute::ComputePipeline::create(*device_, &cache, planned.label, planned.spirv, {}, run.layout.get());
+  if (!pipeline) return pipeline.take_error();
+  run.pipeline = std::move(*pipeline);
+  return {};
+}
+
+// All of them or none.
+Result<std::vector<Solver::Sets>> Solver::write_sets() const {
+  std::vector<Sets> all(runs_.size());
+  for (std::size_t k = 0; k < runs_.size(); ++k)
+    for (const std::uint32_t parity : {0u, 1u})
+      for (const std::uint32_t set : kSets) {
+        std::vector<compute::BoundBuffer> bound;
+        for (const PlannedPass::Resource& resource : plan_.passes[k].resources) {
+          if (resource.binding.set != set) continue;
+          if (resource.kind == PlannedPass::Resource::Kind::slice)
+            bound.push_back({resource.binding.binding, &arena_[arena_.size() - 1], slices_[resource.number].at, slices_[resource.number].bytes});
+          else
+            bound.push_back({resource.binding.binding, &buffer(*all_buffers()[in_role(resource.number, parity)])});
+        }
+        auto written = compute::DescriptorSet::create(*device_, plan_.passes[k].label + kSetNames[set] + (parity == 0 ? " even" : " odd"), runs_[k].layouts[set], bound);
+        if (!written) return written.take_error();
+        all[k].sets[parity][set] = std::move(*written);
+      }
+  return all;
+}
+
+Result<void> Solver::grow(std::uint32_t candidates) {
+  if ((std::uint64_t(WEFT_NEAR) * candidates + workgroup_ - 1) / workgroup_ > device_->limits().max_workgroups_x)
+    return fail(candidates, " contact candidates need more workgroups than the device's ", device_->limits().max_workgroups_x);
+  const auto set_room = [&](std::uint32_t capacity) {
+    for (std::size_t k = 0; k < places_.size(); ++k)
+      if (plan_.buffers[k].row->grows) places_[k].bytes = places_[k].bytes / contacts_.capacity * capacity;
+    for (std::size_t k = 0; k < runs_.size(); ++k)
+      if (plan_.passes[k].pass->threads.grows)
+        for (Range& range : runs_[k].ranges) range.count = range.count / contacts_.capacity * capacity;
+    contacts_.capacity = capacity;
+    tell("contact_settings", contacts_);
+  };
+  const std::uint32_t before = contacts_.capacity;
+  set_room(candidates);
+  auto arena = create_arena(true);
+  if (arena) {
+    std::swap(growing_arena_, *arena);
+    auto sets = write_sets();
+    if (sets) {
+      sets_ = std::move(*sets);
+      return {};
+    }
+    std::swap(growing_arena_, *arena);
+    arena = sets.take_error();
+  }
+  set_room(before);   // shaders go by it: it must never be more than the buffers have
+  return arena.take_error();
+}
+
+std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
+  steps_.clear();
+  if (input.substeps == 0) return {};
+  gpu::Push push{};
+  walk_frame(shape_, input.substeps, [&](const Moment& moment) {
+    const std::uint32_t substep_flags = moment.substep + 1 == input.substeps ? WEFT_LAST_SUBSTEP : 0;
+    switch (moment.stage) {
+      case Stage::substep_begin:
+        push.flags = substep_flags;
+        push.fraction_from = static_cast<float>(moment.substep) / static_cast<float>(input.substeps);
+        push.fraction_to = static_cast<float>(moment.substep + 1) / static_cast<float>(input.substeps);
+        break;
+      case Stage::linear: push.iteration = moment.iteration; break;
+      case Stage::iteration: {
+        const std::uint32_t k = moment.iteration;
+        if (shape_.implicit) push.iteration = shape_.iterations;
+        push.flags = substep_flags | (k == 0 ? WEFT_FIRST_ITERATION : 0) | (k + 1 == shape_.solver_iterations() ? WEFT_LAST_ITERATION : 0) | turn_ << WEFT_TURN_SHIFT;
+        push.omega = k == 0 ? 1 : static_cast<float>(k == 1 ? 2 / (2 - rho_ * rho_) : 4 / (4 - rho_ * rho_ * push.omega));
+        break;
+      }
+      case Stage::substep_end: push.flags = substep_flags; break;
+      default: break;
+    }
+    list(moment.stage, input, push);
+    if (moment.stage == Stage::detect) turn_ = (turn_ + 1) % 3;
+  });
+  return steps_;
+}
+
+std::span<const Solver::Step> Solver::surface() {
+  steps_.clear();
+  list(Stage::frame_end, {}, {});
+  return steps_;
+}
+
+void Solver::list(Stage stage, const FrameInput& input, const gpu::Push& push) {
+  for (std::uint32_t k = 0; k < plan_.passes.size(); ++k) {
+    const Pass& pass = *plan_.passes[k].pass;
+    if (pass.stage != stage) continue;
+    const bool arrived = pass.only_towards_targets && !input.anchors_move;
+    // With contacts an anchor that was held back may still be on its way.
+    if (arrived && !has(buffers::detection)) continue;
+    for (std::uint32_t round = 0; round < runs_[k].ranges.size(); ++round) {
+      gpu::Push told = push;
+      told.first = runs_[k].ranges[round].first;
+      told.count = runs_[k].ranges[round].count;
+      if (arrived) told.fraction_from = told.fraction_to = 1;
+      if (pass.rounds > 1) told.flags |= round << WEFT_ROUND_SHIFT;
+      steps_.push_back({k, parity_, told});
+    }
+    if (pass.changes == Changes::iterate) parity_ ^= 1;
+  }
+}
+
+void Solver::tell_bytes(std::string_view slice, std::span<const std::byte> bytes) {
+  for (std::size_t k = 0; k < plan_.slices.size(); ++k)
+    if (plan_.slices[k]->name == slice) std::copy(bytes.begin(), bytes.end(), told_.begin() + static_cast<std::ptrdiff_t>(slices_[k].at));
+}
+
+void Solver::record_input(compute::Recorder& recorder, const FrameInput& input) {
+  const auto copy = [&](const compute::Buffer& to, std::span<const std::byte> bytes) {
+    // The data travels in the command buffer, so frames under way never share it.
+    constexpr std::size_t kLongest = 65536;   // vkCmdUpdateBuffer
+    for (std::size_t at = 0; at < bytes.size(); at += kLongest)
+      device_->vk().vkCmdUpdateBuffer(recorder.commands(), to.handle, at, std::min(kLongest, bytes.size() - at), bytes.data() + at);
+  };
+  motion_.gravity = {input.gravity.x, input.gravity.y, input.gravity.z};
+  tell("motion", motion_);
+  if (!told_.empty()) copy(arena_[arena_.size() - 1], told_);
+  if (input.anchors_move && has(buffers::anchors)) copy(buffer(buffers::anchors), std::as_bytes(input.anchors));
+  if (has(buffers::colliders)) copy(buffer(buffers::colliders), std::as_bytes(input.colliders));
+  recorder.barrier(compute::Use::transfer, compute::Use::compute);
+}
+
+void Solver::record_step(compute::Recorder& recorder, const Step& step) const {
+  const PlannedPass& planned = plan_.passes[step.pass];
+  const Run& run = runs_[step.pass];
+  recorder.begin_pass(planned.label.c_str(), run.touches[step.parity]);
+  const VkDescriptorSet sets[] = {sets_[step.pass].sets[step.parity][0].handle(), sets_[step.pass].sets[step.parity][1].handle()};
+  recorder.bind(run.pipeline.handle(), run.layout.get(), sets);
+  recorder.push(run.layout.get(), std::as_bytes(std::span(&step.push, 1)));
+  const std::uint32_t arguments = planned.pass->threads.arguments;
+  if (arguments != Threads::kCounted) recorder.dispatch_indirect(buffer(buffers::detection).handle, arguments);
+  else recorder.dispatch(run.groups > 0 ? run.groups : (step.push.count + workgroup_ - 1) / workgroup_);
+}
+
+const compute::Buffer& Solver::buffer(const Buffer& row) const {
+  const Plan::PlannedBuffer* planned = plan_.find(row);
+  assert(planned != nullptr && "not a buffer of the plan");
+  const Place& place = places_[static_cast<std::size_t>(planned - plan_.buffers.data())];
+  return row.grows ? growing_arena_[place.index] : arena_[place.index];
+}
+
+std::uint64_t Solver::used_bytes(const Buffer& row) const {
+  const Plan::PlannedBuffer* planned = plan_.find(row);
+  return planned == nullptr ? 0 : places_[static_cast<std::size_t>(planned - plan_.buffers.data())].bytes;
+}
+
+std::vector<const compute::Buffer*> Solver::buffers() const {
+  std::vector<const compute::Buffer*> all;
+  for (const Plan::PlannedBuffer& planned : plan_.buffers) all.push_back(&buffer(*planned.row));
+  if (!told_.empty()) all.push_back(&arena_[arena_.size() - 1]);
+  return all;
+}
+
+}  // namespace weft

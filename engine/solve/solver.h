@@ -1,0 +1,127 @@
+// The solver: a plan's pipelines and buffers, and the dispatches that a frame records. Knows nothing about time.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "compute/buffer.h"
+#include "compute/descriptors.h"
+#include "compute/pipeline.h"
+#include "compute/recorder.h"
+#include "engine/fabric.h"
+#include "engine/scene.h"
+#include "engine/solve/frame_program.h"
+#include "engine/solve/plan.h"
+
+namespace weft {
+
+struct SolverOptions {
+  bool gather_storage = false;
+  std::uint32_t workgroup = 0;   // threads; 0 chooses for the device
+  Vec3 origin = {};              // m: where particles' positions count from, in the world that the renderer draws
+};
+
+/// What a frame is told by the host. The spans need only live during record.
+struct FrameInput {
+  std::uint32_t substeps = 0;
+  Vec3 gravity;
+  bool anchors_move = false;
+  std::span<const gpu::Anchor> anchors;       // when they move
+  std::span<const gpu::Collider> colliders;   // by shape, as the buffer has them
+};
+
+class Solver {
+ public:
+  static Result<Solver> create(const compute::Device& device, const compute::PipelineCache& cache, const Scene& scene, const CookedFabric& fabric,
+                               const SolverOptions& options);
+
+  /// One dispatch of a frame.
+  struct Step {
+    std::uint32_t pass;    // into plan().passes
+    std::uint32_t parity;  // which of the two iterates is `predicted`
+    gpu::Push push;
+  };
+  /// Room for this many candidates from now on; those found so far are lost, so that the next substep must detect. The GPU must be done
+  /// with this solver. Errors: no memory; a device limit; the room then stays as it was.
+  Result<void> grow(std::uint32_t candidates);
+
+  /// Lists a frame's dispatches and moves the iterates' parity on: call once a frame, then record all of it.
+  std::span<const Step> frame(const FrameInput& input);
+
+  /// The dispatches of a frame's end alone: the surface of the pose at hand.
+  std::span<const Step> surface();
+
+  /// Copies what the frame is told into the GPU's buffers; visible to the steps after it.
+  void record_input(compute::Recorder& recorder, const FrameInput& input);
+  void record_step(compute::Recorder& recorder, const Step& step) const;
+
+  const Plan& plan() const { return plan_; }
+  /// Dispatches of a pass where it is listed once.
+  std::size_t rounds(std::size_t pass) const { return runs_[pass].ranges.size(); }
+  /// Must be a buffer of the plan. `predicted` and `relaxed` by name, not by role.
+  const compute::Buffer& buffer(const Buffer& row) const;
+  /// What the passes use of it; its memory is rounded up.
+  std::uint64_t used_bytes(const Buffer& row) const;
+  bool has(const Buffer& row) const { return plan_.has(row); }
+  /// All of them with their sizes.
+  std::vector<const compute::Buffer*> buffers() const;
+  const gpu::ContactSettings& contact_settings() const { return contacts_; }
+  /// Which of the two iterates the next frame begins with; a frame that is to be run again needs it back.
+  std::uint32_t parity() const { return parity_; }
+  void set_parity(std::uint32_t parity) { parity_ = parity; }
+  /// Substeps modulo 3: where in gpu::Acceleration the next one finds its predecessors.
+  std::uint32_t turn() const { return turn_; }
+  void set_turn(std::uint32_t turn) { turn_ = turn; }
+
+ private:
+  // A buffer of the plan: how many bytes of it are used, and where it is.
+  struct Place {
+    std::uint64_t bytes = 0;
+    std::size_t index = 0;   // in its arena
+  };
+  struct SliceRange {
+    std::size_t at = 0, bytes = 0;
+  };
+  // A pass: its dispatches where it is listed once, and what they run with.
+  struct Run {
+    std::vector<Range> ranges;
+    std::uint32_t groups = 0;              // of workgroups; 0: as many as a range needs
+    compute::Touches touches[2];           // by parity
+    compute::DescriptorLayout layouts[2];  // storage, texels: a device need not have room for all bindings in one
+    compute::OwnedPipelineLayout layout;
+    compute::ComputePipeline pipeline;
+  };
+  struct Sets {
+    compute::DescriptorSet sets[2][2];     // by parity: storage, texels
+  };
+  Result<compute::Arena> create_arena(bool grows) const;
+  Result<void> create_buffers(const Cooked& subject);
+  Result<void> create_runs(const Cooked& subject, const compute::PipelineCache& cache);
+  Result<void> create_pipeline(const PlannedPass& planned, const compute::PipelineCache& cache, Run& run) const;
+  Result<std::vector<Sets>> write_sets() const;
+  void list(Stage stage, const FrameInput& input, const gpu::Push& push);
+  /// From the next recorded frame on. `value` is the struct of the slice.
+  template <class T>
+  void tell(std::string_view slice, const T& value) {
+    tell_bytes(slice, std::as_bytes(std::span(&value, 1)));
+  }
+  void tell_bytes(std::string_view slice, std::span<const std::byte> bytes);
+
+  const compute::Device* device_ = nullptr;
+  Plan plan_;
+  FrameShape shape_;
+  std::vector<Place> places_;      // of plan_.buffers
+  compute::Arena arena_, growing_arena_;
+  std::vector<Run> runs_;          // of plan_.passes
+  std::vector<Sets> sets_;
+  std::vector<Step> steps_;
+  gpu::ContactSettings contacts_{};
+  gpu::Motion motion_{};
+  std::vector<std::byte> told_;    // the uniform buffer as the next frame tells it
+  std::vector<SliceRange> slices_; // of plan_.slices, in it
+  std::uint32_t workgroup_ = 0, parity_ = 0, turn_ = 0;
+  double rho_ = 0;
+};
+
+}  // namespace weft

@@ -1,0 +1,129 @@
+// Reading and writing the state from outside.
+#include "engine/solve/state.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "engine/solve/sanitize.h"
+
+namespace weft {
+
+Result<void> Simulation::State::wait() const {
+  return submitted == 0 ? Result<void>() : compute::wait_for(*device, ready.get(), submitted);
+}
+
+// The surface of the pose at hand, outside a frame.
+Result<void> Simulation::State::draw_surface() {
+  if (auto done = wait(); !done) return done;
+  return compute::run_once(*device, "weft surface", [&](VkCommandBuffer commands) {
+    compute::Recorder recorder(*device, commands);
+    for (const Solver::Step& step : solver->surface()) solver->record_step(recorder, step);
+    recorder.finish();
+  });
+}
+
+Result<std::vector<gpu::vec4>> Simulation::State::read(const Buffer& row, std::size_t count) {
+  if (auto done = wait(); !done) return done.take_error();
+  if (auto done = put_frame_back(); !done) return done.take_error();
+  std::vector<gpu::vec4> values(count);
+  if (auto done = compute::read_back(*device, solver->buffer(row), std::as_writable_bytes(std::span(values))); !done) return done.take_error();
+  return values;
+}
+
+Result<void> Simulation::State::check_count(std::span<const gpu::vec4> values) const {
+  return values.size() == fabric.positions.size() ? Result<void>() : fail(values.size(), " values were given for ", fabric.positions.size(), " particles");
+}
+
+// The counters with so many more mended. The device must be done: in between they are its.
+Result<gpu::Counters> Simulation::State::counters_and_mended(std::size_t more) {
+  gpu::Counters counted{};
+  if (auto done = compute::read_back(*device, solver->buffer(buffers::counters), std::as_writable_bytes(std::span(&counted, 1))); !done) return done.take_error();
+  counted.non_finite += static_cast<std::uint32_t>(more);
+  return counted;
+}
+
+// All of it, or, where there is no memory, nothing.
+Result<void> Simulation::State::write(std::vector<compute::Upload> uploads, const gpu::Counters& counted) {
+  uploads.push_back({&solver->buffer(buffers::counters), std::as_bytes(std::span(&counted, 1))});
+  if (auto done = compute::upload_all(*device, uploads); !done) return done;
+  std::memcpy(readback[0].mapped, &counted, sizeof counted);
+  return {};
+}
+
+Result<std::vector<gpu::vec4>> Simulation::read_positions() const { return state_->read(buffers::positions, state_->fabric.positions.size()); }
+Result<std::vector<gpu::vec4>> Simulation::read_velocities() const { return state_->read(buffers::velocities, state_->fabric.positions.size()); }
+
+// What write_positions promises, but for the surface.
+Result<void> Simulation::State::put(std::span<const gpu::vec4> positions) {
+  if (auto good = check_count(positions); !good) return good;
+  auto present = read(buffers::positions, positions.size());
+  if (!present) return present.take_error();
+  auto velocities = read(buffers::velocities, positions.size());
+  if (!velocities) return velocities.take_error();
+  std::vector<gpu::vec4> wanted(positions.begin(), positions.end());
+  std::vector<bool> mended;
+  mend_positions(fabric, *present, wanted, mended);
+  // w belongs to the solver: inverse mass, split mass or material. Both iterates follow: what a frame does not predict (anchors) it takes from them.
+  const std::vector<gpu::vec4> iterate = iterates_at(wanted, fabric);
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    wanted[i].w = (*present)[i].w;
+    if (mended[i]) (*velocities)[i] = {0, 0, 0, (*velocities)[i].w};
+  }
+  auto counted = counters_and_mended(static_cast<std::size_t>(std::count(mended.begin(), mended.end(), true)));
+  if (!counted) return counted.take_error();
+  // First: paths and leashes must never be those of another pose.
+  if (solver->has(buffers::detection))
+    if (auto done = detect_anew(); !done) return done;
+  const auto upload = [&](const Buffer& row, const std::vector<gpu::vec4>& values) { return compute::Upload{&solver->buffer(row), std::as_bytes(std::span(values))}; };
+  if (auto done = write({upload(buffers::positions, wanted), upload(buffers::predicted, iterate), upload(buffers::relaxed, iterate), upload(buffers::velocities, *velocities)}, *counted); !done)
+    return done;
+  for (gpu::Anchor& anchor : anchors) {
+    const gpu::vec4& p = wanted[anchor.particle];
+    anchor.from = anchor.to = {p.x, p.y, p.z};
+  }
+  anchors_are_owed = true;
+  return {};
+}
+
+Result<void> Simulation::write_positions(std::span<const gpu::vec4> positions) {
+  if (auto done = state_->put(positions); !done) return done;
+  return state_->draw_surface();
+}
+
+Result<void> Simulation::write_velocities(std::span<const gpu::vec4> velocities) {
+  State& s = *state_;
+  if (auto good = s.check_count(velocities); !good) return good;
+  auto wanted = read_velocities();   // w belongs to the solver
+  if (!wanted) return wanted.take_error();
+  std::size_t lost = 0;
+  for (std::size_t i = 0; i < wanted->size(); ++i) {
+    const gpu::vec4& v = velocities[i];
+    lost += !is_finite(v);
+    (*wanted)[i] = is_finite(v) ? gpu::vec4{v.x, v.y, v.z, (*wanted)[i].w} : gpu::vec4{0, 0, 0, (*wanted)[i].w};
+  }
+  auto counted = s.counters_and_mended(lost);
+  if (!counted) return counted.take_error();
+  return s.write({{&s.solver->buffer(buffers::velocities), std::as_bytes(std::span(*wanted))}}, *counted);
+}
+
+namespace {
+
+Result<std::vector<Vec3>> narrowed(Result<std::vector<gpu::vec4>> wide) {
+  if (!wide) return wide.take_error();
+  std::vector<Vec3> values;
+  values.reserve(wide->size());
+  for (const gpu::vec4& v : *wide) values.push_back({v.x, v.y, v.z});
+  return values;
+}
+
+}  // namespace
+
+Result<std::vector<Vec3>> Simulation::read_vertex_positions() const {
+  return narrowed(state_->read(buffers::vertex_positions, state_->fabric.surface_rows.size()));
+}
+
+Result<std::vector<Vec3>> Simulation::read_vertex_normals() const {
+  return narrowed(state_->read(buffers::vertex_normals, state_->fabric.surface_rows.size()));
+}
+
+}  // namespace weft

@@ -1,0 +1,64 @@
+// `weft check`: everything that is wrong with a scene or a mesh, without a device.
+#include <cstdio>
+
+#include "engine/fabric.h"
+#include "samples/weft/commands.h"
+#include "samples/weft/console.h"
+#include "samples/weft/subject.h"
+
+namespace weft::command {
+
+namespace {
+
+Exit check_scene(const std::filesystem::path& file) {
+  const Result<Scene> scene = load_subject(file, {});
+  if (!scene) {
+    complain(scene.error());
+    return kBadInput;
+  }
+  const std::vector<std::string> faults = file_faults(*scene);
+  for (const std::string& fault : faults) complain(fault);
+  if (!faults.empty()) return kBadInput;
+
+  const Result<std::vector<Mesh>> meshes = make_meshes(*scene);
+  if (!meshes) {
+    complain(meshes.error());
+    return kBadInput;
+  }
+  const std::size_t cloths = scene->cloths.size();
+  const std::vector<std::uint32_t> colliders = mesh_colliders(*scene);
+  for (std::size_t i = 0; i < meshes->size(); ++i)
+    for (const std::string& sentence : (*meshes)[i].mended)
+      std::printf("%s[%zu]: mended: %s\n", i < cloths ? "cloths" : "colliders", i < cloths ? i : colliders[i - cloths], sentence.c_str());
+  const Result<CookedFabric> fabric = cook(*scene, *meshes);
+  if (!fabric) {
+    complain(fabric.error());
+    return kBadInput;
+  }
+  for (const std::string& note : fabric->notes) std::printf("note: %s\n", note.c_str());
+  std::printf("%s: nothing is wrong: %zu particles, %zu edges, %zu bends, %llu tethers, %zu anchored, %zu colliders\n", file.string().c_str(),
+              std::size_t(cloth_particles(*fabric)), fabric->links.size(), fabric->bends.size() + fabric->hinges.size(), static_cast<unsigned long long>(fabric->tether_count),
+              fabric->anchors.size(), scene->colliders.size());
+  return kDone;
+}
+
+Exit check_mesh(const std::filesystem::path& file) {
+  const Result<Mesh> mesh = load_mesh(file);
+  if (!mesh) {
+    complain(mesh.error());
+    return kBadInput;
+  }
+  for (const std::string& sentence : mesh->mended) std::printf("%s: mended: %s\n", file.string().c_str(), sentence.c_str());
+  std::size_t boundary = 0;
+  for (const WingedEdge& edge : mesh->edges) boundary += edge.triangle[0] == kNone || edge.triangle[1] == kNone;
+  std::printf("%s: can be simulated: %zu vertices welded to %zu points within %g m, %zu triangles, %zu edges, %zu of them on the boundary\n",
+              file.string().c_str(), mesh->render.positions.size(), mesh->points.size(), mesh->weld_tolerance, mesh->triangles.size(),
+              mesh->edges.size(), boundary);
+  return kDone;
+}
+
+}  // namespace
+
+Exit check(const std::filesystem::path& file) { return is_mesh(file) ? check_mesh(file) : check_scene(file); }
+
+}  // namespace weft::command

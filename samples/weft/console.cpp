@@ -1,0 +1,76 @@
+// Sentences, interrupts and a progress bar.
+#include "samples/weft/console.h"
+
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+
+#include "samples/weft/commands.h"
+
+namespace weft::command {
+
+namespace {
+
+// A signal handler can reach nothing but static storage.
+volatile std::sig_atomic_t g_interrupted = 0;
+
+void on_interrupt(int) {
+  g_interrupted = 1;
+  std::signal(SIGINT, SIG_DFL);
+}
+
+}  // namespace
+
+void complain(std::string_view sentences) {
+  std::fprintf(stderr, "%.*s\n", static_cast<int>(sentences.size()), sentences.data());
+}
+
+Exit failed(std::string_view sentence) {
+  complain(sentence);
+  return kFailed;
+}
+
+void expect_full_disks() {
+#ifdef SIGXFSZ
+  std::signal(SIGXFSZ, SIG_IGN);
+#endif
+}
+
+void listen_for_interrupts() { std::signal(SIGINT, on_interrupt); }
+bool interrupted() { return g_interrupted != 0; }
+
+Progress::Progress(std::string_view what, std::uint32_t total, std::string_view unit)
+    : what_(what), unit_(unit), total_(total), terminal_(isatty(STDERR_FILENO) != 0) {
+  if (terminal_) draw();
+}
+
+Progress::~Progress() {
+  if (!terminal_) return;
+  draw();
+  std::fputc('\n', stderr);
+}
+
+void Progress::step(std::uint32_t by) {
+  done_ += by;
+  if (terminal_) {
+    constexpr auto kPause = std::chrono::milliseconds(100);
+    if (Clock::now() - drawn_ >= kPause) draw();
+  } else if (total_ > 0 && std::uint64_t{done_} * 4 / total_ > quarters_) {
+    quarters_ = static_cast<std::uint32_t>(std::uint64_t{done_} * 4 / total_);
+    std::fprintf(stderr, "%s: %u of %u %s\n", what_.c_str(), done_, total_, unit_.c_str());
+  }
+}
+
+void Progress::draw() {
+  constexpr int kWidth = 30;
+  drawn_ = Clock::now();
+  const int filled = total_ == 0 ? kWidth : static_cast<int>(std::uint64_t{done_} * kWidth / total_);
+  const double seconds = std::chrono::duration<double>(drawn_ - start_).count();
+  const double left = done_ == 0 ? 0 : seconds / done_ * (total_ - done_);
+  std::fprintf(stderr, "\r%s [%.*s%*s] %u/%u, %.0f s left \033[K", what_.c_str(), filled, "##############################", kWidth - filled, "",
+               done_, total_, left);
+  std::fflush(stderr);
+}
+
+}  // namespace weft::command

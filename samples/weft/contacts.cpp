@@ -1,0 +1,149 @@
+// `weft contacts`: what contacts cost, pass by pass, over the size of a sheet; what it saves to use found pairs again; and whether
+// the automatic cell of the spatial hash is the right one.
+#include <algorithm>
+#include <cstdio>
+
+#include "engine/shading/image.h"
+#include "samples/weft/commands.h"
+#include "samples/weft/console.h"
+#include "samples/weft/contact_costs.h"
+#include "samples/weft/files.h"
+#include "samples/weft/plot.h"
+#include "samples/weft/subject.h"
+
+namespace weft::command {
+
+namespace {
+
+constexpr std::uint32_t kSizes[] = {30, 50, 100, 150, 200, 300}, kQuickSizes[] = {30, 60};   // vertices along a side
+constexpr double kCells[] = {0.6, 0.8, 1, 1.25, 1.6, 2.2, 3};   // times the automatic choice ...
+constexpr std::size_t kAutomatic = 2;                           // ... which is this one
+constexpr std::uint32_t kRounds = 4;   // over all cells, so that each has its turn when others use the machine less
+constexpr std::uint32_t kCellSize = 100, kQuickCellSize = 50;   // vertices along a side when cells are compared
+constexpr std::uint32_t kCellFrames = 20;
+
+void print_heading(const ContactCosts& costs) {
+  std::printf("%5s", "n");
+  for (const PassCost& pass : costs.passes) std::printf(" %12s", pass.name.c_str());
+  std::printf(" %10s %9s %8s %8s %8s %7s %7s\n", "ms/search", "searches", "search", "contacts", "solve", "share", "saved");
+}
+
+// How much of the searching is saved: one in every substep would be the alternative.
+double saved(const ContactCosts& costs) { return costs.substeps > 0 ? 1 - static_cast<double>(costs.searches) / costs.substeps : 0; }
+double share(const ContactCosts& costs) { return (costs.search + costs.contacts) / (costs.search + costs.contacts + costs.solve); }
+
+void print_row(const ContactCosts& costs) {
+  std::printf("%5u", costs.vertices);
+  for (const PassCost& pass : costs.passes) std::printf(" %12.3f", pass.ms);
+  std::printf(" %10.2f %9u %8.2f %8.2f %8.2f %5.0f %% %5.1f %%\n", costs.per_search(), costs.searches, costs.search, costs.contacts, costs.solve, 100 * share(costs),
+              100 * saved(costs));
+  std::fflush(stdout);
+}
+
+std::string csv(const std::vector<ContactCosts>& rows) {
+  std::string text = "vertices,edge_m,cell_m,substeps,searches,pairs_most,pairs_lost,ms_per_search,search_ms_per_frame,contacts_ms_per_frame,solve_ms_per_frame";
+  if (!rows.empty())
+    for (const PassCost& pass : rows[0].passes) text.append(",").append(pass.name).append("_ms_per_search");
+  text += "\n";
+  for (const ContactCosts& row : rows) {
+    char line[256];
+    std::snprintf(line, sizeof line, "%u,%g,%g,%u,%u,%u,%u,%g,%g,%g,%g", row.vertices, row.edge, row.cell, row.substeps, row.searches, row.pairs_most, row.pairs_lost,
+                  row.per_search(), row.search, row.contacts, row.solve);
+    text += line;
+    for (const PassCost& pass : row.passes) text.append(",").append(std::to_string(pass.ms));
+    text += "\n";
+  }
+  return text;
+}
+
+// Milliseconds a search over the cell's size, in edges.
+Drawing cell_plot(const std::vector<ContactCosts>& rows) {
+  const ContactCosts& chosen = rows[kAutomatic];
+  Series all{"any cell", series_colour(0), {}}, automatic{"the automatic choice", series_colour(4), {{chosen.cell / chosen.edge, chosen.per_search()}}};
+  for (const ContactCosts& row : rows) all.points.push_back({row.cell / row.edge, row.per_search()});
+  char title[64];
+  std::snprintf(title, sizeof title, "a search, %u x %u vertices", chosen.vertices, chosen.vertices);
+  return plot({{title, "cell (edges)", "ms", {all, automatic}, {}}}, 1);
+}
+
+// The fastest search of several with each of kCells; of fewer, if that is interrupted.
+Result<std::vector<ContactCosts>> compare_cells(const compute::Device& device, const Scene& scene, std::uint32_t size) {
+  auto automatic = contact_costs(device, scene, size, kCellFrames, 0);
+  if (!automatic) return automatic.take_error();
+  std::vector<ContactCosts> cells(std::size(kCells), *automatic);
+  Progress progress("comparing cells", kRounds * std::size(kCells), "runs");
+  for (std::uint32_t round = 0; round < kRounds && !interrupted(); ++round)
+    for (std::size_t k = 0; k < std::size(kCells); ++k) {
+      auto costs = contact_costs(device, scene, size, kCellFrames, kCells[k] * automatic->cell);
+      if (!costs && round > 0 && interrupted()) return cells;
+      if (!costs) return costs.take_error();
+      if (round == 0 || costs->per_search() < cells[k].per_search()) cells[k] = std::move(*costs);
+      progress.step();
+    }
+  return cells;
+}
+
+}  // namespace
+
+Exit contacts(const ContactOptions& options) {
+  const Result<Scene> scene = load_subject(options.file, options.assignments);
+  if (!scene) {
+    complain(scene.error());
+    return kBadInput;
+  }
+  for (const Cloth& cloth : scene->cloths)
+    if (!cloth.grid) {
+      complain(options.file.string() + ": cloth '" + cloth.name + "' is a mesh: sizes are compared on grids only");
+      return kBadInput;
+    }
+  listen_for_interrupts();
+  if (const Result<void> made = make_folder(options.out); !made) return failed(made.error());
+  compute::DeviceChoice choice;
+  choice.name = options.device;
+  const auto device = compute::Device::create(choice);
+  if (!device) return failed(device.error());
+
+  std::printf("%s on %s: ms a search, pass by pass; then ms a frame\n", scene->name.c_str(), (*device)->name().c_str());
+  std::vector<ContactCosts> rows;
+  const auto sizes = options.quick ? std::span<const std::uint32_t>(kQuickSizes) : std::span<const std::uint32_t>(kSizes);
+  for (const std::uint32_t size : sizes) {
+    if (interrupted()) break;
+    auto costs = contact_costs(**device, *scene, size, options.frames, 0);
+    if (interrupted()) break;
+    if (!costs) return failed(costs.error());
+    if (rows.empty()) print_heading(*costs);
+    print_row(*costs);
+    rows.push_back(std::move(*costs));
+  }
+  const auto stopped = [&] {
+    if (!rows.empty())
+      if (const Result<void> written = write_text(options.out / "contacts.csv", csv(rows)); !written) return failed(written.error());
+    complain("Interrupted: " + std::string(rows.empty() ? "nothing is written" : "what is written is of the sizes before"));
+    return kInterrupted;
+  };
+  if (interrupted()) return stopped();
+  std::printf("a search grows with n^%.2f\n", growth(rows));
+
+  const std::uint32_t size = options.quick ? kQuickCellSize : kCellSize;
+  auto cells = compare_cells(**device, *scene, size);
+  if (!cells) return interrupted() ? stopped() : failed(cells.error());
+  const ContactCosts& chosen = (*cells)[kAutomatic];
+  std::printf("%12s %12s %12s   %u x %u vertices\n", "cell m", "edges", "ms/search", size, size);
+  double best = chosen.per_search();
+  for (const ContactCosts& costs : *cells) {
+    std::printf("%12.4g %12.3g %12.3f%s\n", costs.cell, costs.cell / costs.edge, costs.per_search(), &costs == &chosen ? "   the automatic choice" : "");
+    best = std::min(best, costs.per_search());
+  }
+  std::printf("the automatic choice takes %.2f times as long as the best\n", chosen.per_search() / best);
+
+  const std::pair<const char*, std::string> files[] = {{"contacts.csv", csv(rows)}, {"cells.csv", csv(*cells)}, {"cells.svg", svg(cell_plot(*cells))}};
+  for (const auto& [name, text] : files)
+    if (const Result<void> written = write_text(options.out / name, text); !written) return failed(written.error());
+  if (const Result<void> written = write_png(options.out / "cells.png", picture(cell_plot(*cells))); !written) return failed(written.error());
+  std::printf("Written: contacts.csv, cells.csv, cells.svg, cells.png in %s\n", options.out.string().c_str());
+  if (!interrupted()) return kDone;
+  complain("Interrupted: cells were compared less often than usual");
+  return kInterrupted;
+}
+
+}  // namespace weft::command

@@ -1,0 +1,57 @@
+// Writing text, and where things are kept.
+#include "samples/weft/files.h"
+
+#include <cstdlib>
+#include <span>
+
+#include "compute/file.h"
+
+namespace weft::command {
+
+Result<void> write_text(const std::filesystem::path& file, std::string_view text) {
+  return write_file(file, std::as_bytes(std::span(text)));
+}
+
+Result<void> make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!is_folder(folder)) return fail(folder.string(), ": cannot be made a folder: ", error ? error.message() : "a file is there");
+  return {};
+}
+
+bool is_folder(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_directory(path, error);
+}
+
+bool is_there(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::exists(path, error);
+}
+
+namespace {
+
+// A file among those that can be made again; empty where no home is known.
+std::filesystem::path cached(const std::string& name) {
+  const auto in = [](const char* variable, const char* rest) {
+    const char* value = std::getenv(variable);
+    return value && *value ? std::filesystem::path(value) / rest : std::filesystem::path();
+  };
+  std::filesystem::path folder = in("XDG_CACHE_HOME", "weft");
+  if (folder.empty()) folder = in("HOME", ".cache/weft");
+  return folder.empty() ? folder : folder / name;
+}
+
+}  // namespace
+
+std::filesystem::path pipeline_cache() { return cached("pipelines"); }
+std::filesystem::path curve_file(std::string_view device) { return cached("curve-" + file_name(device) + ".csv"); }
+
+std::string file_name(std::string_view name) {
+  std::string plain(name.substr(0, 100));
+  for (char& c : plain)
+    if (static_cast<unsigned char>(c) < 0x20 || c == '/' || c == '\\') c = '_';
+  return plain.empty() || plain[0] == '.' ? "scene" + plain : plain;
+}
+
+}  // namespace weft::command

@@ -1,0 +1,258 @@
+// `weft implicit`: the table of the particle system that Weft's implicit method grew out of (2006): frames a second for 10 to 70
+// iterations, 100 to 10,000 particles, conjugate gradients and Jacobi, on the processor and on the device, and beside each
+// what it left unsolved.
+//
+// A sheet of 1 m by 1 m with 24 springs a particle is held at two corners and falls; a frame is one step of 0.01 s. Errors are taken
+// at one pose for all, the one that a converged solver reaches in a fifth of a second, in one step: the part of the residual that
+// is left, and the distance from where the converged step goes (rms over the particles). Times are medians over the frames after it,
+// wall clock; those on the processor are of one thread in double precision.
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+
+#include "engine/reference/implicit.h"
+#include "engine/simulation.h"
+#include "samples/weft/commands.h"
+#include "samples/weft/console.h"
+#include "samples/weft/files.h"
+#include "samples/weft/report.h"
+
+namespace weft::command {
+
+namespace {
+
+using reference::Columns;
+using reference::ImplicitEquations;
+using reference::ImplicitSystem;
+
+constexpr double kStep = 0.01;                // s
+constexpr int kStepsBefore = 20;
+constexpr double kTimed = 0.25;               // s, and at least this many steps:
+constexpr std::size_t kLeastTimed = 5, kMostTimed = 100;
+
+Scene sheet(std::uint32_t side, Linear linear, std::uint32_t iterations) {
+  Scene scene;
+  scene.solver.rate = 1 / kStep;
+  scene.solver.substeps = 1;
+  scene.solver.iterations = iterations;
+  scene.solver.method = Method::implicit;
+  scene.solver.linear = linear;
+  Cloth& cloth = scene.cloths.emplace_back();
+  cloth.grid = Grid{{1, 1}, side - 1, side - 1, Topology::diagonal, false};
+  cloth.springs = Springs{{500, 0.01}, {500, 0.01}, {5, 0.001}};
+  cloth.tethers = false;
+  cloth.anchors.emplace_back().corners = {Corner::low_low, Corner::high_low};
+  return scene;
+}
+
+// The pose at which errors are taken, rounded to floats so that both processors have the same, and the answer there.
+struct Subject {
+  Columns positions, velocities;
+  ImplicitEquations equations;
+  Columns exact;   // m/s
+};
+
+struct Outcome {
+  double frames_a_second = 0;
+  double residual = 0;
+  double distance = 0;   // m
+  std::uint32_t stopped = 0, non_finite = 0;
+};
+
+struct Row {
+  std::uint32_t particles, iterations;
+  Linear linear;
+  Outcome processor, device;
+};
+
+Result<ImplicitSystem> system_of(const Scene& scene) {
+  const auto meshes = make_meshes(scene);
+  if (!meshes) return fail(meshes.error());
+  const auto fabric = cook(scene, *meshes);
+  if (!fabric) return fail(fabric.error());
+  return ImplicitSystem::create(scene, *fabric);
+}
+
+Result<Subject> subject_of(std::uint32_t side) {
+  auto system = system_of(sheet(side, Linear::cg, 1));
+  if (!system) return system.take_error();
+  constexpr std::uint32_t kMany = 5000;
+  for (int k = 0; k < kStepsBefore; ++k) {
+    const ImplicitEquations equations = system->assemble();
+    system->move(equations, solve_conjugate_gradients(equations, kMany, 1e-6));
+  }
+  system->positions = system->positions.cast<float>().cast<double>();
+  system->velocities = system->velocities.cast<float>().cast<double>();
+  Subject subject{system->positions, system->velocities, system->assemble(), {}};
+  subject.exact = solve_conjugate_gradients(subject.equations, kMany, 1e-10).change;
+  return subject;
+}
+
+void judge(const Subject& subject, const Columns& change, Outcome& outcome) {
+  outcome.residual = subject.equations.residual(change);
+  outcome.distance = kStep * (change - subject.exact).norm() / std::sqrt(static_cast<double>(change.cols()));
+}
+
+// Of the median step: how many of it there are in a second. `step` says whether it went well.
+template <class F>
+Result<double> speed_of(F&& step) {
+  using Clock = std::chrono::steady_clock;
+  std::vector<double> seconds;
+  for (double total = 0; seconds.size() < kMostTimed && (seconds.size() < kLeastTimed || total < kTimed); total += seconds.back()) {
+    const Clock::time_point start = Clock::now();
+    if (Result<void> done = step(); !done) return done.take_error();
+    seconds.push_back(std::chrono::duration<double>(Clock::now() - start).count());
+  }
+  return 1 / spread_of(seconds).median;
+}
+
+Result<Outcome> on_processor(const Scene& scene, const Subject& subject) {
+  auto system = system_of(scene);
+  if (!system) return system.take_error();
+  system->positions = subject.positions;
+  system->velocities = subject.velocities;
+  Outcome outcome;
+  judge(subject, system->solve(subject.equations).change, outcome);
+  const Result<double> speed = speed_of([&]() -> Result<void> {
+    system->step();
+    return {};
+  });
+  outcome.frames_a_second = *speed;
+  outcome.stopped = static_cast<std::uint32_t>(system->report().stopped);
+  outcome.non_finite = !system->positions.allFinite();
+  return outcome;
+}
+
+std::vector<gpu::vec4> wide(const Columns& values) {
+  std::vector<gpu::vec4> made;
+  for (Eigen::Index i = 0; i < values.cols(); ++i)
+    made.push_back({static_cast<float>(values(0, i)), static_cast<float>(values(1, i)), static_cast<float>(values(2, i)), 0});
+  return made;
+}
+
+Result<Outcome> on_device(const compute::Device& device, const Scene& scene, const Subject& subject) {
+  SimulationOptions options;
+  options.pipeline_cache = pipeline_cache();
+  auto created = Simulation::create(device, scene, options);
+  if (!created) return created.take_error();
+  Simulation& simulation = **created;
+  const auto step = [&]() -> Result<void> {
+    auto advance = simulation.advance(kStep);
+    return advance ? Result<void>() : Result<void>(advance.take_error());
+  };
+  // Twice: the first frame of a process compiles.
+  Outcome outcome;
+  for (int k = 0; k < 2; ++k) {
+    if (auto done = simulation.write_positions(wide(subject.positions)); !done) return done.take_error();
+    if (auto done = simulation.write_velocities(wide(subject.velocities)); !done) return done.take_error();
+    if (auto done = step(); !done) return done.take_error();
+  }
+  const auto velocities = simulation.read_velocities();
+  if (!velocities) return fail(velocities.error());
+  Columns change(3, velocities->size());
+  for (std::size_t i = 0; i < velocities->size(); ++i) change.col(static_cast<Eigen::Index>(i)) << (*velocities)[i].x, (*velocities)[i].y, (*velocities)[i].z;
+  judge(subject, subject.equations.filtered(change - subject.equations.flight), outcome);
+  const Result<double> speed = speed_of(step);
+  if (!speed) return fail(speed.error());
+  outcome.frames_a_second = *speed;
+  outcome.stopped = simulation.counts().stopped;
+  outcome.non_finite = simulation.counts().non_finite;
+  return outcome;
+}
+
+const char* name_of(Linear linear) { return linear == Linear::cg ? "cg" : "jacobi"; }
+
+void print(const Row& row) {
+  std::printf("%9u %-7s %10u %10.4g %10.4g %12.2e %12.2e %12.2e %12.2e%s\n", row.particles, name_of(row.linear), row.iterations,
+              row.processor.frames_a_second, row.device.frames_a_second, row.processor.residual, row.device.residual, row.processor.distance,
+              row.device.distance, row.device.residual > ImplicitSystem::kConverged ? "  not converged" : "");
+  std::fflush(stdout);
+}
+
+std::string csv_of(const std::vector<Row>& rows) {
+  std::ostringstream text;
+  text << "particles,linear,iterations,processor,frames_per_second,residual,rms_distance_m,stopped,non_finite\n";
+  for (const Row& row : rows)
+    for (const bool device : {false, true}) {
+      const Outcome& o = device ? row.device : row.processor;
+      text << row.particles << ',' << name_of(row.linear) << ',' << row.iterations << ',' << (device ? "vulkan" : "cpu") << ',' << o.frames_a_second << ','
+           << o.residual << ',' << o.distance << ',' << o.stopped << ',' << o.non_finite << '\n';
+    }
+  return text.str();
+}
+
+const Row* find(const std::vector<Row>& rows, std::uint32_t particles, Linear linear, std::uint32_t iterations) {
+  for (const Row& row : rows)
+    if (row.particles == particles && row.linear == linear && row.iterations == iterations) return &row;
+  return nullptr;
+}
+
+// What was said of the system of 2006, said of this one.
+void summarise(const std::vector<Row>& rows) {
+  std::uint32_t wins = 0, largest = 0, lost = 0;
+  for (const Row& row : rows) {
+    lost += row.processor.non_finite + row.device.non_finite;
+    largest = std::max(largest, row.particles);
+    if (row.linear != Linear::cg || row.iterations != 30) continue;
+    if (row.device.frames_a_second <= row.processor.frames_a_second) wins = 0;
+    else if (wins == 0) wins = row.particles;
+  }
+  if (wins > 0) std::printf("With 30 iterations of conjugate gradients the device is faster from %u particles on.\n", wins);
+  else std::printf("With 30 iterations of conjugate gradients the device is not faster at %u particles.\n", largest);
+  const Row *few = find(rows, largest, Linear::cg, 10), *many = find(rows, largest, Linear::cg, 70);
+  if (few && many)
+    std::printf("At %u particles 70 iterations take %.1f times as long as 10 on the processor and %.1f times on the device.\n", largest,
+                few->processor.frames_a_second / many->processor.frames_a_second, few->device.frames_a_second / many->device.frames_a_second);
+  std::printf("Not finite: %u\n", lost);
+}
+
+}  // namespace
+
+Exit implicit(const ImplicitOptions& options) {
+  const auto failed = [](const std::string& sentence) {
+    complain(sentence);
+    return kFailed;
+  };
+  listen_for_interrupts();
+  if (const Result<void> made = make_folder(options.out); !made) return failed(made.error());
+  compute::DeviceChoice choice;
+  choice.name = options.device;
+  const auto device = compute::Device::create(choice);
+  if (!device) return failed(device.error());
+  const std::vector<std::uint32_t> sides = options.quick ? std::vector<std::uint32_t>{10, 30} : std::vector<std::uint32_t>{10, 20, 30, 40, 50, 60, 100};
+  const std::vector<std::uint32_t> iterations = options.quick ? std::vector<std::uint32_t>{10, 30} : std::vector<std::uint32_t>{10, 30, 50, 70};
+
+  std::printf("%s; a frame is one step of %g s\n", (*device)->name().c_str(), kStep);
+  std::printf("%9s %-7s %10s %10s %10s %12s %12s %12s %12s\n%28s %21s %25s %25s\n", "particles", "solver", "iterations", "CPU fps", "Vulkan fps", "CPU", "Vulkan",
+              "CPU", "Vulkan", "", "", "residual left", "rms distance, m");
+  std::vector<Row> rows;
+  {
+    Progress progress("implicit", static_cast<std::uint32_t>(sides.size() * iterations.size() * 2), "rows");
+    for (const std::uint32_t side : sides) {
+      if (interrupted()) break;
+      const Result<Subject> subject = subject_of(side);
+      if (!subject) return failed(subject.error());
+      for (const Linear linear : {Linear::cg, Linear::jacobi})
+        for (const std::uint32_t count : iterations) {
+          if (interrupted()) break;
+          const Scene scene = sheet(side, linear, count);
+          auto processor = on_processor(scene, *subject);
+          if (!processor) return failed(processor.error());
+          auto vulkan = on_device(**device, scene, *subject);
+          if (!vulkan) return failed(vulkan.error());
+          rows.push_back({side * side, count, linear, *processor, *vulkan});
+          progress.step();
+        }
+    }
+  }
+  for (const Row& row : rows) print(row);
+  if (!rows.empty()) summarise(rows);
+  if (const Result<void> written = write_text(options.out / "implicit.csv", csv_of(rows)); !written) return failed(written.error());
+  std::printf("Written: implicit.csv in %s\n", options.out.string().c_str());
+  if (!interrupted()) return kDone;
+  complain("Interrupted after " + std::to_string(rows.size()) + " rows: what is written is of these");
+  return kInterrupted;
+}
+
+}  // namespace weft::command

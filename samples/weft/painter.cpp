@@ -1,0 +1,37 @@
+#include "samples/weft/painter.h"
+
+#include "samples/weft/console.h"
+#include "samples/weft/subject.h"
+
+namespace weft::command {
+
+Exit Painter::create(compute::Device& device, const Simulation& simulation, VkExtent2D size) {
+  const Scene& scene = simulation.scene();
+  std::vector<ShadedCloth> cloths;
+  for (std::size_t i = 0; i < scene.cloths.size(); ++i)
+    cloths.push_back({&simulation.meshes()[i].render, &scene.cloths[i].appearance});
+  for (std::size_t i = scene.cloths.size(); i < simulation.meshes().size(); ++i) cloths.push_back({&simulation.meshes()[i].render, nullptr});
+  auto shading = Shading::create(device, scene, cloths, size);
+  if (shading) {
+    shading_ = std::move(*shading);
+    return kDone;
+  }
+  const std::vector<std::string> faults = file_faults(scene);
+  for (const std::string& fault : faults) complain(fault);
+  if (!faults.empty()) return kBadInput;
+  complain(shading.error());
+  return kFailed;
+}
+
+Result<Image> Painter::draw(const Simulation& simulation) {
+  return shading_->draw({simulation.positions(), simulation.normals(), simulation.colliders()});
+}
+
+Result<void> Painter::draw(const Simulation& simulation, const std::filesystem::path& file) {
+  if (!shading_) return {};
+  const Result<Image> image = draw(simulation);
+  if (!image) return fail(image.error());
+  return write_png(file, *image);
+}
+
+}  // namespace weft::command

@@ -1,0 +1,89 @@
+// Scenes from files and from bare meshes.
+#include "samples/weft/subject.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+#include <iterator>
+
+#include "engine/reference/choice.h"
+#include "engine/shading/image.h"
+#include "samples/weft/console.h"
+#include "samples/weft/files.h"
+
+namespace weft::command {
+
+bool is_mesh(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending == ".gltf" || ending == ".glb" || ending == ".obj";
+}
+
+Result<Scene> load_subject(const std::filesystem::path& file, std::span<const Assignment> assignments) {
+  if (!is_mesh(file)) return load_scene(file, assignments);
+  Result<Mesh> mesh = load_mesh(file);
+  if (!mesh) return mesh.take_error();
+  Vec3 low = mesh->points.front(), high = low;
+  for (const Vec3& p : mesh->points) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  const Scene scene = default_scene(file, low, high);
+  if (assignments.empty()) return scene;
+  return parse_scene(scene_text(scene), scene.folder, assignments);
+}
+
+std::vector<std::string> file_faults(const Scene& scene) {
+  std::vector<std::string> faults;
+  for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
+    const Cloth& cloth = scene.cloths[i];
+    const std::string path = "cloths[" + std::to_string(i) + "].";
+    if (!cloth.mesh.empty())
+      if (const Result<Mesh> mesh = load_mesh(scene.folder / cloth.mesh); !mesh) faults.push_back(path + "mesh: " + mesh.error());
+    const Appearance& looks = cloth.appearance;
+    const std::array<std::pair<const char*, const std::string*>, 4> maps = {
+        {{"albedo", &looks.albedo}, {"normal", &looks.normal}, {"roughness", &looks.roughness}, {"occlusion", &looks.occlusion}}};
+    for (const auto& [key, name] : maps) {
+      if (name->empty()) continue;
+      if (const Result<Image> image = read_image(scene.folder / *name); !image) faults.push_back(path + "appearance." + key + ": " + image.error());
+    }
+  }
+  for (const std::uint32_t i : mesh_colliders(scene))
+    if (const Result<Mesh> mesh = load_mesh(scene.folder / scene.colliders[i].mesh); !mesh)
+      faults.push_back("colliders[" + std::to_string(i) + "].mesh: " + mesh.error());
+  return faults;
+}
+
+namespace {
+
+// The device's own curve, for scenes that choose by one; nothing where none was saved.
+Result<std::optional<Curve>> saved_curve(const compute::Device& device, const Scene& scene) {
+  const std::filesystem::path file = curve_file(device.name());
+  if (scene.solver.method != Method::automatic || !is_there(file)) return std::optional<Curve>();
+  std::ifstream stream(file, std::ios::binary);
+  auto curve = parse_curve(std::string{std::istreambuf_iterator<char>(stream), {}});
+  if (!curve) return fail(file.string(), ": ", curve.error(), "; weft accuracy --save writes a new one");
+  return std::optional<Curve>(std::move(*curve));
+}
+
+}  // namespace
+
+Started start(const compute::Device& device, const Scene& scene, bool timings) {
+  const auto curve = saved_curve(device, scene);
+  if (!curve) {
+    complain(curve.error());
+    return {nullptr, kBadInput};
+  }
+  SimulationOptions options;
+  options.curve = *curve ? &**curve : nullptr;
+  options.timings = timings;
+  options.pipeline_cache = pipeline_cache();
+  auto simulation = Simulation::create(device, scene, options);
+  if (simulation) return {std::move(*simulation), kDone};
+  complain(simulation.error());
+  const Result<std::vector<Mesh>> meshes = make_meshes(scene);
+  return {nullptr, meshes && cook(scene, *meshes) ? kFailed : kBadInput};
+}
+
+}  // namespace weft::command

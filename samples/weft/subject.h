@@ -1,0 +1,33 @@
+// What a command works on: a scene file, or a bare mesh with the scene that a bare mesh gets.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/mesh.h"
+#include "engine/scene.h"
+#include "engine/simulation.h"
+#include "samples/weft/commands.h"
+
+namespace weft::command {
+
+/// By its ending: .gltf, .glb or .obj.
+bool is_mesh(const std::filesystem::path& file);
+
+/// Loads a scene, or the default scene of a mesh, and applies assignments. Every error is the input's.
+Result<Scene> load_subject(const std::filesystem::path& file, std::span<const Assignment> assignments);
+
+/// Textures and meshes that cannot be read, one sentence each with its JSON path.
+std::vector<std::string> file_faults(const Scene& scene);
+
+/// A simulation, or the exit code after the complaint: a scene that cannot be cooked is bad input, the rest is the machine.
+struct Started {
+  std::unique_ptr<Simulation> simulation;
+  Exit exit = kDone;
+};
+Started start(const compute::Device& device, const Scene& scene, bool timings);
+
+}  // namespace weft::command

@@ -1,0 +1,1 @@
+weft_passes(bend bend_gather bend_lambda)

@@ -1,0 +1,91 @@
+// contact_prepare: what a candidate is in this substep: the direction between its sides, how each particle moves their closest
+// points, and the distance to keep. All of it is taken from the pose that the substep began with, in which the sides are known
+// to be apart, so that the direction points to the right side however far the prediction runs through
+// (Lewin 2018, "Cloth self collision with predictive contacts").
+//
+// A pair that is closer than it should be is taken apart at a bounded speed: a substep asks for no more than what there was
+// and contact_settings.recover on top. A pair that does not come near in this substep is no contact (w < 0) and weighs on nobody's share.
+// One whose sides meet has no direction: its normal is 0, and contact_limit holds its particles.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+GATHER(positions)
+GATHER(predicted)
+GATHER_UINT4(candidates)
+READ_WRITE(Detection, detection)
+WRITE(vec4, contact_normals)
+WRITE(vec4, contact_weights)
+READ_WRITE(uint, contact_counts)
+
+#include "contact/proximity.glsl"
+#include "contact/contact.glsl"
+#include "contact/contact_list.glsl"
+
+// m. Rounding of an offset between features a few centimetres long: what is shorter points nowhere.
+const float kNoDistance = 1e-9;
+// m. Of a mesh that fits into this, no two points are further apart.
+const float kNoMesh = 1e9;
+
+// The directions in which the features extend that the closest points lie on; 0 where there are fewer than two.
+mat2x3 tangents(vec4 weights, mat4x3 x, bool edges) {
+  const bvec4 used = notEqual(weights, vec4(0));
+  if (edges) return mat2x3(used.x && used.y ? x[1] - x[0] : vec3(0), used.z && used.w ? x[3] - x[2] : vec3(0));
+  const vec3 first = used.y && used.z ? x[2] - x[1] : used.z && used.w ? x[3] - x[2] : vec3(0);
+  return mat2x3(first, used.y && used.w ? x[3] - x[1] : vec3(0));
+}
+
+// d is the way between the closest points. Its direction loses in precision what it is shorter than the edges, by rounding in
+// the weights; the normal of the features that they lie on does not, unless these are nearly parallel. Of the two the one
+// that keeps the sides further apart is right: no direction does so by more than their distance.
+vec3 direction(vec3 d, vec4 weights, mat4x3 x, bool edges) {
+  const mat2x3 along = tangents(weights, x, edges);
+  vec3 across = cross(along[0], along[1]);
+  if (dot(across, across) > 0) {
+    if (dot(across, d) < 0) across = -across;
+  } else {
+    const vec3 edge = along[0] + along[1];
+    across = d - (dot(d, edge) / max(dot(edge, edge), 1e-30)) * edge;
+  }
+  const vec3 n = d / length(d);
+  const vec3 precisely = across / max(length(across), 1e-30);
+  return separation(precisely, x, edges) > separation(n, x, edges) ? precisely : n;
+}
+
+// Only who can give way has a share. A large triangle's corner meets thousands, whose pushes its count would shorten
+// (contact_solve), and settle, which clears counts, has nothing to do for it.
+void count(uint particle, float weight) {
+  if (weight != 0 && FETCH(positions, particle).w != 0) atomicAdd(contact_counts[particle], 1);
+}
+
+void main() {
+  const uint i = gl_GlobalInvocationID.x;
+  if (i >= min(detection[0].candidates, contact_settings.capacity)) return;
+  const Candidate pair = unpack_candidate(FETCH(candidates, i));
+  const uint a = pair.particle[0], b = pair.particle[1], c = pair.particle[2], d = pair.particle[3];
+  const vec3 origin = FETCH(positions, a).xyz;
+  const mat4x3 x = mat4x3(vec3(0), FETCH(positions, b).xyz - origin, FETCH(positions, c).xyz - origin, FETCH(positions, d).xyz - origin);
+  const mat4x3 p = mat4x3(FETCH(predicted, a).xyz - origin, FETCH(predicted, b).xyz - origin, FETCH(predicted, c).xyz - origin,
+                          FETCH(predicted, d).xyz - origin);
+  const vec4 weights = pair.edges ? closest_of_edges(x[0], x[1], x[2], x[3]) : closest_to_triangle(x[0], x[1], x[2], x[3]);
+  const vec3 between = offset(weights, x[0], x[1], x[2], x[3]);
+  const float gap = length(between);
+  if (!(gap >= kNoDistance && gap < kNoMesh)) {
+    contact_normals[i] = vec4(0, 0, 0, -1);
+    return;
+  }
+  const vec3 n = direction(between, weights, x, pair.edges);
+  const float keep = min(pair.keep, gap + contact_settings.recover);
+  const vec2 least = least_of_sides(signs(pair.edges) * (n * x), pair.edges);
+  const float half_gap = 0.5 * (least.x + least.y), height = half_gap - least.x;
+  // Some room for what other contacts and constraints do to the prediction.
+  const bool touches = dot(n, p * weights) < keep + 0.1 * pair.keep || half_gap < kFloor * length(origin);
+  contact_normals[i] = vec4(n, touches ? keep : -height);
+  if (!touches) return;
+  list(WEFT_TOUCHING, i);
+  contact_weights[i] = weights;
+  count(a, weights.x);
+  count(b, weights.y);
+  count(c, weights.z);
+  count(d, weights.w);
+}

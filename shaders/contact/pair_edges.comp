@@ -1,0 +1,36 @@
+// pair_edges: of the edges that are near each other, those that may meet before the next detection (pair.glsl).
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+READ_WRITE(Detection, detection)
+GATHER_UINT2(edges)
+READ(uvec2, near_edges)
+
+#include "contact/pair.glsl"
+
+float squared_difference(Track a, Track b) {
+  const vec3 d = a.path - b.path;
+  return dot(d, d);
+}
+
+float largest_difference(Track a, Track b, Track c, Track d) {
+  return max(max(squared_difference(a, c), squared_difference(a, d)), max(squared_difference(b, c), squared_difference(b, d)));
+}
+
+float distance_of(vec3 a, vec3 b, vec3 c, vec3 d) { return length(offset(closest_of_edges(a, b, c, d), a, b, c, d)); }
+
+// push.count: places in near_edges.
+void main() {
+  const uint i = gl_GlobalInvocationID.x;
+  if (i >= min(push.count, detection[0].near[of_edges])) return;
+  const uvec2 pair = near_edges[i];
+  const uvec4 k = uvec4(FETCH_UINT2(edges, pair.x), FETCH_UINT2(edges, pair.y));
+  const Track a = track_of(k.x), b = track_of(k.y), c = track_of(k.z), d = track_of(k.w);
+  const vec4 rest_a = FETCH(rest, k.x), rest_c = FETCH(rest, k.z);
+  const Sweep sweep = sweep_of(a, b, rest_a.w), its_sweep = sweep_of(c, d, rest_c.w);
+  const float spare = spare_distance(distance_of(a.at, b.at, c.at, d.at), largest_difference(a, b, c, d), sweep, its_sweep);
+  const float at_rest = distance_of(rest_a.xyz, FETCH(rest, k.y).xyz, rest_c.xyz, FETCH(rest, k.w).xyz);
+  const float keep = distance_to_keep(k.x, k.z, 0.5 * (rest_a.w + rest_c.w), at_rest);
+  if (overlap(sweep, its_sweep) && spare < keep && moves(k)) add_candidate(k, keep, true);
+}

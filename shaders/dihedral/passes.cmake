@@ -1,0 +1,1 @@
+weft_passes(dihedral dihedral_gather)

@@ -1,0 +1,32 @@
+// implicit_step: moves on by what was solved, p = x + h (v* + dv), without what it gave to the centre of mass of a free cloth;
+// settle does the rest. Reports how well it was solved.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+GATHER(predicted)
+READ(Linear, linear)
+READ(FreeCloth, free_cloths)
+WRITE(vec4, relaxed)
+READ_WRITE(Counters, counters)
+
+#include "motion/finalize.glsl"
+
+#include "implicit/implicit_change.glsl"
+
+void report(Linear state) {
+  const float left = state.first > 0 ? sqrt(state.squared / state.first) : 0;
+  counters[0].residual = left;
+  if (left > WEFT_CONVERGED) counters[0].unconverged += 1;
+  if (state.done == 2) counters[0].stopped += 1;
+}
+
+void main() {
+  const uint i = gl_GlobalInvocationID.x;
+  const Linear state = linear[0];
+  if (i == 0) report(state);
+  if (i >= push.count) return;
+  vec4 p = FETCH(predicted, i);
+  if (p.w != 0) p.xyz += motion.h * (change_of(i, state, push.count) - free_cloths[floatBitsToUint(FETCH(velocities, i).w)].drift);
+  leave(i, p);
+}

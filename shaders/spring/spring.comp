@@ -1,0 +1,58 @@
+// spring: the forces of springs, gathered, and what they make of the prediction. Mass-spring cloth (Provot 1995) by symplectic Euler:
+//     v' = v + h (g + w f(x, v)),   x' = x + h v'.
+// The prediction has v + h g in it already, so that forces add h^2 w f to it; the velocity follows from where the particle ends
+// (update_velocity.glsl), as with constraints. Verlet's x(t + h) = 2 x(t) - x(t - h) + h^2 w f is the same with v = (x(t) - x(t - h)) / h: one shader.
+//
+// Forces are taken at the substep's start, so h has a limit, which the cook works out (engine/effects/spring/longest_step.cpp). Damping goes along
+// the spring, with the velocities that gravity and drag have driven on already; an anchor's counts as 0.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+GATHER(positions)
+GATHER(velocities)
+GATHER(predicted)
+GATHER_UINT2(spring_rows)
+GATHER_UINT4(spring_ends)
+GATHER(springs)
+WRITE(vec4, relaxed)
+READ_WRITE(Counters, counters)
+
+uint coincident = 0;
+
+// As links do (stretch.comp): ends at one place go apart along a line that is askew to all axes.
+const vec3 kApart = 1e-10 * vec3(0.36, 0.48, 0.8);
+
+// On the particle at x with the velocity v (N).
+vec3 force(vec3 x, vec3 v, uint other, vec4 spring) {
+  vec3 d = x - FETCH(positions, other).xyz;
+  const float squared = dot(d, d);
+  const bool together = squared < 1e-20 && spring.x > 0;
+  coincident += uint(together);
+  if (together) d = gl_GlobalInvocationID.x < other ? kApart : -kApart;
+  const float len = sqrt(squared + 1e-20);
+  float pull = spring.y * (len - spring.x);
+  if (has_damping && !together) pull += spring.z * dot(v - FETCH(velocities, other).xyz, d) / len;
+  if (spring.w != 0 && len < spring.x) pull = 0;
+  return (-pull / len) * d;
+}
+
+void main() {
+  const uint i = gl_GlobalInvocationID.x;
+  if (i >= push.count) return;
+  const vec4 p = FETCH(predicted, i), x = FETCH(positions, i);
+  const vec3 v = has_damping ? FETCH(velocities, i).xyz : vec3(0);
+  const uvec2 row = FETCH_UINT2(spring_rows, i);
+  vec3 sum = vec3(0);
+  for (uint q = row.x; q < row.x + row.y; ++q) {
+    const uvec4 ends = FETCH(spring_ends, q);
+    sum += force(x.xyz, v, ends.x, FETCH(springs, 4 * q));
+    sum += force(x.xyz, v, ends.y, FETCH(springs, 4 * q + 1));
+    sum += force(x.xyz, v, ends.z, FETCH(springs, 4 * q + 2));
+    sum += force(x.xyz, v, ends.w, FETCH(springs, 4 * q + 3));
+  }
+  if (coincident > 0) atomicAdd(counters[0].coincident, coincident);
+  // A neighbour that is lost must not take this particle along.
+  if (!(dot(sum, sum) < 1e20)) sum = vec3(0);
+  relaxed[i] = vec4(p.xyz + (motion.h * motion.h * x.w) * sum, p.w);
+}

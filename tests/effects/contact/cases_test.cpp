@@ -1,0 +1,328 @@
+// The promise that cloth never crosses cloth, in hard cases: at every frame an independent checker
+// (engine/reference/intersections.h), which shares nothing with the passes, must find nothing, and no contact may be lost.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "compute/commands.h"
+#include "engine/reference/intersections.h"
+#include "tests/support/mesh_files.h"
+#include "tests/support/sheets.h"
+
+namespace weft {
+namespace {
+
+using ContactCase = GpuTest;
+
+constexpr double kFrame = 1.0 / 60;
+
+std::uint64_t crossings_of(const Simulation& simulation) {
+  std::vector<Vec3> places;
+  for (const gpu::vec4& p : must(simulation.read_positions())) places.push_back({p.x, p.y, p.z});
+  return count_crossings(places, std::span(simulation.fabric().triangles).first(simulation.fabric().cloth_triangles));
+}
+
+// Runs a scene and looks at every frame.
+void run_without_crossing(Simulation& simulation, int frames) {
+  for (int frame = 0; frame < frames; ++frame) {
+    must(simulation.advance(kFrame));
+    ASSERT_EQ(crossings_of(simulation), 0u) << "after frame " << frame;
+  }
+  EXPECT_EQ(simulation.counts().contacts_lost, 0u);
+  EXPECT_EQ(simulation.counts().non_finite, 0u);
+}
+
+// What scenes with contacts begin with: a sheet of `size` metres, `cells` a side, with its middle at `centre`.
+Cloth cloth_of(Vec2 size, std::uint32_t cells, Vec3 centre, Topology topology = Topology::diagonal) {
+  Cloth cloth;
+  cloth.grid = Grid{size, cells, cells, topology, false};
+  cloth.transform.translate = centre;
+  cloth.fabric.thickness = 0.002;
+  return cloth;
+}
+
+Scene scene_of(std::vector<Cloth> cloths) {
+  Scene scene;
+  scene.contacts.enabled = true;
+  scene.cloths = std::move(cloths);
+  return scene;
+}
+
+// Two opposite edges turn against each other, two full turns each, and come together as the cloth shortens. The same as
+// assets/scenes/twist.json, with fewer vertices and contact iterations for time's sake.
+Scene twist(std::uint32_t vertices, Topology topology, double seconds) {
+  Cloth cloth = cloth_of({1, 0.3f}, vertices - 1, {0, 0, 0}, topology);
+  cloth.fabric.thickness = 0.001;
+  cloth.tethers = false;
+  for (const float side : {-1.0f, 1.0f}) {
+    Anchor anchor;
+    anchor.box = Anchor::Box{{0.5f * side - 1e-3f, -1, -1}, {0.5f * side + 1e-3f, 1, 1}};
+    Key start, end;
+    start.axis = end.axis = {1, 0, 0};
+    end.time = seconds;
+    end.degrees = 720 * side;
+    end.translate = {-0.1f * side, 0, 0};
+    anchor.keys = {start, end};
+    cloth.anchors.push_back(anchor);
+  }
+  return scene_of({cloth});
+}
+
+class Twist : public GpuTest, public testing::WithParamInterface<std::pair<std::uint32_t, Topology>> {};
+
+TEST_P(Twist, four_full_turns_never_cross) {
+  const auto [vertices, topology] = GetParam();
+  constexpr double kSeconds = 4;
+  const auto simulation = must(Simulation::create(device(), twist(vertices, topology, kSeconds)));
+  run_without_crossing(*simulation, static_cast<int>(60 * kSeconds) + 15);
+  EXPECT_GT(simulation->counts().contacts_most, 1000u) << "the scene wound up nothing";
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, Twist,
+                         testing::Values(std::pair(24u, Topology::diagonal), std::pair(20u, Topology::centre)),
+                         [](const auto& info) {
+                           return std::to_string(info.param.first) + (info.param.second == Topology::diagonal ? "_diagonal" : "_centre");
+                         });
+
+// Every sheet is turned a little against the one below, so that no two of them lie vertex on vertex.
+TEST_F(ContactCase, ten_sheets_dropped_on_each_other_stay_apart_in_order_and_come_to_rest) {
+  std::vector<Cloth> cloths;
+  for (int k = 0; k < 10; ++k) {
+    Cloth cloth = cloth_of({0.4f, 0.4f}, 12, {0, 0.02f + 0.02f * static_cast<float>(k), 0});
+    cloth.transform.degrees = 7 * k;
+    cloth.fabric.damping = 1;
+    cloths.push_back(cloth);
+  }
+  Scene scene = scene_of(cloths);
+  scene.colliders.push_back(plane(0, 0.6));
+  const auto simulation = must(Simulation::create(device(), scene));
+  run_without_crossing(*simulation, 100);
+  const auto positions = must(simulation->read_positions());
+  double below = 0;
+  for (const ClothRange& range : simulation->fabric().cloths) {
+    const std::vector<gpu::vec4> own(positions.begin() + range.first_particle, positions.begin() + range.first_particle + range.particles);
+    const double height = centre_of_mass(own).y;
+    EXPECT_GT(height, below + 0.0005);
+    below = height;
+  }
+  EXPECT_LT(below, 0.04);   // ten times 2 mm and a fold or two
+  EXPECT_LT(top_speed(*simulation), 0.2);
+}
+
+TEST_F(ContactCase, a_sheet_folded_over_a_sphere_onto_the_floor_never_crosses) {
+  Scene scene = scene_of({cloth_of({1, 1}, 32, {0.1f, 0.75f, 0})});
+  scene.colliders.push_back(plane(0));
+  scene.colliders.push_back(sphere({0, 0.25f, 0}, 0.15));
+  const auto simulation = must(Simulation::create(device(), scene));
+  run_without_crossing(*simulation, 120);
+  EXPECT_GT(simulation->counts().contacts_most, 1000u);
+}
+
+TEST_F(ContactCase, a_gltf_mesh_collapses_onto_the_floor_without_crossing_itself) {
+  const std::filesystem::path file = std::filesystem::path(WEFT_SOURCE_DIR) / "../shared/data/flamenco_cloth/CustomCloth.gltf";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not there";
+  float lowest = INFINITY;
+  for (const Vec3& p : must(load_mesh(file)).points) lowest = std::min(lowest, p.y);
+  Cloth cloth;
+  cloth.mesh = file.string();
+  Scene scene = scene_of({cloth});
+  scene.colliders.push_back(plane(lowest - 0.01f));
+  const auto simulation = must(Simulation::create(device(), scene));
+  run_without_crossing(*simulation, 40);
+  EXPECT_GT(simulation->counts().contacts_most, 100u);
+  double reached = INFINITY;
+  for (const gpu::vec4& p : must(simulation->read_positions())) reached = std::min<double>(reached, p.y);
+  EXPECT_LT(reached, lowest - 0.005) << "it did not reach the floor";
+  EXPECT_GT(reached, lowest - 0.0101);
+}
+
+// A strip of two pieces that share no vertex in their file stands on its edge above the floor, a little oblique, and crumples.
+TEST_F(ContactCase, a_mesh_with_a_seam_crumples_without_crossing_itself) {
+  constexpr int kAcross = 12, kUp = 24;
+  constexpr float kCell = 0.02f;   // m
+  std::vector<float> places;
+  std::vector<std::uint16_t> corners;
+  for (const int piece : {0, 1}) {   // left and right of the seam
+    const auto first = static_cast<int>(places.size() / 3), columns = kAcross / 2 + 1;
+    for (int j = 0; j <= kUp; ++j)
+      for (int i = 0; i < columns; ++i)
+        for (const float x : {kCell * static_cast<float>(i + piece * kAcross / 2), kCell * static_cast<float>(j), 0.001f * static_cast<float>(j * j) / kUp}) places.push_back(x);
+    for (int j = 0; j < kUp; ++j)
+      for (int i = 0; i + 1 < columns; ++i) {
+        const int a = first + j * columns + i, c = a + columns;
+        for (const int corner : {a, a + 1, c + 1, a, c + 1, c}) corners.push_back(static_cast<std::uint16_t>(corner));
+      }
+  }
+  const test::Folder folder;
+  test::Gltf gltf;
+  gltf.primitive(gltf.vec3(places))["indices"] = gltf.indices16(corners);
+  Cloth cloth;
+  cloth.mesh = gltf.write(folder).string();
+  cloth.fabric.thickness = 0.002;
+  for (const bool contacts : {true, false}) {
+    Scene scene = scene_of({cloth});
+    scene.colliders.push_back(plane(-0.01f));
+    scene.contacts.enabled = contacts;
+    const auto simulation = must(Simulation::create(device(), scene));
+    EXPECT_EQ(simulation->fabric().positions.size(), (kAcross + 1u) * (kUp + 1u)) << "the seam is one";
+    EXPECT_EQ(simulation->positions().count, (kAcross + 2u) * (kUp + 1u)) << "and drawn with two sides";
+    if (contacts) {
+      run_without_crossing(*simulation, 50);
+      EXPECT_GT(simulation->counts().contacts_most, 1000u);
+    } else {
+      std::uint64_t crossings = 0;
+      for (int frame = 0; frame < 50; ++frame) {
+        must(simulation->advance(kFrame));
+        crossings += crossings_of(*simulation);
+      }
+      EXPECT_GT(crossings, 0u) << "nothing had to be kept apart";
+    }
+  }
+}
+
+// F4: contact reactions that are not barycentric do not conserve momentum. A strip is bent into a U and its arms are thrown at
+// each other, one faster than the other.
+TEST_F(ContactCase, a_free_folded_sheet_keeps_its_momentum) {
+  Scene scene = scene_of({cloth_of({0.6f, 0.3f}, 30, {0, 0, 0})});
+  scene.gravity = {0, 0, 0};
+  scene.cloths[0].fabric.damping = 0;
+  const auto simulation = must(Simulation::create(device(), scene));
+  auto pose = must(simulation->read_positions());
+  auto speed = pose;
+  const double radius = 0.02;
+  double momentum_sum = 0;
+  for (std::size_t i = 0; i < pose.size(); ++i) {
+    const gpu::vec4 rest = pose[i];
+    const double s = rest.x, half = radius * std::numbers::pi / 2;   // along the strip: an arc of half a turn in the middle
+    const double angle = std::clamp(s / half, -1.0, 1.0) * std::numbers::pi / 2;
+    const double arm = std::max(0.0, std::abs(s) - half);
+    pose[i] = {static_cast<float>(radius * std::cos(angle) - arm), static_cast<float>(radius * std::sin(angle)), rest.z, rest.w};
+    const double y = s > half ? -1.5 : s < -half ? 0.5 : 0;
+    speed[i] = {0, static_cast<float>(y * std::min(1.0, arm / 0.1)), 0, 0};
+    momentum_sum += std::abs(speed[i].y) / rest.w;
+  }
+  must(simulation->write_positions(pose));
+  must(simulation->write_velocities(speed));
+  const auto momentum = [&] {
+    const auto v = must(simulation->read_velocities());
+    Point sum;
+    for (std::size_t i = 0; i < v.size(); ++i) sum = {sum.x + v[i].x / pose[i].w, sum.y + v[i].y / pose[i].w, sum.z + v[i].z / pose[i].w};
+    return sum;
+  };
+  const Point before = momentum();
+  run_without_crossing(*simulation, 60);
+  EXPECT_LT(distance(before, momentum()), 1e-5 * momentum_sum);
+  EXPECT_GT(simulation->counts().contacts_most, 100u) << "the arms did not meet";
+}
+
+// Nothing is within reach of anything on a flat sheet, so contacts have nothing to change.
+class Hanging : public GpuTest, public testing::WithParamInterface<std::uint32_t> {};
+
+TEST_P(Hanging, a_flat_sheet_stretches_as_it_does_without_contacts) {
+  Strain strain[2];
+  for (const bool contacts : {false, true}) {
+    Scene scene;
+    Cloth& cloth = scene.cloths.emplace_back();
+    cloth.grid = Grid{{10, 10}, GetParam(), GetParam(), Topology::diagonal, true};
+    cloth.anchors.push_back(held_at({Corner::low_high, Corner::high_high}));
+    scene.contacts.enabled = contacts;
+    const auto simulation = must(Simulation::create(device(), scene));
+    run(*simulation, 1);
+    strain[contacts] = strain_of(*simulation);
+    EXPECT_EQ(simulation->counts().contacts_lost, 0u);
+    EXPECT_EQ(simulation->counts().detections > 0, contacts);
+    EXPECT_LT(simulation->counts().detections, 60u) << "of 600 substeps";
+  }
+  EXPECT_NEAR(strain[1].mean / strain[0].mean, 1, 0.01);
+  EXPECT_NEAR(strain[1].rms / strain[0].rms, 1, 0.01);
+  EXPECT_NEAR(strain[1].max / strain[0].max, 1, 0.01);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, Hanging, testing::Values(30u, 100u, 200u, 300u), testing::PrintToStringParamName());
+
+// The sphere goes through, or drags along what it can; the cloth may be torn about but not through itself.
+TEST_F(ContactCase, a_collider_through_cloth_at_five_metres_a_frame_makes_it_cross_nowhere) {
+  Scene scene = scene_of({cloth_of({1, 1}, 40, {0, 0, 0})});
+  scene.cloths[0].anchors.push_back(held_at({Corner::low_low, Corner::high_low}));
+  scene.colliders.push_back(sphere({0, 2.5f, 0}, 0.2));
+  const auto simulation = must(Simulation::create(device(), scene));
+  run_without_crossing(*simulation, 5);
+  for (int pass = 0; pass < 4; ++pass) {
+    ColliderPose pose;
+    pose.centre = {0.1f * static_cast<float>(pass), pass % 2 == 0 ? -2.5f : 2.5f, 0};
+    must(simulation->move_collider(0, pose));
+    run_without_crossing(*simulation, 1);
+  }
+  run_without_crossing(*simulation, 60);
+  EXPECT_LT(top_speed(*simulation), 100);
+}
+
+// F3: bins and lists that overflow without a word.
+TEST_F(ContactCase, a_frame_that_found_no_room_is_repeated_with_more_and_ends_the_same) {
+  std::uint64_t hashes[2];
+  for (const std::uint32_t capacity : {16u, 1u << 20}) {
+    Scene scene = twist(24, Topology::diagonal, 1);
+    scene.contacts.capacity = capacity;
+    const auto simulation = must(Simulation::create(device(), scene));
+    run_without_crossing(*simulation, 70);
+    EXPECT_GT(simulation->counts().contacts_most, 100u);
+    hashes[capacity > 16] = hash_of(*simulation);
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST_F(ContactCase, submitted_frames_that_found_no_room_are_safe_and_say_so) {
+  Scene scene = twist(24, Topology::diagonal, 1);
+  scene.contacts.capacity = 16;
+  const auto simulation = must(Simulation::create(device(), scene));
+  for (int frame = 0; frame < 70; ++frame) {
+    must(simulation->submit(kFrame));
+    ASSERT_EQ(crossings_of(*simulation), 0u) << "after frame " << frame;
+  }
+  EXPECT_GT(simulation->counts().contacts_lost, 0u);
+  EXPECT_EQ(simulation->counts().non_finite, 0u);
+}
+
+// A host that records has the room it began with. A sheet is thrown at another, so fast that pairs are lost before one of them is a candidate.
+TEST_F(ContactCase, recorded_frames_that_find_no_room_are_safe_and_say_so) {
+  for (const std::uint32_t capacity : {1u, 8u, 64u, 512u}) {
+    SCOPED_TRACE(capacity);
+    Scene scene = scene_of({cloth_of({0.3f, 0.3f}, 8, {0, 0, 0}), cloth_of({0.3f, 0.3f}, 7, {0.01f, 0.1f, 0.02f})});
+    scene.cloths[1].transform.degrees = 10;
+    scene.contacts.capacity = capacity;
+    const auto simulation = must(Simulation::create(device(), scene));
+    auto speed = must(simulation->read_velocities());
+    for (std::size_t i = simulation->fabric().cloths[1].first_particle; i < speed.size(); ++i) speed[i].y = -20;
+    must(simulation->write_velocities(speed));
+    for (int frame = 0; frame < 20; ++frame) {
+      must(compute::run_once(device(), "host", [&](VkCommandBuffer commands) { must(simulation->record(commands, kFrame)); }));
+      ASSERT_EQ(crossings_of(*simulation), 0u) << "after frame " << frame;
+    }
+    const auto positions = must(simulation->read_positions());
+    const auto height = [&](std::size_t cloth) {
+      const ClothRange& range = simulation->fabric().cloths[cloth];
+      return centre_of_mass({positions.begin() + range.first_particle, positions.begin() + range.first_particle + range.particles}).y;
+    };
+    EXPECT_GT(height(1), height(0)) << "one is through the other";
+    EXPECT_GT(simulation->counts().contacts_lost, 0u);
+    EXPECT_EQ(simulation->counts().non_finite, 0u);
+  }
+}
+
+TEST_F(ContactCase, the_same_scene_twice_is_the_same_to_the_bit) {
+  std::uint64_t hashes[3];
+  for (int run = 0; run < 3; ++run) {
+    SimulationOptions options;
+    options.gather_storage = run == 1;
+    options.workgroup = run == 2 ? 64 : 0;
+    const auto simulation = must(Simulation::create(device(), twist(20, Topology::centre, 1), options));
+    run_without_crossing(*simulation, 60);
+    hashes[run] = hash_of(*simulation);
+  }
+  EXPECT_EQ(hashes[0], hashes[1]);
+  EXPECT_EQ(hashes[0], hashes[2]);
+}
+
+}  // namespace
+}  // namespace weft

@@ -1,0 +1,183 @@
+// What the detection's passes prepare and decide: when pairs are searched for, how far particles may stray, paths, the grid's
+// offsets, and how many threads the passes after them take.
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <set>
+
+#include "tests/support/detected.h"
+
+namespace weft {
+namespace {
+
+using DetectArm = GpuTest;
+
+TEST_F(DetectArm, grid_lists_every_primitive_in_its_slot_and_leaves_the_counts_at_zero) {
+  Random random(8);
+  const Soup soup = random_soup(random, 200);
+  const std::size_t primitives = soup.fabric.triangles.size() + soup.fabric.edges.size();
+  const std::size_t slots = contact_settings(Detected::scene({}), soup.fabric).slots;
+  const Detected counted(device(), soup, {}, "grid_scan");
+  const auto counts = counted.passes.get<std::uint32_t>(buffers::grid_counts, slots);
+  EXPECT_EQ(std::accumulate(counts.begin(), counts.end(), std::size_t{0}), primitives);
+  const Detected filled(device(), soup, {}, "grid_fill");
+  EXPECT_EQ(filled.passes.get<std::uint32_t>(buffers::grid_counts, slots), std::vector<std::uint32_t>(slots, 0));
+  std::set<std::uint32_t> listed;
+  const auto entries = filled.passes.get<gpu::vec4>(buffers::grid_entries, 3 * primitives);   // the other places hold outlines
+  for (std::size_t k = 0; k < entries.size(); k += 3) listed.insert(std::bit_cast<std::uint32_t>(entries[k].w) & 0x0fffffffu);
+  EXPECT_EQ(listed.size(), primitives);
+  EXPECT_EQ(*listed.rbegin(), primitives - 1);
+}
+
+TEST_F(DetectArm, starts_are_the_sums_of_the_counts_before_them) {
+  // Slots: the least, a block or less than one, and several blocks.
+  for (const std::uint32_t workgroup : {64u, 512u})
+    for (const std::size_t slots : {64u, 512u, 4096u, 32768u}) {
+      Random random(9);
+      Soup soup = soup_of(random, 64);
+      soup.fabric.triangles.assign(2 * slots - 3, {0, 1, 2});
+      soup.fabric.edges.assign(3, {0, 1});
+      Detected detected(device(), soup, {false, workgroup}, "detect_arm");
+      ASSERT_EQ(contact_settings(Detected::scene({}), soup.fabric).slots, slots);
+      std::vector<std::uint32_t> counts(slots), wanted(slots + 1);
+      for (std::uint32_t& count : counts) count = static_cast<std::uint32_t>(random() % 5 == 0 ? random() % 1000 : 0);
+      std::partial_sum(counts.begin(), counts.end(), wanted.begin() + 1);
+      detected.passes.put(buffers::grid_counts, counts);
+      detected.passes.run("grid_total");
+      detected.passes.run("grid_scan");
+      EXPECT_EQ(detected.passes.get<std::uint32_t>(buffers::grid_starts, slots + 1), wanted) << slots << " slots, " << workgroup << " threads";
+    }
+}
+
+TEST_F(DetectArm, paths_are_the_substep_ahead_ten_times_but_no_longer_than_32_cells_a_substep) {
+  Random random(10);
+  Soup soup = random_soup(random, 40);
+  for (std::size_t i = 0; i < soup.predicted.size(); i += 4) soup.predicted[i].y += 0.5f;
+  const double cell = 0.01;
+  const Detected detected(device(), soup, {false, 64, cell}, "detect_path");
+  const auto x = points(soup.fabric.positions), p = points(soup.predicted), paths = points(detected.passes.particles(buffers::paths));
+  EXPECT_EQ(largest_gap(detected.passes.particles(buffers::references), x), 0);
+  for (std::size_t i = 0; i < x.size(); ++i) EXPECT_LT((paths[i] - reference::path_along(p[i] - x[i], cell)).norm(), 20 * kRounding * 4);
+  for (const std::uint32_t leash : detected.passes.get<std::uint32_t>(buffers::leashes, x.size())) EXPECT_EQ(std::bit_cast<float>(leash), static_cast<float>(kReach));
+}
+
+TEST_F(DetectArm, detect_arm_detects_when_due_and_adapts_the_reach_to_how_often_that_is) {
+  Random random(11);
+  Soup soup = random_soup(random, 20);
+  Detected detected(device(), soup, {}, "detect_arm");
+  SinglePass& passes = detected.passes;
+  const auto low = static_cast<float>(kReach), high = contact_settings(Detected::scene({}), soup.fabric).reach_high;
+  gpu::Detection d = detected.detection();
+  EXPECT_EQ(d.reach, low);
+  EXPECT_EQ(d.due, 0u);
+  EXPECT_EQ(d.age, 0u);
+  EXPECT_EQ(d.particles.x, 1u);
+  const auto primitives = static_cast<std::uint32_t>(soup.fabric.triangles.size() + soup.fabric.edges.size());
+  EXPECT_EQ(d.primitives.x, (primitives + 63) / 64);
+  EXPECT_EQ(d.blocks.x, 1u);
+  for (const gpu::Groups& groups : {d.particles, d.primitives, d.blocks}) EXPECT_EQ(std::pair(groups.y, groups.z), std::pair(1u, 1u));
+  EXPECT_EQ(passes.counters().detections, 1u);
+  // Not due: nothing to dispatch, and the detection grows old.
+  for (std::uint32_t age = 1; age < WEFT_HORIZON + 3; ++age) {
+    passes.run("detect_arm");
+    d = detected.detection();
+    EXPECT_EQ(d.age, std::min(age, WEFT_HORIZON));
+    for (const gpu::Groups& groups : {d.particles, d.primitives, d.blocks}) EXPECT_EQ(groups.x, 0u);
+  }
+  const auto due_at_age = [&](float reach, std::uint32_t age, std::uint32_t candidates = 100'000) {
+    gpu::Detection state = detected.detection();
+    state.reach = reach;
+    state.age = age;
+    state.due = 1;
+    state.candidates = candidates;
+    state.extents[5] = state.near[1] = state.levels[0] = 9;
+    passes.put(buffers::detection, std::vector{state});
+    passes.run("detect_arm");
+    state = detected.detection();
+    EXPECT_EQ(state.due + state.age + state.candidates + state.extents[5] + state.near[1] + state.levels[0], 0u);
+    return state.reach;
+  };
+  EXPECT_EQ(d.horizon, WEFT_HORIZON) << "nothing is known yet";
+  EXPECT_FLOAT_EQ(due_at_age(2 * low, 0), 3 * low) << "one substep old";
+  EXPECT_EQ(detected.detection().horizon, 2u);
+  EXPECT_FLOAT_EQ(due_at_age(2 * low, 1), 3 * low);
+  EXPECT_FLOAT_EQ(due_at_age(2 * low, 2), 2 * low);
+  EXPECT_EQ(detected.detection().horizon, 6u);
+  EXPECT_FLOAT_EQ(due_at_age(2 * low, 8), 2 * low);
+  EXPECT_EQ(detected.detection().horizon, WEFT_HORIZON);
+  EXPECT_FLOAT_EQ(due_at_age(2 * low, 9), 1.8f * low) << "its paths held to the end";
+  EXPECT_FLOAT_EQ(due_at_age(0.9f * high, 0), high);
+  EXPECT_FLOAT_EQ(due_at_age(1.05f * low, 10), low);
+  EXPECT_FLOAT_EQ(due_at_age(2 * low, 8, 1), 3 * low) << "so few pairs cost nothing";
+  EXPECT_FLOAT_EQ(due_at_age(1.9f * high, 8, 1), 2 * high);
+  EXPECT_FLOAT_EQ(due_at_age(1.9f * high, 8), high) << "but now they do";
+  EXPECT_EQ(passes.counters().detections, 11u);
+  // Once at the end of paths that nobody left, if there are many pairs; and then not again.
+  gpu::Detection state = detected.detection();
+  state.age = WEFT_HORIZON;
+  state.candidates = 100'000;
+  passes.put(buffers::detection, std::vector{state});
+  passes.run("detect_arm");
+  EXPECT_EQ(detected.detection().age, 0u);
+  EXPECT_EQ(detected.detection().calm, 1u);
+  state.calm = 1;
+  passes.put(buffers::detection, std::vector{state});
+  passes.run("detect_arm");
+  EXPECT_EQ(detected.detection().age, WEFT_HORIZON);
+  EXPECT_EQ(passes.counters().detections, 12u);
+}
+
+TEST_F(DetectArm, search_arm_dispatches_a_thread_a_near_pair_after_a_search_and_none_without) {
+  Random random(12);
+  Soup soup = random_soup(random, 40);
+  Detected detected(device(), soup, {false, 64, 0.05, kReach, 100}, "detect_arm");
+  const auto armed = [&](std::uint32_t faces, std::uint32_t edges, std::uint32_t age) {
+    gpu::Detection state = detected.detection();
+    state.near[0] = faces;
+    state.near[1] = edges;
+    state.age = age;
+    detected.passes.put(buffers::detection, std::vector{state});
+    detected.passes.run("search_arm");
+    state = detected.detection();
+    return std::pair(state.near_faces.x, state.near_edges.x);
+  };
+  using Groups = std::pair<std::uint32_t, std::uint32_t>;
+  EXPECT_EQ(armed(0, 0, 0), Groups(0, 0));
+  EXPECT_EQ(armed(64, 65, 0), Groups(1, 2));
+  EXPECT_EQ(armed(64, 65, 1), Groups(0, 0));
+  EXPECT_EQ(detected.passes.counters().contacts_lost, 0u);
+  EXPECT_EQ(armed(1000, 207, 0), Groups(4, 4)) << "200 places of each kind";
+  EXPECT_EQ(detected.passes.counters().contacts_lost, 807u);
+  EXPECT_EQ(armed(1000, 207, 3), Groups(0, 0));
+  EXPECT_EQ(detected.passes.counters().contacts_lost, 807u) << "an old search is not counted again";
+}
+
+TEST_F(DetectArm, contact_arm_dispatches_what_there_is_room_for_and_counts_the_rest) {
+  Random random(12);
+  Soup soup = random_soup(random, 40);
+  Detected detected(device(), soup, {false, 64, 0.05, kReach, 100}, "detect_arm");
+  const auto armed = [&](std::uint32_t candidates, std::uint32_t age) {
+    gpu::Detection state = detected.detection();
+    state.candidates = candidates;
+    state.age = age;
+    for (std::uint32_t& lowered : state.lowered) lowered = 1;
+    state.unsafe = 1;
+    detected.passes.put(buffers::detection, std::vector{state});
+    detected.passes.run("contact_arm");
+    state = detected.detection();
+    for (const std::uint32_t lowered : state.lowered) EXPECT_EQ(lowered, 0u);
+    EXPECT_EQ(state.unsafe, 0u);
+    return std::pair(state.contacts.x, state.touched.x);
+  };
+  using Groups = std::pair<std::uint32_t, std::uint32_t>;
+  EXPECT_EQ(armed(0, 0), Groups(0, 0));
+  EXPECT_EQ(armed(65, 0), Groups(2, 2));
+  EXPECT_EQ(armed(130, 0), Groups(2, 2));
+  EXPECT_EQ(armed(140, 1), Groups(2, 2)) << "an old detection is not counted again";
+  EXPECT_EQ(armed(3, 0), Groups(1, 2));
+  EXPECT_EQ(detected.passes.counters().contacts_most, 130u);
+  EXPECT_EQ(detected.passes.counters().contacts_lost, 30u);
+}
+
+}  // namespace
+}  // namespace weft

@@ -1,0 +1,169 @@
+// The detection's passes against their twin: on random soups every pair that may meet is found once and no other, whatever the
+// cell, the workgroup and the way of gathering; nothing is lost silently; and what is degenerate loses nothing either.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "tests/support/detected.h"
+
+namespace weft {
+namespace {
+
+using Detect = GpuTest;
+using reference::Particles;
+
+// A pair's name: which kind, and its particles in the order in which the buffers list them.
+using Name = std::pair<bool, Particles>;
+
+// Edges find each other from either side.
+Name name_of(bool edges, Particles p) {
+  if (edges && std::pair(p[2], p[3]) < std::pair(p[0], p[1])) p = {p[2], p[3], p[0], p[1]};
+  return {edges, p};
+}
+
+struct Oracle {
+  std::map<Name, double> kept;    // pairs that are candidates beyond doubt, and the distance they keep
+  std::set<Name> doubtful;        // within what single precision can tell
+};
+
+Oracle all_pairs(const Soup& soup, const reference::Tracks& t, double doubt) {
+  Oracle oracle;
+  const auto judge = [&](const Particles& p, int a) {
+    if (!reference::can_be_pair(t, p, a)) return;
+    const double spare = reference::spare_distance(t, p, a);
+    if (spare < -doubt) oracle.kept[name_of(a == 2, p)] = reference::keep_of(t, p, a);
+    else if (spare <= doubt) oracle.doubtful.insert(name_of(a == 2, p));
+  };
+  for (std::uint32_t i = 0; i < soup.fabric.positions.size(); ++i)
+    for (const auto& [a, b, c] : soup.fabric.triangles) judge({i, a, b, c}, 1);
+  for (std::size_t i = 0; i < soup.fabric.edges.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) judge({soup.fabric.edges[j].x, soup.fabric.edges[j].y, soup.fabric.edges[i].x, soup.fabric.edges[i].y}, 2);
+  return oracle;
+}
+
+// Each box may be larger by four units in the last place of the largest coordinate, on purpose (grid.glsl), and the chain of
+// some twenty operations rounds as often; coordinates, paths included, are below `size`.
+double doubt_of(double size) { return (2 * 8 + 40) * kRounding * size; }
+
+void expect_agreement(const Detected& detected, const Oracle& oracle, double doubt) {
+  const std::uint32_t count = detected.detection().candidates;
+  std::map<Name, int> found;
+  for (const gpu::Candidate& c : detected.candidates(count)) {
+    const Name name = name_of(c.edges, {c.particle[0], c.particle[1], c.particle[2], c.particle[3]});
+    ++found[name];
+    const auto wanted = oracle.kept.find(name);
+    if (wanted == oracle.kept.end()) EXPECT_TRUE(oracle.doubtful.contains(name)) << "not a pair that may meet";
+    else EXPECT_NEAR(c.keep, wanted->second, doubt);
+  }
+  for (const auto& [name, times] : found) EXPECT_EQ(times, 1);
+  std::size_t missed = 0;
+  for (const auto& [name, keep] : oracle.kept) missed += !found.contains(name);
+  EXPECT_EQ(missed, 0u) << "of " << oracle.kept.size();
+}
+
+TEST_F(Detect, finds_every_pair_that_may_meet_once_and_no_other) {
+  for (const bool gather_storage : {false, true})
+    for (const std::uint32_t workgroup : {64u, 512u})
+      for (const std::uint64_t seed : {1u, 2u}) {
+        Random random(10 * seed + 2 * gather_storage + (workgroup > 64));
+        const Soup soup = random_soup(random, 70);
+        const Setting setting{gather_storage, workgroup, std::pow(10, between(random, -3, 0.5))};
+        const Detected detected(device(), soup, setting);
+        const double doubt = doubt_of(2);
+        const Oracle oracle = all_pairs(soup, detected.tracks(), doubt);
+        SCOPED_TRACE(testing::Message() << "cell " << setting.cell << ", " << oracle.kept.size() << " pairs, " << oracle.doubtful.size() << " in doubt");
+        ASSERT_GT(oracle.kept.size(), 500u);
+        ASSERT_LT(oracle.doubtful.size(), 50u);
+        expect_agreement(detected, oracle, doubt);
+      }
+}
+
+// Where a level has no more primitives than a search has cells, the grid is not asked.
+TEST_F(Detect, finds_every_pair_among_a_handful_of_primitives) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    Random random(100 + seed);
+    const Soup soup = random_soup(random, static_cast<std::uint32_t>(2 + seed % 8));
+    const Detected detected(device(), soup, {false, 64, std::pow(10, between(random, -2, 0))});
+    expect_agreement(detected, all_pairs(soup, detected.tracks(), doubt_of(2)), doubt_of(2));
+  }
+}
+
+TEST_F(Detect, loses_no_pair_of_what_is_degenerate_or_far_away) {
+  // Coincident particles, triangles and edges without extent, and a triangle as large as the world.
+  for (const float far : {0.f, 1e3f, 1e5f}) {
+    Random random(5);
+    Soup soup = random_soup(random, 30);
+    const auto at = [&](std::uint32_t i) -> gpu::vec4& { return soup.fabric.positions[i]; };
+    at(1) = at(0);                                     // an edge without length
+    at(3) = at(4) = at(5) = at(0);                     // a triangle without edges, at a corner of another
+    at(8) = times(0.5f, sum(at(6), at(7)));            // one without area
+    at(20) = {2e5f, -2e5f, 1e5f, 1};
+    for (std::uint32_t i = 0; i < soup.predicted.size(); ++i) {
+      if (i != 20 && i % 2 == 0) at(i).x += far;
+      soup.fabric.rest[i] = {at(i).x, at(i).y, at(i).z, soup.fabric.rest[i].w};
+      soup.predicted[i] = sum(at(i), times(i % 5 == 0 ? 1e4f : 1, anywhere(random, 0.01, 0)));
+    }
+    const Detected detected(device(), soup, {false, 64, 0.01});
+    const double doubt = doubt_of(4e5);
+    expect_agreement(detected, all_pairs(soup, detected.tracks(), doubt), doubt);
+  }
+}
+
+TEST_F(Detect, holds_all_particles_of_pairs_that_find_no_place_and_counts_them) {
+  Random random(6);
+  const Soup soup = random_soup(random, 60);
+  const gpu::Detection all = Detected(device(), soup, {}).detection();
+  const std::uint32_t capacity = 16, room = WEFT_NEAR * capacity;
+  const Detected detected(device(), soup, {false, 64, 0.05, kReach, capacity});
+  EXPECT_EQ(detected.detection().near[0], all.near[0]);
+  EXPECT_EQ(detected.detection().near[1], all.near[1]);
+  EXPECT_EQ(detected.passes.counters().contacts_lost, all.near[0] + all.near[1] - 2 * room);
+  const std::uint32_t kept = std::min(capacity, detected.detection().candidates);
+  std::set<Name> placed;
+  for (const gpu::Candidate& c : detected.candidates(kept)) placed.insert(name_of(c.edges, {c.particle[0], c.particle[1], c.particle[2], c.particle[3]}));
+  EXPECT_EQ(placed.size(), kept);
+  const auto leashes = detected.passes.get<std::uint32_t>(buffers::leashes, soup.predicted.size());
+  for (const auto& [name, keep] : all_pairs(soup, detected.tracks(), doubt_of(2)).kept)
+    if (!placed.contains(name)) { for (const std::uint32_t i : name.second) EXPECT_EQ(leashes[i], 0u); }
+}
+
+TEST_F(Detect, holds_the_four_particles_of_a_lost_pair_and_no_other) {
+  Random random(13);
+  Soup soup = soup_of(random, 8);   // twice a vertex above a triangle
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    const gpu::vec4 corners[] = {{0, 0.001f, 0, 1}, {-0.1f, 0, -0.1f, 1}, {0.1f, 0, -0.1f, 1}, {0, 0, 0.1f, 1}};
+    soup.fabric.positions[i] = soup.fabric.rest[i] = sum(corners[i % 4], {i < 4 ? 0.f : 1, 0, 0, 0});
+    soup.fabric.rest[i].w = 0.001f;
+    if (i % 4 == 3) add_triangle(soup, i - 2, i - 1, i);
+  }
+  soup.predicted = soup.fabric.positions;
+  const Detected detected(device(), soup, {false, 64, 0.05, kReach, 1});
+  EXPECT_EQ(detected.detection().candidates, 2u);
+  const std::uint32_t kept = detected.candidates(1)[0].particle[0];
+  const auto leashes = detected.passes.get<std::uint32_t>(buffers::leashes, 8);
+  for (std::uint32_t i = 0; i < 8; ++i) EXPECT_EQ(leashes[i] > 0, i / 4 == kept / 4);
+}
+
+TEST_F(Detect, a_flat_sheet_at_rest_has_no_candidates_when_the_reach_is_small_against_its_edges) {
+  constexpr std::uint32_t kSide = 17;
+  Random random(7);
+  Soup soup = soup_of(random, kSide * kSide);
+  for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
+    const gpu::vec4 x{0.05f * static_cast<float>(i % kSide), 0, 0.05f * static_cast<float>(i / kSide), 10};
+    soup.fabric.positions[i] = x;
+    soup.fabric.velocities[i].w = 0;
+    soup.fabric.rest[i] = {x.x, x.y, x.z, 0.5f};   // far thicker than an edge
+    soup.predicted[i] = x;
+    if (i % kSide == kSide - 1 || i / kSide == kSide - 1) continue;
+    add_triangle(soup, i, i + 1, i + kSide);
+    add_triangle(soup, i + 1, i + kSide + 1, i + kSide);
+  }
+  for (const double speed : {0.0, 0.002}) {
+    for (gpu::vec4& p : soup.predicted) p.y = static_cast<float>(speed);
+    EXPECT_EQ(Detected(device(), soup, {false, 64, 0.08, 5e-4}).detection().candidates, 0u) << "falling " << speed << " m a substep";
+  }
+}
+
+}  // namespace
+}  // namespace weft

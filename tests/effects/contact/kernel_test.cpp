@@ -1,0 +1,196 @@
+// The contact passes against their twins, the order of candidates, and that what the passes let through does not cross.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "tests/support/contact_passes.h"
+
+namespace weft {
+namespace {
+
+using ContactKernel = GpuTest;
+
+double separation(const reference::Pair& pair, const reference::Vector& n, const reference::Points& x) {
+  double low = INFINITY, high = -INFINITY;
+  for (int j = 0; j < 4; ++j) {
+    const double h = n.dot(x[pair.particle[static_cast<std::size_t>(j)]]);
+    if (pair.on_a(j)) low = std::min(low, h);
+    else high = std::max(high, h);
+  }
+  return low - high;
+}
+
+void compare_prepared(const compute::Device& device, bool gather_storage) {
+  Random random(11);
+  const Tufts t = reference::tufts(random, 40, 12, 0.01);
+  const Scene scene = scene_of(t);
+  const CookedFabric fabric = fabric_of(t, scene.solver);
+  Passes passes(device, scene, fabric, t, gather_storage);
+  passes.run("contact_prepare");
+  const auto wanted = reference::prepare(t, passes.recover), got = passes.contacts();
+  std::vector<std::uint32_t> counts(t.x.size());
+  int touching = 0;
+  // Offsets and heights are differences of coordinates below 0.1 m, some ten roundings deep.
+  const double tolerance = 16 * kRounding * 0.1;
+  for (std::size_t k = 0; k < t.pairs.size(); ++k) {
+    const reference::Pair& pair = t.pairs[k];
+    const double gap = reference::closest(places(pair, t.x), pair.edges ? 2 : 1).distance;
+    ASSERT_TRUE(got[k].directed);
+    EXPECT_NEAR(got[k].normal.norm(), 1, 8 * kRounding);
+    // No direction keeps sides further apart than they are, and only the right one that far.
+    EXPECT_NEAR(separation(pair, got[k].normal, t.x), gap, tolerance);
+    ASSERT_EQ(got[k].touches, wanted[k].touches) << k;
+    if (!got[k].touches) continue;
+    ++touching;
+    EXPECT_NEAR(got[k].keep, wanted[k].keep, tolerance);
+    EXPECT_NEAR(got[k].weights.sum(), 0, 8 * kRounding);
+    EXPECT_NEAR(reference::offset(got[k].weights, places(pair, t.x)).norm(), gap, tolerance);
+    for (int j = 0; j < 4; ++j) {
+      EXPECT_GE(got[k].weights[j] * (pair.on_a(j) ? 1 : -1), 0);
+      const std::uint32_t i = pair.particle[static_cast<std::size_t>(j)];
+      counts[i] += got[k].weights[j] != 0 && t.inverse_masses[i] > 0;   // only who can give way has a share
+    }
+  }
+  EXPECT_GT(touching, 50);
+  EXPECT_EQ(passes.get<std::uint32_t>(buffers::contact_counts, t.x.size()), counts);
+}
+
+TEST_F(ContactKernel, prepares_as_its_twin) { compare_prepared(device(), false); }
+TEST_F(ContactKernel, prepares_as_its_twin_through_storage) { compare_prepared(device(), true); }
+
+void compare_solved(const compute::Device& device, bool gather_storage) {
+  Random random(12);
+  const Tufts t = reference::tufts(random, 40, 12, 0.02);
+  const Scene scene = scene_of(t);
+  const CookedFabric fabric = fabric_of(t, scene.solver);
+  Passes passes(device, scene, fabric, t, gather_storage);
+  passes.run("contact_prepare");
+  passes.run("contact_weigh");
+  passes.run("contact_solve");
+  const auto sums = passes.get<gpu::ivec4>(buffers::contact_sums, t.x.size());
+  passes.run("contact_apply");
+  std::vector<double> friction;
+  for (std::size_t i = 0; i < t.x.size(); ++i) friction.push_back(kFriction[i % 2]);
+  const auto contacts = passes.contacts();
+  const auto wanted = reference::solve_contacts(t.pairs, contacts, t.x, t.p, t.inverse_masses, friction);
+  double moved = 0;
+  for (std::size_t i = 0; i < wanted.size(); ++i) moved = std::max(moved, (wanted[i] - t.p[i]).norm());
+  EXPECT_GT(moved, 0.001);
+  // At most twelve contacts of a particle round to a unit; a depth has the rounding of coordinates below 0.1 m, and of 1 m in the end.
+  EXPECT_LT(largest_gap(passes.iterate(), wanted), 12 * passes.quantum + 16 * kRounding * 0.1 + 2 * kRounding);
+  for (const gpu::ivec4& sum : passes.get<gpu::ivec4>(buffers::contact_sums, t.x.size())) ASSERT_TRUE(sum.x == 0 && sum.y == 0 && sum.z == 0);
+  EXPECT_EQ(passes.counters().truncated, 0u);
+  for (std::size_t i = 0; i < t.x.size(); ++i)
+    ASSERT_TRUE(t.inverse_masses[i] > 0 || (sums[i].x == 0 && sums[i].y == 0 && sums[i].z == 0));
+}
+
+TEST_F(ContactKernel, solves_as_its_twin) { compare_solved(device(), false); }
+TEST_F(ContactKernel, solves_as_its_twin_through_storage) { compare_solved(device(), true); }
+
+TEST_F(ContactKernel, solving_keeps_momentum_to_the_unit) {
+  Random random(13);
+  const Tufts t = reference::tufts(random, 40, 12, 0.02, kNoneHeld);
+  const Scene scene = scene_of(t);
+  const CookedFabric fabric = fabric_of(t, scene.solver);
+  Passes passes(device(), scene, fabric, t, false);
+  passes.run("contact_prepare");
+  passes.run("contact_weigh");
+  passes.run("contact_solve");
+  const auto sums = passes.get<gpu::ivec4>(buffers::contact_sums, t.x.size());
+  reference::Vector momentum = reference::Vector::Zero(), size = momentum;
+  double rounding = 0;
+  const auto counts = passes.get<std::uint32_t>(buffers::contact_counts, t.x.size());
+  for (std::size_t i = 0; i < t.x.size(); ++i) {
+    const reference::Vector units = reference::Vector(sums[i].x, sums[i].y, sums[i].z) / t.inverse_masses[i];
+    momentum += units;
+    size += units.cwiseAbs();
+    rounding += 0.5 * counts[i] / t.inverse_masses[i];
+  }
+  EXPECT_GT(size.minCoeff(), 1e4 * momentum.cwiseAbs().maxCoeff());
+  EXPECT_LT(momentum.cwiseAbs().maxCoeff(), rounding + 4 * kRounding * size.maxCoeff());
+}
+
+TEST_F(ContactKernel, many_deep_contacts_of_one_particle_do_not_overflow) {
+  Tufts t;
+  t.x = {{0, 0.0078125, 0}, {-0.0625, 0, -0.0625}, {0.0625, 0, -0.0625}, {0, 0, 0.0625}};
+  t.p = t.x;
+  t.p[0].y() -= 64;   // m
+  t.inverse_masses = {10, 10, 10, 10};
+  t.pairs.assign(1000, {{0, 1, 2, 3}, 0.00390625, false});
+  const Scene scene = scene_of(t);
+  const CookedFabric fabric = fabric_of(t, scene.solver);
+  Passes passes(device(), scene, fabric, t, false);
+  passes.run("contact_prepare");
+  passes.run("contact_weigh");
+  passes.run("contact_solve");
+  const auto sums = passes.get<gpu::ivec4>(buffers::contact_sums, 4);
+  EXPECT_GT(sums[0].y, 1 << 29);
+  EXPECT_LT(sums[1].y + sums[2].y + sums[3].y, -(1 << 29));
+  EXPECT_LE(std::abs(std::int64_t(sums[0].y) + sums[1].y + sums[2].y + sums[3].y), 2000);   // half a unit a particle and contact
+}
+
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+TEST_F(ContactKernel, the_order_of_candidates_does_not_matter) {
+  Random random(14);
+  const Tufts t = reference::tufts(random, 40, 12, 0.02);
+  const Scene scene = scene_of(t);
+  const CookedFabric fabric = fabric_of(t, scene.solver);
+  auto pairs = t.pairs;
+  std::vector<gpu::vec4> iterate, positions;
+  std::vector<gpu::uvec4> fractions;
+  for (int order = 0; order < 3; ++order) {
+    Passes passes(device(), scene, fabric, t, false);
+    passes.put_pairs(pairs);
+    for (const char* pass : {"contact_prepare", "contact_weigh", "contact_solve", "contact_apply"}) passes.run(pass);
+    const auto solved = passes.iterate();
+    passes.limit();
+    const auto limited = passes.get<gpu::uvec4>(buffers::fractions, WEFT_ROUNDS / 4 * t.x.size());
+    passes.run("contact_finalize");
+    if (order > 0) {
+      EXPECT_TRUE(same_bits(solved, iterate));
+      EXPECT_TRUE(same_bits(limited, fractions));
+      EXPECT_TRUE(same_bits(passes.particles(buffers::positions), positions));
+    }
+    iterate = solved;
+    fractions = limited;
+    positions = passes.particles(buffers::positions);
+    std::shuffle(pairs.begin(), pairs.end(), random);
+  }
+}
+
+void compare_limited(const compute::Device& device, double violence, bool gather_storage) {
+  const Tufts t = violent_tufts(15, violence);
+  const Scene scene = scene_of(t);
+  const CookedFabric fabric = fabric_of(t, scene.solver);
+  Passes passes(device, scene, fabric, t, gather_storage);
+  passes.run("contact_prepare");
+  passes.limit();
+  const auto limit = reference::limit_motion(t.pairs, passes.contacts(), t.x, t.p, t.inverse_masses);
+  const auto fractions = passes.fractions();
+  EXPECT_EQ(passes.detection().unsafe != 0, limit.unsafe);
+  int lowered = 0;
+  for (std::size_t i = 0; i < t.x.size(); ++i) {
+    lowered += fractions[i] < 1;
+    const double way = (t.p[i] - t.x[i]).norm();
+    // Heights have the rounding of a way or a tuft; a way that grazes a plane makes up to a thousandth of that a fraction.
+    EXPECT_NEAR(fractions[i], limit.fractions[i], 1000 * 8 * kRounding * (1 + 0.1 / std::max(way, 1e-6))) << i << " of " << violence;
+  }
+  EXPECT_GT(lowered, violence > 0.002 ? 30 : 0);
+  passes.run("contact_finalize");
+  EXPECT_EQ(reference::meetings(t.pairs, t.x, points(passes.particles(buffers::positions))), 0u) << violence;
+  EXPECT_EQ(passes.counters().truncated, static_cast<std::uint32_t>(lowered));
+  EXPECT_EQ(passes.counters().non_finite, 0u);
+}
+
+TEST_F(ContactKernel, limits_as_its_twin_and_nothing_crosses) {
+  for (const double violence : {0.001, 0.005, 0.02, 0.2, 2.0}) compare_limited(device(), violence, false);
+}
+TEST_F(ContactKernel, limits_as_its_twin_through_storage) { compare_limited(device(), 0.02, true); }
+
+}  // namespace
+}  // namespace weft

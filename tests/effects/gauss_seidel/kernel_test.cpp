@@ -1,0 +1,113 @@
+// Solvers other than Jacobi against their twins: a sweep of coloured Gauss-Seidel, and substeps of Chebyshev's iteration.
+#include <gtest/gtest.h>
+
+#include "shaders/chebyshev/accelerate.ref.h"
+#include "shaders/bend/bend.ref.h"
+#include "shaders/stretch/stretch.ref.h"
+#include "tests/support/single_pass.h"
+
+namespace weft {
+namespace {
+
+using KernelSweep = GpuTest;
+
+struct Crumpled {
+  Scene scene;
+  CookedFabric fabric;
+};
+
+Crumpled crumpled(std::uint32_t iterations, double stretch, Random& random, Method method = Method::gauss_seidel) {
+  Crumpled c;
+  c.scene.solver = {.rate = 600, .substeps = 1, .iterations = iterations, .method = method, .relaxation = 1.1};
+  Cloth& cloth = c.scene.cloths.emplace_back();
+  cloth.grid = Grid{.size = {1, 1}, .cells_x = 14, .cells_y = 11};
+  cloth.bending = method == Method::chebyshev;
+  cloth.tethers = false;
+  cloth.fabric.stretch = stretch;
+  cloth.anchors.emplace_back().corners = {Corner::low_low, Corner::high_high};
+  const auto meshes = must(make_meshes(c.scene));
+  c.fabric = must(cook(c.scene, meshes));
+  for (gpu::vec4& x : c.fabric.positions) {
+    const gpu::vec4 d = anywhere(random, 0.03, 0);
+    x = {x.x + d.x, x.y + d.y, x.z + d.z, x.w};
+  }
+  return c;
+}
+
+TEST_F(KernelSweep, a_sweep_through_the_colours_does_what_its_twin_does) {
+  Random random(11);
+  for (const std::uint32_t iterations : {1u, 3u})
+    for (const double stretch : {1e3, std::numeric_limits<double>::infinity()}) {
+      const Crumpled c = crumpled(iterations, stretch, random);
+      std::vector<reference::Stretch> links;
+      for (const gpu::uvec4& packed : c.fabric.coloured_links) {
+        const gpu::ColouredLink link = gpu::unpack_coloured(packed);
+        links.push_back({link.a, link.b, link.rest, link.compliance, link.only_pulls});
+      }
+      const auto colours = static_cast<int>(c.fabric.colour_ends.size());
+      SinglePass passes(device(), c.scene, c.fabric, iterations == 3);
+      passes.put_iterate(c.fabric.positions);
+      passes.begin(frame_of(1));
+      reference::Points twin = points(c.fabric.positions);
+      std::vector<double> lambda(links.size());
+      const auto masses = inverse_masses(c.fabric);
+      for (int k = 0; k < static_cast<int>(iterations); ++k) {
+        for (int colour = 0; colour < colours; ++colour) passes.run("gauss_seidel", k * colours + colour);
+        reference::sweep_stretch(links, twin, masses, lambda, c.fabric.h, c.scene.solver.relaxation);
+      }
+      // Rounding, on lengths up to 1.5 m; each colour sees the errors of those before.
+      EXPECT_LT(largest_gap(passes.iterate(), twin), 40 * kRounding * 1.5 * iterations * colours) << iterations << " iterations, " << stretch << " N/m";
+      EXPECT_EQ(passes.counters().coincident, 0u);
+    }
+}
+
+// From rest, without gravity: the prediction is the pose itself.
+reference::Points chebyshev_substep(const SolverSettings& solver, const CookedFabric& fabric) {
+  std::vector<reference::Stretch> links;
+  for (const StretchLink& link : fabric.links) links.push_back({link.a, link.b, link.rest, link.compliance, link.only_pulls});
+  std::vector<reference::Bend> bends;
+  for (const gpu::Bend& b : fabric.bends)
+    bends.push_back({{b.particle[0], b.particle[1], b.particle[2], b.particle[3]}, {b.k[0], b.k[1], b.k[2], b.k[3]}, b.compliance});
+  const auto masses = inverse_masses(fabric);
+  reference::Points newer = points(fabric.positions), older = newer;
+  std::vector<double> lambda(links.size()), older_lambda = lambda;
+  std::vector<reference::Vector> bending(bends.size(), reference::Vector::Zero()), older_bending = bending;
+  for (const double weight : reference::chebyshev_weights(rho_of(solver), solver.iterations)) {
+    std::uint32_t skipped = 0;
+    auto jacobi_lambda = lambda;
+    auto jacobi_bending = bending;
+    auto jacobi = reference::relax_stretch(links, newer, masses, jacobi_lambda, fabric.h, relaxation_of(solver), reference::Meeting::mass_split, skipped);
+    jacobi = reference::relax_bend(bends, jacobi, masses, jacobi_bending, fabric.h, relaxation_of(solver), reference::Meeting::mass_split);
+    for (std::size_t i = 0; i < newer.size(); ++i) older[i] = reference::extrapolated(older[i], jacobi[i], weight);
+    for (std::size_t e = 0; e < links.size(); ++e) {
+      older_lambda[e] = reference::extrapolated(older_lambda[e], jacobi_lambda[e], weight);
+      if (links[e].only_pulls) older_lambda[e] = std::min(older_lambda[e], 0.0);
+    }
+    for (std::size_t e = 0; e < bends.size(); ++e) older_bending[e] = reference::extrapolated(older_bending[e], jacobi_bending[e], weight);
+    std::swap(older, newer);
+    std::swap(older_lambda, lambda);
+    std::swap(older_bending, bending);
+  }
+  return newer;
+}
+
+TEST_F(KernelSweep, a_substep_of_chebyshev_does_what_its_twin_does) {
+  Random random(12);
+  for (const std::uint32_t iterations : {2u, 5u})
+    for (const double stretch : {1e3, std::numeric_limits<double>::infinity()}) {
+      Crumpled c = crumpled(iterations, stretch, random, Method::chebyshev);
+      c.scene.gravity = {0, 0, 0};
+      SinglePass passes(device(), c.scene, c.fabric, iterations == 5);
+      passes.begin(frame_of(1));
+      passes.run("predict");
+      for (int k = 0; k < static_cast<int>(iterations); ++k)
+        for (const char* pass : {"stretch", "bend_lambda", "bend_gather", "accelerate"}) passes.run(pass, k);
+      // Rounding, on lengths up to 1.5 m, carried on with weights below 2.
+      EXPECT_LT(largest_gap(passes.particles(buffers::positions), chebyshev_substep(c.scene.solver, c.fabric)), 40 * kRounding * 1.5 * 2 * iterations * iterations)
+          << iterations << " iterations, " << stretch << " N/m";
+      EXPECT_EQ(passes.counters().unaccelerated, 0u);
+    }
+}
+
+}  // namespace
+}  // namespace weft

@@ -1,0 +1,213 @@
+// Damaged, foreign and hostile files: each ends in a sentence or in a mesh, never in a crash.
+#include <gtest/gtest.h>
+
+#include <random>
+#include <sstream>
+
+#include "engine/export.h"
+#include "engine/mesh.h"
+#include "tests/support/mesh_files.h"
+
+namespace weft {
+namespace {
+
+using test::Folder;
+using test::Gltf;
+
+/// Loads and returns the sentence; a mesh that loads counts as a failure of the test.
+std::string refusal(const std::filesystem::path& file) {
+  const Result<Mesh> mesh = load_mesh(file);
+  EXPECT_FALSE(mesh) << file;
+  return mesh ? std::string() : mesh.error();
+}
+
+void expect_says(const std::string& sentence, const std::string& part) { EXPECT_NE(sentence.find(part), std::string::npos) << sentence; }
+
+Gltf triangle() {
+  Gltf gltf;
+  const std::size_t position = gltf.vec3({0, 0, 0, 1, 0, 0, 0, 1, 0}), indices = gltf.indices16({0, 1, 2});
+  gltf.primitive(position)["indices"] = indices;
+  return gltf;
+}
+
+TEST(MeshFaults, what_is_no_mesh_file_is_refused_by_name) {
+  const Folder folder;
+  expect_says(refusal(folder / "none.glb"), "none.glb does not exist");
+  std::filesystem::create_directory(folder / "folder.glb");
+  expect_says(refusal(folder / "folder.glb"), "is a folder");
+  expect_says(refusal(folder.write("empty.obj", "")), "is empty");
+  expect_says(refusal(folder.write("cloth.fbx", "x")), "\".fbx\"; .gltf, .glb and .obj can be read");
+  if (std::filesystem::exists("/dev/null")) {
+    std::filesystem::create_symlink("/dev/null", folder / "device.obj");
+    expect_says(refusal(folder / "device.obj"), "not a regular file");
+  }
+}
+
+TEST(MeshFaults, foreign_content_under_a_mesh_s_name_is_refused) {
+  const Folder folder;
+  const std::string picture("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\1\0\0\0\1\b\2\0\0\0", 29);
+  for (const char* name : {"a.glb", "a.gltf", "a.obj"}) expect_says(refusal(folder.write(name, picture)), name);
+  expect_says(refusal(folder.write("list.gltf", "[1, 2]")), "not a JSON document");
+  expect_says(refusal(folder.write("other.gltf", "{\"hello\": 1}")), "not a glTF 2.0 document");
+  expect_says(refusal(folder.write("old.glb", std::string("glTF\1\0\0\0\24\0\0\0\0\0\0\0\0\0\0\0", 20))), "version 1");
+}
+
+TEST(MeshFaults, ten_megabytes_of_brackets_are_refused) {
+  const Folder folder;
+  for (const char bracket : {'[', '{'}) expect_says(refusal(folder.write("deep.gltf", std::string(10'000'000, bracket))), "nest deeper");
+}
+
+TEST(MeshFaults, a_missing_or_short_buffer_is_named) {
+  const Folder folder;
+  Gltf gltf = triangle();
+  const std::filesystem::path file = gltf.write(folder);
+  std::filesystem::resize_file(folder / "mesh.bin", 20);
+  expect_says(refusal(file), "buffer 0 is cut short: it has 20 of 42 bytes");
+  std::filesystem::remove(folder / "mesh.bin");
+  expect_says(refusal(file), "mesh.bin does not exist");
+}
+
+TEST(MeshFaults, ranges_and_references_out_of_bounds_are_named) {
+  const auto refuse = [](const char* pointer, const nlohmann::json& value, const char* part) {
+    const Folder folder;
+    Gltf gltf = triangle();
+    gltf.json[nlohmann::json::json_pointer(pointer)] = value;
+    expect_says(refusal(gltf.write(folder)), part);
+  };
+  refuse("/accessors/0/count", 4, "reaches past the end of its buffer view");
+  refuse("/accessors/0/count", -1, "\"count\" is -1");
+  refuse("/accessors/0/count", 4'000'000'000u, "at most");
+  refuse("/accessors/0/byteOffset", 1u << 30, "reaches past");
+  refuse("/accessors/0/componentType", 5123, "only 5126 (float)");
+  refuse("/accessors/0/type", "MAT4", "is not a VEC3");
+  refuse("/accessors/0/type", 3, "is not a VEC3");
+  refuse("/accessors/0/sparse", {{"count", 1}}, "sparse");
+  refuse("/accessors/0/bufferView", 9, "points to 9 of a list of 2");
+  refuse("/bufferViews/0/byteLength", 1000, "past the end of its buffer");
+  refuse("/bufferViews/0/byteStride", 2, "stride of 2");
+  refuse("/bufferViews/0/buffer", 3, "past the end of its buffer");
+  refuse("/meshes/0/primitives/0/attributes/POSITION", 5, "points to 5");
+  refuse("/meshes/0/primitives/0/attributes", 5, "POSITION");
+  refuse("/meshes/0/primitives/0/mode", 9, "mode");
+  refuse("/meshes", 1, "not a list");
+  refuse("/nodes/0/mesh", 4, "points to 4 of 1");
+  refuse("/nodes/0/children", {0}, "below itself");
+  refuse("/nodes/0/scale", {1, 2}, "not 3 numbers");
+  refuse("/scene", 2, "points to 2");
+  refuse("/scenes/0/nodes/0", 7, "node 7");
+  refuse("/extensionsRequired", {"KHR_draco_mesh_compression"}, "KHR_draco_mesh_compression");
+}
+
+TEST(MeshFaults, an_index_past_the_last_vertex_is_refused) {
+  const Folder folder;
+  Gltf gltf;
+  const std::size_t position = gltf.vec3({0, 0, 0, 1, 0, 0, 0, 1, 0}), indices = gltf.indices16({0, 1, 2, 0, 1, 3});
+  gltf.primitive(position)["indices"] = indices;
+  expect_says(refusal(gltf.write(folder)), "index 5 is 3, past the last of 3 vertices");
+}
+
+TEST(MeshFaults, a_vertex_that_is_not_finite_is_refused_with_its_place) {
+  const Folder folder;
+  expect_says(refusal(folder.write("nan.obj", "v 0 0 0\nv 1 0 0\nv 0 nan 0\nf 1 2 3\n")),
+              "1 of 3 vertices is not finite, the first is vertex 2");
+  Gltf gltf = triangle();
+  gltf.json["nodes"][0]["scale"] = {1e38, 1, 1};
+  gltf.json["nodes"].push_back({{"children", {0}}, {"scale", {1e38, 1, 1}}});
+  gltf.json["scenes"][0]["nodes"] = {1};
+  expect_says(refusal(gltf.write(folder)), "not finite");
+}
+
+TEST(MeshFaults, a_damaged_line_of_an_obj_is_named_by_its_number) {
+  const Folder folder;
+  const auto refuse = [&](const std::string& line, const char* part) {
+    expect_says(refusal(folder.write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + line + "\n")), part);
+  };
+  refuse("f 1 2 4", "line 4 refers to v number 4 of 3");
+  refuse("f 1 2 -4", "line 4: \"-4\" is not the index of a v; there are 3 so far");
+  refuse("f 1 2 0", "\"0\" is not the index");
+  refuse("f 1/1 2/1 3/1", "line 4 refers to vt number 1 of 0");
+  refuse("f 1 2", "a face has 2 corners; 3 are needed");
+  refuse("f 1 2 3/1/1/1", "is not the corner of a face");
+  refuse("f 1 2 \\\n x", "line 5: \"x\" is not the index");
+  refuse("v 1 2", "v has 2 numbers; 3 are needed");
+  refuse("v 1 2 3.5f", "\"3.5f\" is not a number");
+}
+
+TEST(MeshFaults, nothing_but_lines_has_no_triangle) {
+  const Folder folder;
+  expect_says(refusal(folder.write("line.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n")), "no triangle");
+}
+
+TEST(MeshFaults, a_tree_of_nodes_too_deep_to_walk_is_refused) {
+  const Folder folder;
+  Gltf gltf = triangle();
+  for (int n = 1; n < 1000; ++n) gltf.json["nodes"].push_back({{"children", {n - 1}}});
+  gltf.json["scenes"][0]["nodes"] = {999};
+  expect_says(refusal(gltf.write(folder)), "deeper than");
+}
+
+/// A mesh that loads in spite of everything must keep what mesh.h promises.
+void expect_sound_or_sentence(const std::filesystem::path& file) {
+  const Result<Mesh> mesh = load_mesh(file);
+  if (!mesh) {
+    ASSERT_GT(mesh.error().size(), 20u);
+    return;
+  }
+  const std::size_t vertices = mesh->render.positions.size();
+  ASSERT_EQ(mesh->render.normals.size(), vertices);
+  ASSERT_EQ(mesh->render.tangents.size(), vertices);
+  ASSERT_EQ(mesh->render.uvs.size(), vertices);
+  ASSERT_EQ(mesh->point_of.size(), vertices);
+  for (std::size_t t = 0; t < mesh->triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      ASSERT_LT(mesh->render.triangles[t][k], vertices);
+      ASSERT_EQ(mesh->point_of[mesh->render.triangles[t][k]], mesh->triangles[t][k]);
+      ASSERT_LT(mesh->triangles[t][k], mesh->points.size());
+    }
+  for (std::size_t v = 0; v < vertices; ++v) {
+    ASSERT_NEAR(length(mesh->render.normals[v]), 1, 1e-4);
+    ASSERT_TRUE(std::isfinite(mesh->render.uvs[v].x) && std::isfinite(mesh->render.uvs[v].y));
+    ASSERT_EQ(std::abs(mesh->render.tangents[v].w), 1);
+  }
+}
+
+/// Cuts the file every few bytes, then flips random bits, each time in one to eight bytes.
+void damage(const std::string& content, const std::string& name, unsigned flips) {
+  const Folder folder;
+  for (std::size_t size = 1; size < content.size(); size += 47) {
+    SCOPED_TRACE(testing::Message() << "cut to " << size);
+    expect_sound_or_sentence(folder.write(name, content.substr(0, size)));
+  }
+  std::mt19937 random(11);
+  for (unsigned round = 0; round < flips; ++round) {
+    SCOPED_TRACE(testing::Message() << "round " << round);
+    std::string damaged = content;
+    for (unsigned k = 0; k <= round % 8; ++k) damaged[random() % damaged.size()] ^= static_cast<char>(1u << random() % 8);
+    expect_sound_or_sentence(folder.write(name, damaged));
+  }
+}
+
+TEST(MeshFaults, a_damaged_glb_never_crashes) {
+  const Folder folder;
+  Grid grid;
+  grid.cells_x = grid.cells_y = 4;
+  ASSERT_TRUE(write_glb(folder / "whole.glb", make_grid(grid).render));
+  damage(test::slurp(folder / "whole.glb"), "damaged.glb", 400);
+}
+
+TEST(MeshFaults, a_damaged_obj_never_crashes) {
+  std::ostringstream text;
+  text << "o sheet\n";
+  for (int j = 0; j <= 4; ++j)
+    for (int i = 0; i <= 4; ++i) text << "v " << i * 0.25 << " " << j * 0.25 << " 0\nvt " << i * 0.25 << " " << j * 0.25 << "\nvn 0 0 1\n";
+  for (int j = 0; j < 4; ++j)
+    for (int i = 0; i < 4; ++i) {
+      text << "f";
+      for (const int v : {j * 5 + i + 1, j * 5 + i + 2, j * 5 + i + 7, j * 5 + i + 6}) text << " " << v << "/" << v << "/" << v;
+      text << "\n";
+    }
+  damage(text.str(), "damaged.obj", 400);
+}
+
+}   // namespace
+}   // namespace weft

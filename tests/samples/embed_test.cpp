@@ -1,0 +1,381 @@
+// Weft inside a host: what it borrows it leaves alone, its three ways to run a frame agree, and the programs that show it run.
+//
+// The host is played by a compute::Device with validation on; Weft works on a second one that borrows everything from it.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "compute/buffer.h"
+#include "compute/commands.h"
+#include "compute/recorder.h"
+#include "engine/export.h"
+#include "engine/shading/image.h"
+#include "engine/simulation.h"
+#include "tests/support/on_device.h"
+#include "tests/support/watched_vulkan.h"
+
+namespace weft {
+namespace {
+
+using compute::Device;
+
+constexpr double kFrame = 1.0 / 60;
+constexpr int kFrames = 6;
+
+// Stretch, bending, tethers, an anchor and a ball that move, a floor: every pass and every kind of input.
+Scene scene() {
+  Scene scene;
+  Cloth& cloth = scene.cloths.emplace_back();
+  cloth.grid = Grid{{1, 1}, 15, 13, Topology::diagonal, true};
+  cloth.anchors.emplace_back().corners = {Corner::low_high, Corner::high_high};
+  cloth.anchors[0].keys = {Key{0, {0, 0, 0}, {0, 1, 0}, 0}, Key{1, {0.3f, 0.1f, 0}, {0, 1, 0}, 0}};
+  Collider& ball = scene.colliders.emplace_back();
+  ball.shape = ColliderShape::sphere;
+  ball.centre = {0.1f, -0.1f, -0.4f};
+  ball.radius = 0.25;
+  ball.keys = {Key{0, {0, 0, 0}, {0, 1, 0}, 0}, Key{1, {0, 0, 1}, {0, 1, 0}, 90}};
+  scene.colliders.emplace_back().centre = {0, -0.6f, 0};
+  return scene;
+}
+
+class Host : public compute::OnDevice {
+ protected:
+  compute::BorrowedDevice loan() const {
+    return {device().vk().vkGetInstanceProcAddr, device().instance(), device().physical(), device().handle(), device().queue(), device().queue_family()};
+  }
+  std::unique_ptr<Device> borrow() const {
+    auto borrowed = Device::borrow(loan());
+    EXPECT_TRUE(borrowed) << borrowed.error();
+    return borrowed ? std::move(*borrowed) : nullptr;
+  }
+  static std::unique_ptr<Simulation> simulate(const Device& device) {
+    auto simulation = Simulation::create(device, scene());
+    EXPECT_TRUE(simulation) << simulation.error();
+    return simulation ? std::move(*simulation) : nullptr;
+  }
+};
+
+std::vector<Vec3> vertices(const Simulation& simulation) {
+  auto read = simulation.read_vertex_positions();
+  EXPECT_TRUE(read) << read.error();
+  return read ? *read : std::vector<Vec3>();
+}
+
+// What `frame` makes of the scene, frame after frame.
+template <class Frame>
+std::vector<std::vector<Vec3>> film(Simulation& simulation, const Frame& frame) {
+  std::vector<std::vector<Vec3>> pictures;
+  for (int k = 0; k < kFrames; ++k) {
+    frame();
+    pictures.push_back(vertices(simulation));
+  }
+  return pictures;
+}
+
+std::vector<std::vector<Vec3>> advanced(Simulation& simulation) {
+  return film(simulation, [&] {
+    auto done = simulation.advance(kFrame);
+    EXPECT_TRUE(done) << done.error();
+  });
+}
+
+TEST_F(Host, weft_neither_destroys_nor_idles_what_it_borrows) {
+  watch.get_instance_proc_addr = device().vk().vkGetInstanceProcAddr;
+  watch.get_device_proc_addr = device().vk().vkGetDeviceProcAddr;
+  watch.forbidden = 0;
+  compute::BorrowedDevice lent = loan();
+  lent.get_instance_proc_addr = watched_function;
+  {
+    auto borrowed = Device::borrow(lent);
+    ASSERT_TRUE(borrowed) << borrowed.error();
+    auto simulation = simulate(**borrowed);
+    ASSERT_TRUE(simulation);
+    EXPECT_TRUE(simulation->advance(kFrame));
+    EXPECT_TRUE(simulation->submit(kFrame));
+    (*borrowed)->wait_idle();
+  }
+  EXPECT_GT(watch.submits, 0);   // the ear does hear
+  EXPECT_EQ(watch.forbidden, 0);
+}
+
+TEST_F(Host, recording_leaves_the_queue_to_the_host) {
+  watch.get_instance_proc_addr = device().vk().vkGetInstanceProcAddr;
+  watch.get_device_proc_addr = device().vk().vkGetDeviceProcAddr;
+  compute::BorrowedDevice lent = loan();
+  lent.get_instance_proc_addr = watched_function;
+  auto borrowed = Device::borrow(lent);
+  ASSERT_TRUE(borrowed) << borrowed.error();
+  auto simulation = simulate(**borrowed);
+  ASSERT_TRUE(simulation);
+  watch.submits = 0;
+  auto ran = compute::run_once(device(), "host frame", [&](VkCommandBuffer commands) { EXPECT_TRUE(simulation->record(commands, kFrame)); });
+  EXPECT_TRUE(ran);
+  EXPECT_EQ(watch.submits, 0);   // the host's own submit goes past the ear
+}
+
+TEST_F(Host, a_device_works_on_when_weft_is_gone) {
+  {
+    auto borrowed = borrow();
+    ASSERT_TRUE(borrowed);
+    auto simulation = simulate(*borrowed);
+    ASSERT_TRUE(simulation);
+    EXPECT_TRUE(simulation->advance(kFrame));
+  }
+  const compute::BufferRequest request{"host", 64, compute::kStorage};
+  auto arena = compute::Arena::create(device(), compute::Memory::device, "host", {&request, 1});
+  ASSERT_TRUE(arena) << arena.error();
+  const std::vector<std::uint32_t> sent(16, 7);
+  std::vector<std::uint32_t> back(16, 0);
+  EXPECT_TRUE(compute::upload(device(), (*arena)[0], std::as_bytes(std::span(sent))));
+  EXPECT_TRUE(compute::read_back(device(), (*arena)[0], std::as_writable_bytes(std::span(back))));
+  EXPECT_EQ(back, sent);
+}
+
+TEST_F(Host, weft_destroyed_with_a_frame_under_way_waits_for_it) {
+  auto borrowed = borrow();
+  ASSERT_TRUE(borrowed);
+  auto simulation = simulate(*borrowed);
+  ASSERT_TRUE(simulation);
+  EXPECT_TRUE(simulation->submit(kFrame));
+  EXPECT_TRUE(simulation->submit(kFrame));
+  simulation.reset();   // validation would hear buffers that are destroyed while in use
+}
+
+TEST_F(Host, record_submit_and_advance_end_in_the_same_bits) {
+  auto borrowed = borrow();
+  ASSERT_TRUE(borrowed);
+  auto by_advance = simulate(*borrowed), by_submit = simulate(*borrowed), by_record = simulate(*borrowed);
+  ASSERT_TRUE(by_advance && by_submit && by_record);
+  const auto expected = advanced(*by_advance);
+  EXPECT_EQ(film(*by_submit, [&] { EXPECT_TRUE(by_submit->submit(kFrame)); }), expected);
+  const auto record = [&] {
+    auto ran = compute::run_once(device(), "host frame", [&](VkCommandBuffer commands) { EXPECT_TRUE(by_record->record(commands, kFrame)); });
+    EXPECT_TRUE(ran) << ran.error();
+  };
+  EXPECT_EQ(film(*by_record, record), expected);
+  EXPECT_NE(expected.front(), expected.back());
+}
+
+TEST_F(Host, the_three_ways_can_take_turns) {
+  auto borrowed = borrow();
+  ASSERT_TRUE(borrowed);
+  auto alone = simulate(*borrowed), mixed = simulate(*borrowed);
+  ASSERT_TRUE(alone && mixed);
+  const auto expected = advanced(*alone);
+  int turn = 0;
+  const auto next = [&] {
+    switch (turn++ % 3) {
+      case 0: EXPECT_TRUE(mixed->submit(kFrame)); break;
+      case 1: EXPECT_TRUE(compute::run_once(device(), "host frame", [&](VkCommandBuffer commands) { EXPECT_TRUE(mixed->record(commands, kFrame)); })); break;
+      default: EXPECT_TRUE(mixed->advance(kFrame));
+    }
+  };
+  EXPECT_EQ(film(*mixed, next), expected);
+}
+
+// The host copies every frame's vertices on the GPU, with nothing but semaphores between: a frame that began too early
+// would show up in the copy before it.
+TEST_F(Host, semaphores_alone_keep_a_frame_and_its_reader_apart) {
+  auto borrowed = borrow();
+  ASSERT_TRUE(borrowed);
+  auto alone = simulate(*borrowed), simulation = simulate(*borrowed);
+  ASSERT_TRUE(alone && simulation);
+  const auto expected = advanced(*alone);
+
+  const FrameView view = simulation->positions();
+  const VkDeviceSize bytes = VkDeviceSize{view.stride} * view.count;
+  std::vector<compute::BufferRequest> requests;
+  for (int k = 0; k < kFrames; ++k) requests.push_back({"picture " + std::to_string(k), bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT});
+  auto arena = compute::Arena::create(device(), compute::Memory::readback, "pictures", requests);
+  ASSERT_TRUE(arena) << arena.error();
+  auto pool = compute::CommandPool::create(device(), "host");
+  auto copied = compute::create_timeline(device(), "copied");
+  ASSERT_TRUE(pool && copied);
+  for (std::uint32_t k = 0; k < kFrames; ++k) {
+    const VkSemaphoreSubmitInfo earlier{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, copied->get(), k, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
+    ASSERT_TRUE(simulation->submit(kFrame, {&earlier, 1}));
+    auto commands = pool->allocate("host frame");
+    ASSERT_TRUE(commands);
+    const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, 0, nullptr};
+    device().vk().vkBeginCommandBuffer(*commands, &begin);
+    const VkBufferCopy region{view.offset, 0, bytes};
+    device().vk().vkCmdCopyBuffer(*commands, view.buffer, (*arena)[k].handle, 1, &region);
+    {
+      compute::Recorder recorder(device(), *commands);
+      recorder.barrier(compute::Use::transfer, compute::Use::host);
+      recorder.finish();
+    }
+    device().vk().vkEndCommandBuffer(*commands);
+    const VkSemaphoreSubmitInfo ready{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, simulation->ready_semaphore(), simulation->ready_value(),
+                                      VK_PIPELINE_STAGE_2_COPY_BIT, 0};
+    const VkSemaphoreSubmitInfo done{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, copied->get(), k + 1, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
+    const VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO, nullptr, *commands, 0};
+    const VkSubmitInfo2 work{VK_STRUCTURE_TYPE_SUBMIT_INFO_2, nullptr, 0, 1, &ready, 1, &buffer, 1, &done};
+    ASSERT_TRUE(borrowed->submit(work));
+  }
+  ASSERT_TRUE(compute::wait_for(device(), copied->get(), kFrames));
+  // The software driver (Mesa 22.3) signals a semaphore before its queue's thread has done with it: destroyed then, it crashes that thread.
+  device().wait_idle();
+  for (int k = 0; k < kFrames; ++k) {
+    const auto* copy = reinterpret_cast<const Vec4*>((*arena)[static_cast<std::size_t>(k)].mapped);
+    std::vector<Vec3> picture;
+    for (std::uint32_t i = 0; i < view.count; ++i) picture.push_back({copy[i].x, copy[i].y, copy[i].z});
+    EXPECT_EQ(picture, expected[static_cast<std::size_t>(k)]) << "frame " << k;
+  }
+}
+
+TEST_F(Host, a_submitted_frame_waits_for_what_the_host_names) {
+  auto borrowed = borrow();
+  ASSERT_TRUE(borrowed);
+  auto simulation = simulate(*borrowed);
+  auto drawn = compute::create_timeline(device(), "drawn");
+  ASSERT_TRUE(simulation && drawn);
+  const VkSemaphoreSubmitInfo wait{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, drawn->get(), 1, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
+  ASSERT_TRUE(simulation->submit(kFrame, {&wait, 1}));
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));   // far longer than the frame would take
+  std::uint64_t reached = 0;
+  device().vk().vkGetSemaphoreCounterValue(device().handle(), simulation->ready_semaphore(), &reached);
+  EXPECT_LT(reached, simulation->ready_value());
+  const VkSemaphoreSignalInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SIGNAL_INFO, nullptr, drawn->get(), 1};
+  device().vk().vkSignalSemaphore(device().handle(), &signal);
+  EXPECT_TRUE(compute::wait_for(device(), simulation->ready_semaphore(), simulation->ready_value()));
+}
+
+TEST_F(Host, anchors_and_colliders_go_where_the_host_says) {
+  auto borrowed = borrow();
+  ASSERT_TRUE(borrowed);
+  auto simulation = simulate(*borrowed);
+  ASSERT_TRUE(simulation);
+  const auto& anchors = simulation->fabric().anchors;
+  ASSERT_EQ(anchors.size(), 2u);
+  const Vec3 target = anchors[1].rest + Vec3{0, 0.02f, 0.03f};
+  EXPECT_TRUE(simulation->move_anchors(1, {&target, 1}));
+  EXPECT_TRUE(simulation->move_collider(0, {.centre = {5, 6, 7}}));
+  ASSERT_TRUE(simulation->advance(kFrame));
+  EXPECT_EQ(vertices(*simulation)[anchors[1].vertex], target);
+  EXPECT_EQ(simulation->colliders()[0].centre, (Vec3{5, 6, 7}));
+}
+
+TEST_F(Host, a_sphere_may_be_moved_without_a_normal_and_a_plane_may_not) {
+  auto borrowed = borrow();
+  ASSERT_TRUE(borrowed);
+  auto simulation = simulate(*borrowed);
+  ASSERT_TRUE(simulation);
+  EXPECT_TRUE(simulation->move_collider(0, {{1, 2, 3}, {0, 0, 0}}));
+  auto refused = simulation->move_collider(1, {{0, 0, 0}, {0, 0, 0}});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error(), "the normal of collider 1 has a length of 0, not above 1e-6");
+}
+
+TEST_F(Host, two_simulations_on_one_device_run_in_two_threads) {
+  auto borrowed = borrow();
+  ASSERT_TRUE(borrowed);
+  auto alone = simulate(*borrowed);
+  ASSERT_TRUE(alone);
+  const auto expected = advanced(*alone);
+  std::vector<std::vector<Vec3>> films[2];
+  const auto play = [&](int k) {
+    auto simulation = simulate(*borrowed);
+    if (simulation) films[k] = advanced(*simulation);
+  };
+  std::thread first(play, 0), second(play, 1);
+  first.join();
+  second.join();
+  EXPECT_EQ(films[0], expected);
+  EXPECT_EQ(films[1], expected);
+}
+
+// What is left over, the object tracker names when the fixture destroys the host's device.
+TEST_F(Host, twenty_simulations_come_and_go_and_leave_nothing) {
+  for (int k = 0; k < 20; ++k) {
+    auto borrowed = borrow();
+    ASSERT_TRUE(borrowed);
+    auto simulation = simulate(*borrowed);
+    ASSERT_TRUE(simulation);
+    ASSERT_TRUE(simulation->submit(kFrame));
+  }
+}
+
+// The programs, as a user runs them.
+class Programs : public testing::Test {
+ protected:
+  std::filesystem::path folder = std::filesystem::path(testing::TempDir()) /
+                                 ("weft_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+
+  void SetUp() override {
+    std::filesystem::remove_all(folder);
+    std::filesystem::create_directories(folder);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+
+  int run(const std::string& command) const {
+    const std::string line = WEFT_BINARIES "/" + command + " >" + file("said") + " 2>&1";
+    const int status = std::system(line.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  std::string said() const {
+    std::ifstream stream(folder / "said");
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  std::string file(const char* name) const { return std::string("'").append((folder / name).string()).append("'"); }
+};
+
+TEST_F(Programs, host_engine_embeds_weft_in_silence_and_leaves_a_picture) {
+  ASSERT_EQ(run("host_engine --frames 40 --validation --out " + file("new/picture.png")), 0) << said();
+  EXPECT_NE(said().find("Validation had nothing to say"), std::string::npos) << said();
+  auto image = read_image(folder / "new/picture.png");
+  ASSERT_TRUE(image) << image.error();
+  EXPECT_EQ(image->width * 9, image->height * 16);
+  // The curtain is the only thing that is red, and it hangs in the middle: back again after it was destroyed.
+  std::size_t red = 0;
+  for (std::size_t k = 0; k < image->rgba.size(); k += 4) red += image->rgba[k] > 2 * image->rgba[k + 1];
+  EXPECT_GT(red, image->rgba.size() / 4 / 20);
+  EXPECT_LT(red, image->rgba.size() / 4 / 2);
+}
+
+TEST_F(Programs, host_engine_answers_a_wrong_flag_and_a_missing_device_in_a_sentence) {
+  EXPECT_EQ(run("host_engine --frames -3"), 2);
+  EXPECT_NE(said().find("--frames"), std::string::npos) << said();
+  EXPECT_EQ(run("host_engine --device no_such_device"), 1);
+  EXPECT_NE(said().find("no_such_device"), std::string::npos) << said();
+}
+
+TEST_F(Programs, gltf_cloth_writes_a_mesh_that_loads_again_and_has_moved) {
+  const Mesh sheet = make_grid({{1, 1}, 12, 12, Topology::centre, false});
+  ASSERT_TRUE(write_glb(folder / "in.glb", sheet.render));
+  ASSERT_EQ(run("gltf_cloth " + file("in.glb") + " " + file("out.glb") + " 0.5"), 0) << said();
+  auto moved = load_mesh(folder / "out.glb");
+  ASSERT_TRUE(moved) << moved.error();
+  ASSERT_EQ(moved->render.positions.size(), sheet.render.positions.size());
+  EXPECT_EQ(moved->render.triangles, sheet.render.triangles);
+  float lowest = 0;
+  for (const Vec3& p : moved->render.positions) lowest = std::min(lowest, p.y);
+  EXPECT_LT(lowest, -0.2f);   // flat at y = 0, let go for half a second but for its far edge
+  for (const Vec3& n : moved->render.normals) EXPECT_NEAR(length(n), 1, 1e-4);
+}
+
+TEST_F(Programs, gltf_cloth_answers_wrong_words_and_files_in_a_sentence) {
+  EXPECT_EQ(run("gltf_cloth"), 2);
+  EXPECT_NE(said().find("usage"), std::string::npos) << said();
+  EXPECT_EQ(run("gltf_cloth " + file("missing.glb") + " " + file("out.glb")), 2);
+  EXPECT_NE(said().find("missing.glb"), std::string::npos) << said();
+  const Mesh sheet = make_grid({{1, 1}, 2, 2, Topology::diagonal, true});
+  ASSERT_TRUE(write_glb(folder / "in.glb", sheet.render));
+  EXPECT_EQ(run("gltf_cloth " + file("in.glb") + " " + file("out.glb") + " soon"), 2);
+  EXPECT_NE(said().find("soon"), std::string::npos) << said();
+  EXPECT_EQ(run("gltf_cloth " + file("in.glb") + " " + file("no/folder/out.glb") + " 0"), 1);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.glb"));
+}
+
+TEST_F(Programs, the_example_of_the_readme_runs) {
+  ASSERT_EQ(run("embedding"), 0) << said();
+  EXPECT_NE(said().find("1617 vertices, 2 s simulated"), std::string::npos) << said();
+}
+
+}  // namespace
+}  // namespace weft
