@@ -27,7 +27,7 @@ Result<void> waited(const Device& device, double seconds, Wait&& wait) {
   VkResult result = wait(nanoseconds(seconds));
   if (result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY) result = wait(nanoseconds(seconds));
   if (device.heard(result) == VK_SUCCESS) return {};
-  if (result == VK_TIMEOUT) return fail(device.name(), " did not finish its work within ", seconds, " s");
+  if (result == VK_TIMEOUT) return fail(ErrorKind::other, device.name(), " did not finish its work within ", seconds, " s");
   return fail("waiting for ", device.name(), " failed: ", result_name(result));
 }
 

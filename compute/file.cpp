@@ -9,7 +9,7 @@
 namespace weft {
 
 Result<void> write_file(const std::filesystem::path& file, std::span<const std::byte> bytes) {
-  const auto refuse = [&](const std::string& reason) { return fail(file.string(), " cannot be written: ", reason); };
+  const auto refuse = [&](const std::string& reason) { return fail(ErrorKind::other, file.string(), " cannot be written: ", reason); };
   std::error_code problem;
   // A rename would put a file in the place of a device or a pipe; a link to a file stays a link.
   const std::filesystem::path target = std::filesystem::exists(file, problem) ? std::filesystem::canonical(file, problem) : file;

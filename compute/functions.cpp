@@ -102,7 +102,17 @@ Loader::~Loader() {
   if (library_ != nullptr) close_library(library_);
 }
 
-std::string result_name(VkResult result) {
+ErrorKind ResultName::error_kind() const {
+  switch (result_) {
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+    case VK_ERROR_OUT_OF_POOL_MEMORY: return ErrorKind::memory;
+    case VK_ERROR_DEVICE_LOST: return ErrorKind::device_lost;
+    default: return ErrorKind::other;
+  }
+}
+
+std::string result_text(VkResult result) {
 #define WEFT_CASE(code) \
   case code: return #code;
   switch (result) {

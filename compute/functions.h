@@ -112,6 +112,19 @@ T typed(VkStructureType type) {
 }
 
 /// "VK_ERROR_OUT_OF_DEVICE_MEMORY", or "VkResult -1234" for a code this header does not know.
-std::string result_name(VkResult result);
+std::string result_text(VkResult result);
+
+/// A VkResult as a part of a sentence: its name, and the kind of error that it is.
+class ResultName {
+ public:
+  explicit ResultName(VkResult result) : result_(result) {}
+  ErrorKind error_kind() const;
+  operator std::string() const { return result_text(result_); }
+  friend std::ostream& operator<<(std::ostream& out, const ResultName& name) { return out << result_text(name.result_); }
+
+ private:
+  VkResult result_;
+};
+inline ResultName result_name(VkResult result) { return ResultName(result); }
 
 }  // namespace weft::compute

@@ -61,21 +61,21 @@ Result<Instance> Instance::create(const DeviceChoice& choice) {
   std::vector<const char*> extensions;
   if (choice.validation) {
     if (!has_layer(fn, kValidationLayer)) {
-      return fail("validation was asked for, and the layer ", kValidationLayer,
+      return fail(ErrorKind::other, "validation was asked for, and the layer ", kValidationLayer,
                   " is not installed: on Debian, apt install vulkan-validationlayers");
     }
     layers.push_back(kValidationLayer);
     for (const VkExtensionProperties& extension : extensions_of(fn, kValidationLayer)) offered.push_back(extension);
     for (const char* needed : {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME}) {
       if (!contains(offered, needed)) {
-        return fail("validation was asked for, and neither the loader nor ", kValidationLayer, " has ", needed);
+        return fail(ErrorKind::other, "validation was asked for, and neither the loader nor ", kValidationLayer, " has ", needed);
       }
     }
     extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
   }
   if (contains(offered, VK_EXT_DEBUG_UTILS_EXTENSION_NAME)) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
   for (const std::string& wanted : choice.instance_extensions) {
-    if (!contains(offered, wanted)) return fail("the Vulkan instance extension ", wanted, " is not available");
+    if (!contains(offered, wanted)) return fail(ErrorKind::other, "the Vulkan instance extension ", wanted, " is not available");
     extensions.push_back(wanted.c_str());
   }
 
@@ -108,7 +108,7 @@ Result<Instance> Instance::create(const DeviceChoice& choice) {
   create.ppEnabledExtensionNames = extensions.data();
   const VkResult result = fn.vkCreateInstance(&create, nullptr, &made.handle_);
   if (result == VK_ERROR_INCOMPATIBLE_DRIVER) {
-    return fail("no Vulkan driver is installed, or none for this machine: on Debian, apt install mesa-vulkan-drivers ",
+    return fail(ErrorKind::other, "no Vulkan driver is installed, or none for this machine: on Debian, apt install mesa-vulkan-drivers ",
                 "brings one for most GPUs and one that needs none");
   }
   if (result != VK_SUCCESS) return fail("the Vulkan instance could not be created: ", result_name(result));

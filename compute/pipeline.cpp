@@ -100,7 +100,7 @@ Result<PipelineCache> PipelineCache::create(const Device& device, const std::fil
   VkResult result = create_cache(device, blob, cache);
   if (result != VK_SUCCESS && !blob.empty()) {
     made.broken_files_ = 1;
-    made.refusal_ = "pipeline cache " + path.string() + " is ignored: the driver answered " + result_name(result);
+    made.refusal_ = "pipeline cache " + path.string() + " is ignored: the driver answered " + result_text(result);
     blob.clear();
     result = create_cache(device, blob, cache);
   }
@@ -129,7 +129,7 @@ Result<void> PipelineCache::save() const {
   const CacheHeader header = header_for(*device_, blob);
   const auto front = std::as_bytes(std::span(&header, 1));
   blob.insert(blob.begin(), front.begin(), front.end());
-  if (Result<void> written = write_file(path_, blob); !written) return fail("pipeline cache: ", written.error());
+  if (Result<void> written = write_file(path_, blob); !written) return fail("pipeline cache: ", written.why());
   return {};
 }
 
@@ -151,7 +151,7 @@ Result<ComputePipeline> ComputePipeline::create(const Device& device, const Pipe
                                                 VkPipelineLayout layout) {
   // Drivers may crash on what is not SPIR-V, and on workgroups they cannot hold; a sentence is better.
   Result<Reflection> reflection = reflect(spirv);
-  if (!reflection) return fail("shader ", name, ": ", reflection.error());
+  if (!reflection) return fail("shader ", name, ": ", reflection.why());
   uint64_t invocations = 1;
   for (int axis = 0; axis < 3; ++axis) {
     uint32_t size = reflection->local_size[axis];

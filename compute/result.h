@@ -13,16 +13,42 @@
 
 namespace weft {
 
-struct Error {
-  std::string message;
+/// What a program can do about it; the sentence is for people.
+enum class ErrorKind {
+  input,         // what was given cannot be used: change it
+  memory,        // the host's or the device's memory has run out: ask for less, or again later
+  device_lost,   // everything on this device is gone: make it anew
+  other          // a driver, a file system or a device that has not what it takes
 };
 
-/// Joins its arguments into one sentence: `return fail("sphere radius ", r, " m is not above 0");`
+struct Error {
+  std::string message;
+  ErrorKind kind = ErrorKind::input;
+};
+inline std::ostream& operator<<(std::ostream& out, const Error& error) { return out << error.message; }
+
+namespace detail {
+inline void add_part(std::ostringstream&, Error& error, ErrorKind kind) { error.kind = kind; }
+inline void add_part(std::ostringstream& text, Error& error, const Error& cause) {
+  text << cause.message;
+  error.kind = cause.kind;
+}
+template <class Part>
+void add_part(std::ostringstream& text, Error& error, const Part& part) {
+  if constexpr (requires { part.error_kind(); }) error.kind = part.error_kind();
+  text << part;
+}
+}  // namespace detail
+
+/// Joins its arguments into one sentence: `return fail("sphere radius ", r, " m is not above 0");` Its kind is that of the error, of the Vulkan
+/// result or of the ErrorKind among them; without one, input.
 template <class... Parts>
 [[nodiscard]] Error fail(const Parts&... parts) {
   std::ostringstream text;
-  (text << ... << parts);
-  return Error{text.str()};
+  Error error;
+  (detail::add_part(text, error, parts), ...);
+  error.message = text.str();
+  return error;
 }
 
 template <class T>
@@ -50,6 +76,12 @@ class [[nodiscard]] Result {
     assert(held_.index() == 1);
     return std::get_if<1>(&held_)->message;
   }
+  /// The sentence and its kind, to be part of another: `fail("cloth ", k, ": ", mesh.why())`.
+  const Error& why() const {
+    assert(held_.index() == 1);
+    return *std::get_if<1>(&held_);
+  }
+  ErrorKind kind() const { return why().kind; }
   Error take_error() { return std::move(*std::get_if<1>(&held_)); }
 
  private:
@@ -60,17 +92,21 @@ template <>
 class [[nodiscard]] Result<void> {
  public:
   Result() = default;
-  Result(Error error) : error_(std::move(error.message)) {}
+  Result(Error error) : error_(std::move(error)) {}
 
   explicit operator bool() const { return !error_; }
   const std::string& error() const {
+    return why().message;
+  }
+  const Error& why() const {
     assert(error_);
     return *error_;
   }
-  Error take_error() { return Error{std::move(*error_)}; }
+  ErrorKind kind() const { return why().kind; }
+  Error take_error() { return std::move(*error_); }
 
  private:
-  std::optional<std::string> error_;
+  std::optional<Error> error_;
 };
 
 }  // namespace weft

@@ -129,7 +129,7 @@ std::vector<Vec3> anchor_targets(const Scene& scene, const CookedFabric& fabric,
 std::vector<Vec3> collider_points(const CookedFabric& fabric, const ColliderMesh& mesh, Vec3 centre, const Rotation& rotation);
 
 /// Particles that the scene moves: all anchors, then those of mesh colliders.
-std::uint32_t moved_particles(const CookedFabric& fabric);
+std::uint32_t kinematic_particles(const CookedFabric& fabric);
 
 /// Particles and render vertices of cloth: those of mesh colliders come after them.
 std::uint32_t cloth_particles(const CookedFabric& fabric);

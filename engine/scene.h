@@ -176,9 +176,9 @@ struct Contacts {
   double recover = 0.25;        // m/s, >= 0: how fast a pair that is closer than it should be is taken apart, and an anchor that cloth held back catches up
   std::uint32_t capacity = 0;   // pairs there is room for at the start; 0: chosen. advance() enlarges it and repeats the frame
   double cell = 0;              // m, cell of the spatial hash; 0: chosen
-  double reach = 0;             // m, how far a particle may stray from its path before pairs are searched again; 0: chosen
+  double detection_margin = 0;  // m, how far a particle may stray from its path before pairs are searched again; 0: chosen
   std::uint32_t iterations = 4; // 1 ... 100: of contacts, in each of the solver's iterations
-  double patience = 8;          // times the larger thickness of the two, >= 0: how far behind its target cloth may hold an anchor or a mesh collider before it is driven through
+  double kinematic_lag_limit = 8;          // times the larger thickness of the two, >= 0: how far behind its target cloth may hold an anchor or a mesh collider before it is driven through
   bool operator==(const Contacts&) const = default;
 };
 

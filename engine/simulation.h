@@ -24,7 +24,7 @@
 // the cloth, which is the world's for cloth within 8 m of that. What a host says and draws is in its world: targets, colliders' poses,
 // render vertices. Particles, the cooked fabric and the meshes are about origin().
 //
-// Errors: what Vulkan refuses is a sentence. After one of advance, submit or record the simulation is whole and can go on: the clock has
+// Errors: what Vulkan refuses is a sentence, with a kind (compute/result.h) that tells a program what to do about it. After one of advance, submit or record the simulation is whole and can go on: the clock has
 // moved by that frame, the cloth may not have. After a lost device everything fails, and all that is left is to destroy it.
 //
 // Limitations: no wind yet; a mesh collider that turns takes its vertices straight to where they
@@ -103,10 +103,10 @@ struct Counts {
   std::uint32_t non_finite = 0;   // particles put back to their last finite position
   std::uint32_t coincident = 0;   // links whose ends were at one place, pushed apart along a line of no meaning (springs that only pull, and those of the method implicit: left alone)
   std::uint32_t contacts_most = 0;   // pairs that could meet, the most that one detection found
-  std::uint32_t contacts_lost = 0;   // pairs that found no room and held their particles still instead: with record and submit, and where the device has no more room
+  std::uint32_t contacts_overflowed = 0;   // pairs that found no room and held their particles still instead: with record and submit, and where the device has no more room
   std::uint32_t truncated = 0;       // times that a particle, or an anchor, was stopped short so that no cloth crosses another; perhaps several times a substep
   std::uint32_t detections = 0;      // searches for pairs
-  float lag = 0;                     // m: how far behind its target cloth held an anchor, or a mesh collider's corner, at most
+  float tracking_error = 0;          // m: how far behind its target cloth held an anchor, or a mesh collider's corner, at most
   // Method implicit only. The norm of a residual r is r . D^-1 r, D the blocks on the matrix's diagonal.
   std::uint32_t unconverged = 0;     // substeps whose solve left more than 1 % of the free flight's residual
   std::uint32_t stopped = 0;         // substeps whose solve was broken off with the best there was
@@ -146,7 +146,7 @@ class Simulation {
   FrameView normals() const;
 
   /// Targets for the end of the next frame, in world space, in CookedFabric::anchors' order from `first` on; they replace the
-  /// scene's keys for these anchors from now on. Among contacts an anchor may wait for cloth in its way, up to eight times the larger thickness of the two from there, or what Scene::contacts.patience says. Errors: beyond the last anchor; not finite, or 1e10 m away or more.
+  /// scene's keys for these anchors from now on. Among contacts an anchor may wait for cloth in its way, up to eight times the larger thickness of the two from there, or what Scene::contacts.kinematic lag limit says. Errors: beyond the last anchor; not finite, or 1e10 m away or more.
   Result<void> move_anchors(std::uint32_t first, std::span<const Vec3> targets);
   /// Pose for the end of the next frame, whole (a capsule or a box without a rotation stands along its own axes); replaces the scene's
   /// keys for this collider. It turns there the shorter way round. Errors: no such collider; not finite; a normal or rotation of length 0.

@@ -51,7 +51,7 @@ struct Snapshot {
   std::uint64_t substeps = 0;    // so far: the clock
   double left_over = 0;          // s, less than a substep: for the next frame
   Vec3 gravity;                  // m/s^2
-  std::uint32_t turn = 0;        // substeps modulo 3, as the solver counts them
+  std::uint32_t phase = 0;        // substeps modulo 3, as the solver counts them
   std::uint32_t capacity = 0;    // candidates there was room for; 0 without contacts
   std::uint32_t losses_seen = 0; // candidates lost by frames that submit has made room after
   std::vector<AnchorLead> anchors;

@@ -10,8 +10,8 @@ namespace weft::gpu {
 // error up to 2^-19), a response with 7 (below 0.4 %), and one bit for links that only pull.
 //
 // With one iteration a substep nothing in an XPBD multiplier changes but C, so the response is the gain 1 / (W_a + W_b + omega alpha/h^2)
-// (kg; engine/cook/cook.cpp says why omega), worked out when cooking: the pass neither adds masses nor divides by them. Both ends have the same bits of it, so
-// momentum is conserved. With several iterations the response is the compliance alpha (m/N).
+// (kg; engine/cook/cook.cpp says why omega), computed when cooking: the pass neither adds masses nor divides by them. Both ends have the
+// same bits of it, so momentum is conserved. With several iterations the response is the compliance alpha (m/N).
 //
 //   x: [31..24] response exponent   [23..0] index
 //   y: [31..8]  rest length / 2^95, a positive float's bits 28..5   [7..1] response mantissa   [0] only pulls
@@ -51,11 +51,11 @@ WEFT_INLINE ColouredLink unpack_coloured(uvec4 packed) {
   return link;
 }
 
-// A candidate in 16 bytes: four particles of 24 bits, and in their top bytes, first to last, the bits of the distance that the
-// pair keeps (m); its sign tells the kind. Vertex-triangle: the vertex is side A, the triangle side B. Edge-edge: two and two.
+// A candidate in 16 bytes: four particles of 24 bits, and in their top bytes, first to last, the bits of the separation
+// (m), whose sign tells the kind. Vertex-triangle: the vertex is side A, the triangle side B. Edge-edge: two and two.
 struct Candidate {
   uint particle[4];
-  float keep;         // m
+  float separation;         // m
   bool edges;
 };
 
@@ -66,13 +66,13 @@ WEFT_INLINE Candidate unpack_candidate(uvec4 packed) {
   candidate.particle[1] = packed.y & 0xffffffu;
   candidate.particle[2] = packed.z & 0xffffffu;
   candidate.particle[3] = packed.w & 0xffffffu;
-  candidate.keep = WEFT_FLOAT(bits & 0x7fffffffu);
+  candidate.separation = WEFT_FLOAT(bits & 0x7fffffffu);
   candidate.edges = (bits & 0x80000000u) != 0u;
   return candidate;
 }
 
-WEFT_INLINE uvec4 pack_candidate(uint a, uint b, uint c, uint d, float keep, bool edges) {
-  const uint bits = WEFT_BITS(keep) | (edges ? 0x80000000u : 0u);
+WEFT_INLINE uvec4 pack_candidate(uint a, uint b, uint c, uint d, float separation, bool edges) {
+  const uint bits = WEFT_BITS(separation) | (edges ? 0x80000000u : 0u);
   uvec4 packed;
   packed.x = a | (bits & 0xff000000u);
   packed.y = b | (((bits >> 16) & 0xffu) << 24);

@@ -16,7 +16,7 @@
   X(1,  bool, through_texels)   /* 1: gathers go through texel buffers, 0: through storage buffers */                        \
   X(2,  bool, finalizes)        /* 1: the pass ends the iteration (motion/finalize.glsl) */                                  \
   X(3,  bool, is_iterated)      /* 1: more than one iteration a substep, so that multipliers are kept */                     \
-  X(4,  bool, is_accelerated)   /* 1: by Chebyshev's iteration (chebyshev/accelerate.glsl) */                                \
+  X(4,  bool, is_accelerated)   /* 1: by Chebyshev's iteration (chebyshev/chebyshev.glsl) */                                \
   X(5,  bool, has_tethers)      /* 1: some particle has one */                                                               \
   X(6,  bool, has_colliders)    /* 1: with a signed distance */                                                              \
   X(7,  bool, has_contacts)     /* 1: substeps end in contact_finalize */                                                    \
@@ -98,7 +98,7 @@ struct Bend {
   float split_weight; // sum n_j w_j K_j^2 (1/kg)
 };
 
-/// Bending about a rest angle (dihedral.comp): the edge (particle[0], particle[1]) and its opposite vertices.
+/// Dihedral element, bending about a rest angle (dihedral.comp): the edge (particle[0], particle[1]), its hinge, and the opposite vertices.
 struct Hinge {
   uint particle[4];
   float weight[4];    // n_j w_j (1/kg)
@@ -109,7 +109,7 @@ struct Hinge {
 /// One-sided link to an anchor; anchor == WEFT_NONE ends a particle's list. Lists are padded to an even length.
 struct Tether {
   uint anchor;        // particle that never moves by itself
-  float reach;        // m
+  float max_distance; // m
 };
 
 struct Anchor {
@@ -118,8 +118,8 @@ struct Anchor {
   vec3 to;            // m, at its end
 };
 
-// The buffer holds all planes, then all spheres, capsules and boxes; how many of each is a constant. Where two overlap, the later has the
-// last word.
+// The buffer holds all planes, then all spheres, capsules and boxes; how many of each is a constant. A particle is put out of them in this
+// order, so that where two overlap the later one decides.
 struct Collider {
   float radius;       // m, spheres and capsules
   float friction;     // Coulomb
@@ -131,28 +131,30 @@ struct Collider {
 };
 
 struct Material {
-  float keep;         // fraction of the velocity that a substep keeps: exp(-damping h)
+  float damping_factor;   // of the velocity in a substep: exp(-damping h)
   float friction;     // Coulomb
   float thickness;    // m
   float unused;       // a material is one texel
 };
 
-// What the first steps of a substep's iteration tell of its predecessors' (accelerate.glsl): bits of squares (m^2), substeps by turns.
+// State of the Chebyshev guard (chebyshev.glsl), which compares the first iteration's steps of successive substeps. Each array is indexed
+// by the phase, the substep modulo 3. `largest` and `reversed` are the bits of squared lengths (m^2).
 struct Acceleration {
   uint largest[3];    // of all steps
-  uint turned[3];     // of those that point the other way than the substep before
-  uint streak[3];     // for how many substeps on end that has grown
-  uint rest[3];       // for how many more substeps there is no acceleration
+  uint reversed[3];   // of the steps that point the other way than a substep before
+  uint streak[3];     // successive substeps in which `reversed` has grown
+  uint cooldown[3];   // further substeps without acceleration
 };
 
 struct Counters {
   uint non_finite;    // particles put back to their last finite position
   uint coincident;    // links whose ends were at one place
   uint contacts_most; // candidates that one detection found, at most
-  uint contacts_lost; // candidates that found no place, all detections together
-  uint truncated;     // times that a particle was stopped short: by a plane, its leash or a lost candidate, the latter two perhaps several times a substep; anchors only by a plane
+  uint contacts_overflowed;   // candidates beyond the capacity, all detections together
+  uint truncated;     // times that a step was truncated: by a plane (contact_limit.comp), a displacement bound or an overflowed
+                      // candidate, the latter two perhaps several times a substep; kinematic particles only by a plane
   uint detections;
-  uint lag;           // bits of a float (m): how far cloth held an anchor back from its target, at most, at a substep's start
+  uint tracking_error;   // bits of a float (m): the largest distance of an anchor from its target at a substep's start
   uint unconverged;   // implicit solves that left more than WEFT_CONVERGED of the residual
   uint stopped;       // implicit solves that broke off with the best there was
   float residual;     // the last implicit solve's, over that of the free flight
@@ -170,11 +172,11 @@ struct FreeCloth {
 
 /// Where the solve of an implicit substep is (implicit.glsl).
 struct Linear {
-  float first;        // r . D^-1 r of the free flight
-  float squared;      // ... before the last iteration
+  float first;        // squared residual r . D^-1 r of the free flight
+  float squared;      // squared residual before the last iteration
   float gamma;        // r . z of the last iteration
-  float step;         // how far it went along its direction
-  float next;         // how much of the direction before goes over into this one; Jacobi: what its iterate is to be multiplied by
+  float step;         // step length along the search direction
+  float next;         // weight of the previous direction in the new one; Jacobi: what its iterate is to be multiplied by
   uint iterate;       // Jacobi: which of the three is the best so far
   uint done;          // 1: nothing more to gain, 2: broken off
   uint arrived;       // workgroups of the dispatch at hand that have summed up; 0 between dispatches
@@ -185,37 +187,38 @@ struct Groups {
   uint x, y, z;
 };
 
-// A box goes to the level of the grid whose cells are at least as long as it: cell * 2^level.
+// Levels of the grid: a box belongs to the first whose cells are at least as long as it, cell * 2^level.
 #define WEFT_LEVELS 16
 
-#define WEFT_HORIZON 10u   // substeps, at most, that paths lead
-#define WEFT_ROUNDS 16u    // of contact_limit, a multiple of four: a particle has a fraction for each
+#define WEFT_LONGEST_LIFETIME 10u   // substeps: the longest candidate lifetime
+#define WEFT_LIMIT_PASSES 16u       // of contact_limit, a multiple of four: a particle has a step fraction for each
 
-// Detection looks for pairs that can come within their distance while every particle stays on a leash about the straight path
-// that it was on when they were detected (detect_path.comp says why that loses nothing). The group counts let the GPU itself
-// decide whether there is anything to do.
+// State of contact detection. A detection finds the candidate pairs: those whose sides can come within their separation while every
+// particle stays within its displacement bound about its predicted trajectory, a straight one (detect_trajectory.comp says why no contact
+// is missed). They serve for several substeps, their lifetime. Group counts are arguments of indirect dispatches, so that the GPU itself
+// decides whether there is anything to do.
 struct Detection {
-  Groups particles, primitives, blocks;   // of the detection's passes; no groups where none is due
-  Groups near_faces, near_edges;          // a thread a pair that a search found near
+  Groups particles, primitives, blocks;   // of the detection's passes; no groups in a substep without a detection
+  Groups near_faces, near_edges;          // a thread a pair that the broad phase found
   Groups contacts;    // a thread a candidate
-  Groups listed[2];   // a thread a candidate that touches, and one that could cross
+  Groups listed[2];   // a thread an active candidate, and an unsafe one
   Groups touched;     // a thread a particle, where there are candidates
-  uint due;           // the next substep begins with a detection
-  uint age;           // substeps since the last one, at most WEFT_HORIZON
-  uint horizon;       // substeps that its paths lead
-  uint candidates;    // that it found; more than push.capacity: the rest were lost
-  float reach;        // m, the leashes' length
-  uint listings[2];   // candidates that touch in this substep, and those that could cross at its end
-  uint lowered[WEFT_ROUNDS - 1];   // some particle's fraction was lowered in this round (contact_limit.comp)
-  uint unsafe;        // ... and the last round still found a pair to cross: the static planes hold
-  uint calm;          // the last detection found the particles at the end of paths that nobody had left
-  uint near[2];       // pairs that the search found: of particles and triangles, then of edges
+  uint needs_detection;   // the next substep begins with one
+  uint steps;         // substeps since the last detection, at most WEFT_LONGEST_LIFETIME
+  uint lifetime;      // substeps that its candidates are meant to serve: the length of trajectories
+  uint candidates;    // that it found; those beyond ContactSettings::capacity have overflowed
+  float margin;       // m, detection margin: the length of displacement bounds
+  uint listings[2];   // active candidates of this substep, and unsafe ones: those that could cross at its end
+  uint changed[WEFT_LIMIT_PASSES - 1];   // 1: this pass of contact_limit lowered the step fraction of some particle
+  uint falls_back;    // 1: its last pass still found a pair that crosses: the fallback fractions apply
+  uint settled;       // 1: the last detection came after a full lifetime in which no particle left its displacement bound
+  uint near[2];       // pairs that the broad phase found: of particles and triangles, then of edges
   uint levels[2];     // a bit for each level that has boxes, of triangles, then of edges
   uint extents[2 * WEFT_LEVELS];   // bits of the longest half side of a box (m) at each level, of triangles, then of edges
 };
-#define WEFT_TOUCHING 0u
-#define WEFT_OPEN 1u
-#define WEFT_NEAR 2u   // pairs of each kind that may be near each other, for each candidate that there is room for
+#define WEFT_ACTIVE 0u
+#define WEFT_UNSAFE 1u
+#define WEFT_NEAR 2u   // capacity for pairs of the broad phase, of each kind, as a multiple of the capacity for candidates
 
 /// What changes from dispatch to dispatch: push constants.
 struct Push {
@@ -223,7 +226,7 @@ struct Push {
   uint flags;         // WEFT_LAST_ITERATION ...
   float fraction_from, fraction_to;   // of the frame, at this substep's start and end
   uint iteration;     // of an implicit substep's solve; after it, how many there were
-  float omega;        // Chebyshev's weight of this iteration (chebyshev/accelerate.glsl)
+  float omega;        // Chebyshev's weight of this iteration (chebyshev/chebyshev.glsl)
   uint first;         // of `coloured_links`: where this dispatch's colour begins
 };
 
@@ -243,21 +246,21 @@ struct TetherSettings {
 
 struct ContactSettings {
   uint triangles, edges;   // how many; together the grid's primitives
-  uint slots;         // of the grid, a power of two
+  uint buckets;       // of the grid, a power of two
   uint capacity;      // candidates
   float cell;         // m, at level 0
   float quantum;      // m, unit of contact_sums
-  float recover;      // m: what a substep makes good of a distance that is too small
-  float patience;     // times a thickness (anchor.comp) or the distance that a pair keeps (contact_limit.comp): how far behind its target cloth may hold an anchor
-  float reach_low, reach_high;   // m, limits of Detection::reach
+  float recover;      // m: how much of a missing separation a substep may recover
+  float kinematic_lag_limit;       // the largest tracking error of an anchor that cloth holds back, as a multiple of its thickness
+                                   // (anchor.comp) or of the pair's separation (contact_limit.comp)
+  float margin_low, margin_high;   // m, limits of Detection::margin
 };
 
-#define WEFT_LAST_ITERATION 1u  // of the substep: velocities follow
-#define WEFT_LAST_SUBSTEP 2u    // of the frame: no further prediction
-#define WEFT_FIRST_ITERATION 4u // of the substep: multipliers start at zero
-#define WEFT_ROUND_SHIFT 8u      // bits 8 to 11: which round of a pass that runs in several
-#define WEFT_TURN_SHIFT 16u      // bits 16 and 17: substeps modulo 3
-
+#define WEFT_LAST_ITERATION 1u   // of the substep: velocities follow
+#define WEFT_LAST_SUBSTEP 2u     // of the frame: no further prediction
+#define WEFT_FIRST_ITERATION 4u  // of the substep: multipliers start at zero
+#define WEFT_PASS_SHIFT 8u       // bits 8 to 11: which dispatch of a pass that is repeated (contact_limit)
+#define WEFT_PHASE_SHIFT 16u     // bits 16 and 17: the phase, the substep modulo 3
 
 #define WEFT_NONE 0xffffffffu
 #define WEFT_MAX_PARTICLES 0x00ffffffu
@@ -272,8 +275,8 @@ SLICE(ContactSettings, contact_settings)
 #ifdef __cplusplus
 
 static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 44 && sizeof(Push) == 28 && sizeof(Motion) == 40 && sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 348);
-static_assert(sizeof(Acceleration) == 48);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 44 && sizeof(Push) == 28 && sizeof(Motion) == 40);
+static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 348 && sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);
 
 namespace constant {

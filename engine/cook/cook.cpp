@@ -62,7 +62,7 @@ Result<void> add_cloth(CookState& state, std::uint32_t index, const Mesh& mesh) 
   if (first + mesh.points.size() > WEFT_MAX_PARTICLES)
     return fail("cloths[", index, "]: the scene's ", first + mesh.points.size(), " particles are more than ", WEFT_MAX_PARTICLES);
   auto anchors = cooking::choose_anchors(cloth, mesh);
-  if (!anchors) return fail("cloths[", index, "].", anchors.error());
+  if (!anchors) return fail("cloths[", index, "].", anchors.why());
   const std::vector<std::uint32_t> order = cooking::locality_order(mesh);
   std::vector<std::uint32_t> particle_of(mesh.points.size());
   for (std::uint32_t k = 0; k < order.size(); ++k) particle_of[order[k]] = first + k;
@@ -74,7 +74,7 @@ Result<void> add_cloth(CookState& state, std::uint32_t index, const Mesh& mesh) 
   const cooking::ClothInput input{cloth, mesh, *anchors, fabric.links.size(), fabric.bends.size()};
   for (const Effect* effect : all_effects())
     if (effect->cook != nullptr)
-      if (auto done = effect->cook(state, input); !done) return fail("cloths[", index, "]: ", done.error());
+      if (auto done = effect->cook(state, input); !done) return fail("cloths[", index, "]: ", done.why());
   return {};
 }
 
@@ -91,7 +91,7 @@ Result<void> fit_substep(CookState& state) {
                 " a frame, more than ", kMostParts, ": take softer springs, heavier particles, a coarser mesh or a higher solver.rate");
   fabric.h = wanted / parts;
   for (std::size_t k = 0; k < scene.cloths.size(); ++k)
-    fabric.materials[k].keep = static_cast<float>(std::exp(-scene.cloths[k].fabric.damping * fabric.h));
+    fabric.materials[k].damping_factor = static_cast<float>(std::exp(-scene.cloths[k].fabric.damping * fabric.h));
   fabric.notes.push_back(fail("solver: a substep of ", 1e3 * wanted, " ms is longer than ", 1e3 * fabric.largest_step,
                                " ms, up to which its springs are stable: each is taken in ", parts, " parts.").message);
   return {};
@@ -151,7 +151,7 @@ Result<std::vector<Mesh>> make_meshes(const Scene& scene) {
       meshes.push_back(make_grid(*cloth.grid));
     } else {
       auto mesh = load_mesh(scene.folder / cloth.mesh);
-      if (!mesh) return fail("cloths[", index, "].mesh: ", mesh.error());
+      if (!mesh) return fail("cloths[", index, "].mesh: ", mesh.why());
       meshes.push_back(std::move(*mesh));
     }
     transform_mesh(meshes.back(), cloth.transform);
@@ -159,7 +159,7 @@ Result<std::vector<Mesh>> make_meshes(const Scene& scene) {
   for (const std::uint32_t index : mesh_colliders(scene)) {
     const Collider& collider = scene.colliders[index];
     auto mesh = load_mesh(scene.folder / collider.mesh);
-    if (!mesh) return fail("colliders[", index, "].mesh: ", mesh.error());
+    if (!mesh) return fail("colliders[", index, "].mesh: ", mesh.why());
     meshes.push_back(std::move(*mesh));
     transform_mesh(meshes.back(), {.translate = {}, .axis = {0, 1, 0}, .degrees = 0, .scale = collider.scale});
   }

@@ -57,7 +57,7 @@ struct Range {
 /// What a pass changes that others must follow.
 enum class Changes {
   nothing,
-  iterate,      // writes the next iterate: `predicted` and `relaxed` trade places after it
+  iterate,      // writes the next iterate: `predicted` and `next_iterate` trade places after it
   velocity      // only by motion/force.glsl, which keeps the prediction in step
 };
 

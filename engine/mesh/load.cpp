@@ -178,11 +178,11 @@ Result<Mesh> load(const std::filesystem::path& file) {
   std::array<std::size_t, 2> left_out{};   // points and lines
   if (kind == ".gltf" || kind == ".glb") {
     content = parts::gltf_geometry(*content, file.parent_path());
-    if (!content) return fail(file.string(), ": ", content.error());
+    if (!content) return fail(file.string(), ": ", content.why());
     kind = ".glb";
   } else if (kind == ".obj") {
     Result<parts::ObjGeometry> geometry = parts::obj_geometry(*content);
-    if (!geometry) return fail(file.string(), ": ", geometry.error());
+    if (!geometry) return fail(file.string(), ": ", geometry.why());
     content = std::move(geometry->text);
     left_out = {geometry->points, geometry->lines};
   } else {
@@ -201,7 +201,7 @@ Result<Mesh> load(const std::filesystem::path& file) {
     return fail(file.string(), ": ", harvest.bad_indices, " triangles point past the last vertex of their primitive");
   if (kind == ".obj" || harvest.render.positions.size() >= 3 * harvest.render.triangles.size()) join_copies(harvest.render);
   Result<Mesh> mesh = weld_mesh(std::move(harvest.render));
-  if (!mesh) return fail(file.string(), ": ", mesh.error());
+  if (!mesh) return fail(file.string(), ": ", mesh.why());
 
   const auto note = [&](std::size_t count, const char* one, const char* many, const char* what) {
     if (count) mesh->mended.insert(mesh->mended.begin(), fail(count, " ", count == 1 ? one : many, what).message);

@@ -53,7 +53,7 @@ Result<SolverSettings> solver_of(const CurvePoint& setting) {
   assignments.push_back({"solver.substeps", std::to_string(setting.substeps)});
   assignments.push_back({"solver.iterations", std::to_string(setting.iterations)});
   auto scene = parse_scene(R"({"cloths": [{"grid": {}}]})", {}, assignments);
-  if (!scene) return fail("the curve's setting \"", setting.row, "\": ", scene.error());
+  if (!scene) return fail("the curve's setting \"", setting.row, "\": ", scene.why());
   return scene->solver;
 }
 
@@ -74,7 +74,7 @@ Result<Scene> with_choice(const Scene& scene, std::uint64_t particles, const Cur
   if (!scene.solver.budget_ms) return fail("solver.method: \"auto\" needs solver.budget_ms");
   const bool tethers = std::any_of(scene.cloths.begin(), scene.cloths.end(), [](const Cloth& c) { return c.tethers && !c.anchors.empty(); });
   const auto choice = choose(curve, *scene.solver.budget_ms, particles, tethers);
-  if (!choice) return fail(choice.error());
+  if (!choice) return fail(choice.why());
   const CurvePoint& setting = choice->setting;
   auto solver = solver_of(setting);
   if (!solver) return solver.take_error();

@@ -67,7 +67,7 @@ Energies energies_of(const CookedFabric& fabric, double h) {
         neighbourhood.neighbours(link) || energies.inverse_masses[link.a] * energies.inverse_masses[link.b] == 0);
   for (std::size_t k = 0; k < fabric.tethers.size(); ++k)
     if (const gpu::Tether& tether = fabric.tethers[k]; tether.anchor != WEFT_NONE)
-      add(static_cast<std::uint32_t>(k / fabric.tethers_per_particle), tether.anchor, tether.reach, 0, 1, true, true);
+      add(static_cast<std::uint32_t>(k / fabric.tethers_per_particle), tether.anchor, tether.max_distance, 0, 1, true, true);
   for (const gpu::Bend& bend : fabric.bends) {
     const double k1 = bend.k[1], k2 = bend.k[2], k3 = bend.k[3];
     BendEnergy energy{{bend.particle[0], bend.particle[1], bend.particle[2], bend.particle[3]}, {-(k1 + k2 + k3), k1, k2, k3}, 0, Preconditioned::diagonal};

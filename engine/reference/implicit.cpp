@@ -33,7 +33,7 @@ Result<ImplicitSystem> ImplicitSystem::create(const Scene& scene, const CookedFa
     system.positions.col(i) = Vector(x.x, x.y, x.z);
     system.velocities.col(i) = Vector(v.x, v.y, v.z);
     system.inverse_masses_[i] = x.w;
-    system.keep_[i] = material.keep;
+    system.keep_[i] = material.damping_factor;
     system.thickness_[i] = material.thickness;
   }
   for (std::size_t k = 0; k < scene.colliders.size(); ++k) {

@@ -28,7 +28,7 @@ Result<Trajectory> integrate_newton(const Scene& scene, const CookedFabric& fabr
                                     const Progress& progress) {
   if (const std::string fault = reference_fault(scene, fabric); !fault.empty()) return fail(fault);
   const auto steps = steps_a_frame(scene, settings.h);
-  if (!steps) return fail(steps.error());
+  if (!steps) return fail(steps.why());
 
   const auto particles = static_cast<Eigen::Index>(fabric.positions.size());
   const double h = settings.h;

@@ -17,7 +17,7 @@ constexpr double kCoincident = 1e-10;
 constexpr double kForcing = 1e-3;
 
 // More conjugate gradients than this and the kept factor is too old. A new one costs as much as a few dozen of them.
-constexpr std::uint32_t kPatience = 40;
+constexpr std::uint32_t kKinematicLagLimit = 40;
 constexpr std::uint32_t kMostGradients = 1000;
 
 // Pairs of particles that have a block in the factor.
@@ -183,7 +183,7 @@ bool TimeStep::solve(double tolerance, double scale, std::uint32_t most_steps) {
     if (at.size <= target) return true;
     if (step == most_steps || !std::isfinite(at.size)) return false;
     ++newton_steps_;
-    if (!factorised_ || gradients_ > kPatience) factorise(at, now_.lambda);
+    if (!factorised_ || gradients_ > kKinematicLagLimit) factorise(at, now_.lambda);
     if (!factorised_) return false;
 
     Positions rhs = -at.force;

@@ -141,7 +141,7 @@ Result<void> Shading::State::create_cloths(const Scene& scene, std::span<const S
     std::vector<compute::DrawBinding> bound;
     for (const auto& [file, content, fallback] : maps) {
       auto texture = textures.load(file.empty() ? std::filesystem::path() : scene.folder / file, content, fallback);
-      if (!texture) return fail(name, ": ", texture.error());
+      if (!texture) return fail(name, ": ", texture.why());
       const VkDescriptorImageInfo image{map_sampler.get(), (*texture)->view(), compute::kSampled.layout};
       bound.push_back({static_cast<std::uint32_t>(bound.size()), {}, image});
     }

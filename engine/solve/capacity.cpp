@@ -14,27 +14,27 @@
 namespace weft {
 
 // Made again when there is more to keep than it holds: less than all of it must never be put back.
-Result<void> Simulation::State::create_kept() {
-  bool fits = kept.size() > 0;
-  for (std::size_t k = 0; k < kept.size(); ++k) fits &= kept[k].bytes >= solver->buffer(*lasting[k]).bytes;
+Result<void> Simulation::State::create_saved() {
+  bool fits = rollback.saved.size() > 0;
+  for (std::size_t k = 0; k < rollback.saved.size(); ++k) fits &= rollback.saved[k].bytes >= solver->buffer(*rollback.rows[k]).bytes;
   if (fits) return {};
   std::vector<compute::BufferRequest> requests;
-  for (const Buffer* row : lasting)
+  for (const Buffer* row : rollback.rows)
     requests.push_back({"kept " + solver->buffer(*row).name, solver->buffer(*row).bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT});
   auto arena = compute::Arena::create(*device, compute::Memory::device, "weft kept frame", requests);
   if (!arena) return arena.take_error();
-  kept = std::move(*arena);
+  rollback.saved = std::move(*arena);
   return {};
 }
 
 // Between the solver's buffers and what is kept of them; barriers are the caller's. A frame that is put back may have stopped between any two passes.
-void Simulation::State::copy_kept(VkCommandBuffer commands, bool back) const {
-  for (std::size_t k = 0; k < lasting.size(); ++k) {
-    const compute::Buffer& live = solver->buffer(*lasting[k]);
+void Simulation::State::copy_saved(VkCommandBuffer commands, bool back) const {
+  for (std::size_t k = 0; k < rollback.rows.size(); ++k) {
+    const compute::Buffer& live = solver->buffer(*rollback.rows[k]);
     // Of the candidates only those that there are.
-    const VkDeviceSize bytes = lasting[k] == &buffers::candidates ? std::max<VkDeviceSize>(1, found_at_start) * sizeof(gpu::uvec4) : kept[k].bytes;
+    const VkDeviceSize bytes = rollback.rows[k] == &buffers::candidates ? std::max<VkDeviceSize>(1, rollback.candidates) * sizeof(gpu::uvec4) : rollback.saved[k].bytes;
     const VkBufferCopy region{0, 0, std::min(bytes, live.bytes)};
-    device->vk().vkCmdCopyBuffer(commands, back ? kept[k].handle : live.handle, back ? live.handle : kept[k].handle, 1, &region);
+    device->vk().vkCmdCopyBuffer(commands, back ? rollback.saved[k].handle : live.handle, back ? live.handle : rollback.saved[k].handle, 1, &region);
   }
   if (!back) return;
   for (const Plan::PlannedBuffer& planned : solver->plan().buffers)
@@ -46,17 +46,17 @@ const gpu::Counters& Simulation::State::counters() const { return *reinterpret_c
 
 // Of a frame that stopped in its middle; if this cannot be done now, the next frame begins with it.
 Result<void> Simulation::State::put_frame_back() {
-  if (!half_done) return {};
-  if (auto done = compute::run_once(*device, "weft put back", [&](VkCommandBuffer commands) { copy_kept(commands, true); }); !done) return done;
-  half_done = false;
+  if (!rollback.frame_is_torn) return {};
+  if (auto done = compute::run_once(*device, "weft put back", [&](VkCommandBuffer commands) { copy_saved(commands, true); }); !done) return done;
+  rollback.frame_is_torn = false;
   return {};
 }
 
-Result<bool> Simulation::State::make_room() {
+Result<bool> Simulation::State::grow_capacity() {
   const std::uint64_t room = solver->contact_settings().capacity;
   // Half as much again as was found: the frame would have found more if it had not been held up.
   std::uint64_t wanted = std::min<std::uint64_t>(std::max<std::uint64_t>(2 * room, counters().contacts_most + counters().contacts_most / 2), kMostCandidates);
-  if (wanted <= room || room_ends) return false;
+  if (wanted <= room || capacity.is_final) return false;
   // First: what was found so far is gone as soon as there is more room, and nobody may take what is there instead for pairs.
   if (auto done = detect_anew(); !done) return done.take_error();
   // What a device has no buffer or memory for it may have for some of these: half as many more at a time, to within a part in 256.
@@ -64,8 +64,8 @@ Result<bool> Simulation::State::make_room() {
     auto grown = solver->grow(static_cast<std::uint32_t>(wanted));
     if (!grown && refused.empty()) refused = std::to_string(wanted) + " candidates: " + grown.error();
     const std::uint64_t less = room + (wanted - room) / 2;
-    room_ends = !grown && less - room <= room / 256;
-    if (grown || room_ends) {
+    capacity.is_final = !grown && less - room <= room / 256;
+    if (grown || capacity.is_final) {
       if (!refused.empty()) fabric.notes.push_back("contacts: room for " + std::to_string(solver->contact_settings().capacity) + " candidates, and none for " + refused);
       return bool(grown);
     }
@@ -77,16 +77,16 @@ Result<void> Simulation::State::detect_anew() {
   gpu::Detection detection{};
   const auto bytes = std::as_writable_bytes(std::span(&detection, 1));
   if (auto done = compute::read_back(*device, solver->buffer(buffers::detection), bytes); !done) return done;
-  detection.due = 1;
+  detection.needs_detection = 1;
   return compute::upload(*device, solver->buffer(buffers::detection), bytes);
 }
 
 // For frames that follow one whose losses have been read back.
-Result<void> Simulation::State::make_room_later() {
-  if (!solver->has(buffers::candidates) || counters().contacts_lost == lost_seen) return {};
+Result<void> Simulation::State::grow_later() {
+  if (!solver->has(buffers::candidates) || counters().contacts_overflowed == capacity.overflow_seen) return {};
   if (auto done = wait(); !done) return done;
-  lost_seen = counters().contacts_lost;
-  auto room = make_room();
+  capacity.overflow_seen = counters().contacts_overflowed;
+  auto room = grow_capacity();
   return room ? Result<void>() : room.take_error();
 }
 
@@ -95,17 +95,17 @@ Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
   const bool contacts = solver->has(buffers::candidates) && input.substeps > 0;
   const gpu::Counters before = counters();
   const gpu::Detection found = detection();
-  const std::uint32_t lost = before.contacts_lost, parity = solver->parity(), turn = solver->turn();
+  const std::uint32_t lost = before.contacts_overflowed, parity = solver->parity(), turn = solver->phase();
   const bool keeps = contacts || (timed_on_cpu() && input.substeps > 0);
   if (auto done = put_frame_back(); !done) return done;
-  found_at_start = contacts ? std::min(detection().candidates, solver->contact_settings().capacity) : 0;
+  rollback.candidates = contacts ? std::min(detection().candidates, solver->contact_settings().capacity) : 0;
   for (;;) {
     if (keeps)
-      if (auto done = create_kept(); !done) return done;
+      if (auto done = create_saved(); !done) return done;
     if (timed_on_cpu()) {
       if (auto done = run_pass_by_pass(input, keeps); !done) {
         solver->set_parity(parity);
-        solver->set_turn(turn);
+        solver->set_phase(turn);
         (void)put_frame_back();
         return done;
       }
@@ -114,13 +114,13 @@ Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
       if (auto done = submit_frame(input, {}, contacts); !done) return done;
     }
     if (auto done = wait(); !done) return done;
-    if (!contacts || counters().contacts_lost == lost) return {};
-    auto room = make_room();
+    if (!contacts || counters().contacts_overflowed == lost) return {};
+    auto room = grow_capacity();
     if (!room) return room.take_error();
     if (!*room) return {};   // as far as it goes: safe, and counted
-    if (auto done = compute::run_once(*device, "weft repeat", [&](VkCommandBuffer commands) { copy_kept(commands, true); }); !done) return done;
+    if (auto done = compute::run_once(*device, "weft repeat", [&](VkCommandBuffer commands) { copy_saved(commands, true); }); !done) return done;
     solver->set_parity(parity);
-    solver->set_turn(turn);
+    solver->set_phase(turn);
     // What the frame had counted is taken back with it: it may not get as far as counting again.
     std::memcpy(readback[0].mapped, &before, sizeof before);
     std::memcpy(readback[1].mapped, &found, sizeof found);

@@ -1,4 +1,4 @@
-// A frame: how many substeps it takes, where the scene's anchors and colliders go, and the three ways to run it.
+// A frame: how many substeps it takes, where the scene's kinematic.targets and colliders go, and the three ways to run it.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -28,8 +28,8 @@ Vec3 spin_between(const Key& from, const Key& to) {
   return static_cast<float>((to.degrees - from.degrees) * std::numbers::pi / 180) * to.axis;
 }
 
-using Clock = std::chrono::steady_clock;
-double milliseconds(Clock::time_point from, Clock::time_point to) { return std::chrono::duration<double, std::milli>(to - from).count(); }
+using Stopwatch = std::chrono::steady_clock;
+double milliseconds(Stopwatch::time_point from, Stopwatch::time_point to) { return std::chrono::duration<double, std::milli>(to - from).count(); }
 
 }  // namespace
 
@@ -45,14 +45,14 @@ Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input)
   Advance advance;
   const double taken = std::min(seconds, scene.solver.longest_advance);
   advance.clamped = seconds - taken;
-  const double substeps = std::floor((pending + taken) / fabric.h + 1e-6);
+  const double substeps = std::floor((clock.left_over + taken) / fabric.h + 1e-6);
   advance.substeps = static_cast<std::uint32_t>(substeps);
   advance.simulated = substeps * fabric.h;
-  pending = std::max(0.0, pending + taken - advance.simulated);
+  clock.left_over = std::max(0.0, clock.left_over + taken - advance.simulated);
   input.substeps = advance.substeps;
   input.gravity = gravity;
   if (advance.substeps == 0) return advance;
-  ticks += advance.substeps;
+  clock.substeps += advance.substeps;
   move_scene(input);
   return advance;
 }
@@ -60,19 +60,19 @@ Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input)
 // Where a collider is at the frame's end; what it turns by on its way there (rad) is returned.
 Vec3 Simulation::State::move_collider_on(std::uint32_t collider) {
   const Collider& described = scene.colliders[collider];
-  ColliderPose& pose = collider_poses[collider];
+  ColliderPose& pose = bodies.poses[collider];
   Vec3 spin;
-  if (std::optional<ColliderPose>& wish = collider_wishes[collider]) {
+  if (std::optional<ColliderPose>& wish = bodies.pending[collider]) {
     spin = spin_between(pose.rotation, wish->rotation);
     pose = *wish;
     wish.reset();
-  } else if (!collider_is_led[collider] && !described.keys.empty()) {
+  } else if (!bodies.is_host_driven[collider] && !described.keys.empty()) {
     const Key key = pose_at(described.keys, now());
     const ColliderPose to = keyed_pose(described, key);
-    const bool was_placed = !(keyed_pose(described, collider_keys[collider]).rotation == pose.rotation);
-    spin = was_placed ? spin_between(pose.rotation, to.rotation) : spin_between(collider_keys[collider], key);
+    const bool was_placed = !(keyed_pose(described, bodies.keys[collider]).rotation == pose.rotation);
+    spin = was_placed ? spin_between(pose.rotation, to.rotation) : spin_between(bodies.keys[collider], key);
     pose = to;
-    collider_keys[collider] = key;
+    bodies.keys[collider] = key;
   }
   return spin;
 }
@@ -83,13 +83,13 @@ const ColliderMesh* Simulation::State::mesh_of(std::uint32_t collider) const {
   return nullptr;
 }
 
-// Their particles are led like anchors, each straight to its next place.
+// Their particles are led like kinematic.targets, each straight to its next place.
 void Simulation::State::move_collider_meshes() {
-  auto at = anchors.begin() + static_cast<std::ptrdiff_t>(fabric.anchors.size());
+  auto at = kinematic.targets.begin() + static_cast<std::ptrdiff_t>(fabric.anchors.size());
   for (const ColliderMesh& mesh : fabric.collider_meshes) {
-    const ColliderPose from = collider_poses[mesh.collider];
+    const ColliderPose from = bodies.poses[mesh.collider];
     move_collider_on(mesh.collider);
-    const ColliderPose& to = collider_poses[mesh.collider];
+    const ColliderPose& to = bodies.poses[mesh.collider];
     if (!(from.centre == to.centre) || !(from.rotation == to.rotation)) {
       const std::vector<Vec3> points = collider_points(fabric, mesh, to.centre, to.rotation);
       for (std::size_t k = 0; k < points.size(); ++k) at[static_cast<std::ptrdiff_t>(k)].to = gpu_vector(points[k]);
@@ -99,46 +99,46 @@ void Simulation::State::move_collider_meshes() {
 }
 
 void Simulation::State::move_scene(FrameInput& input) {
-  input.anchors_move = anchors_are_owed;
-  for (gpu::Anchor& anchor : anchors) anchor.from = anchor.to;
-  if (anchors_are_keyed) {
+  input.anchors_move = kinematic.are_dirty;
+  for (gpu::Anchor& anchor : kinematic.targets) anchor.from = anchor.to;
+  if (kinematic.are_keyed) {
     const std::vector<Vec3> keyed = anchor_targets(scene, fabric, now());
     for (std::size_t k = 0; k < keyed.size(); ++k)
-      if (!anchor_is_led[k]) anchors[k].to = gpu_vector(keyed[k]);
+      if (!kinematic.is_host_driven[k]) kinematic.targets[k].to = gpu_vector(keyed[k]);
   }
-  for (std::size_t k = 0; k < anchor_wishes.size(); ++k) {
-    if (anchor_wishes[k]) anchors[k].to = gpu_vector(*anchor_wishes[k]);
-    anchor_wishes[k].reset();
+  for (std::size_t k = 0; k < kinematic.pending.size(); ++k) {
+    if (kinematic.pending[k]) kinematic.targets[k].to = gpu_vector(*kinematic.pending[k]);
+    kinematic.pending[k].reset();
   }
   move_collider_meshes();
-  for (const gpu::Anchor& anchor : anchors) input.anchors_move |= !same(anchor.from, anchor.to);
-  colliders.clear();
-  for (const std::uint32_t k : collider_order) {
+  for (const gpu::Anchor& anchor : kinematic.targets) input.anchors_move |= !same(anchor.from, anchor.to);
+  bodies.colliders.clear();
+  for (const std::uint32_t k : bodies.order) {
     const Collider& described = scene.colliders[k];
-    const ColliderPose from = collider_poses[k];
+    const ColliderPose from = bodies.poses[k];
     const Vec3 spin = move_collider_on(k);
-    const ColliderPose& to = collider_poses[k];
+    const ColliderPose& to = bodies.poses[k];
     const Vec3 half_size = described.shape == ColliderShape::box ? 0.5f * described.size : Vec3{0, static_cast<float>(0.5 * described.length), 0};
     const Rotation& turn = from.rotation;
-    colliders.push_back({static_cast<float>(described.radius), static_cast<float>(described.friction), gpu_vector(from.centre),
+    bodies.colliders.push_back({static_cast<float>(described.radius), static_cast<float>(described.friction), gpu_vector(from.centre),
                          gpu_vector(to.centre), gpu_vector(from.normal), gpu_vector(to.normal), gpu_vector(spin),
                          {turn.x, turn.y, turn.z, turn.w}, gpu_vector(half_size)});
   }
-  anchors_are_owed = input.anchors_move;
-  input.anchors = anchors;
-  input.colliders = colliders;
+  kinematic.are_dirty = input.anchors_move;
+  input.anchors = kinematic.targets;
+  input.colliders = bodies.colliders;
 }
 
 void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool keep) {
   using compute::Use;
   compute::Recorder recorder(*device, commands, timestamps);
   recorder.barrier(Use::all, Use::compute | Use::transfer | Use::indirect);   // earlier frames, and the renderer that still reads them
-  if (half_done) {
-    copy_kept(commands, true);
+  if (rollback.frame_is_torn) {
+    copy_saved(commands, true);
     recorder.barrier(Use::transfer, Use::compute | Use::transfer | Use::indirect);
   }
   if (keep) {
-    copy_kept(commands, false);
+    copy_saved(commands, false);
     recorder.barrier(Use::transfer, Use::compute | Use::transfer);
   }
   const auto steps = solver->frame(input);
@@ -156,43 +156,43 @@ void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput&
 }
 
 Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits, bool keep) {
-  FrameSlot& slot = slots[submitted % slots.size()];
+  FrameSlot& slot = queue.slots[queue.submitted % queue.slots.size()];
   if (slot.value > 0)
-    if (auto done = compute::wait_for(*device, ready.get(), slot.value); !done) return done;
+    if (auto done = compute::wait_for(*device, queue.ready.get(), slot.value); !done) return done;
   compute::Timestamps* timestamps = options.timings && !timed_on_cpu() ? &slot.timestamps : nullptr;
   if (timestamps != nullptr) timestamps->rewind();
   const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT, nullptr};
   if (const VkResult began = device->vk().vkBeginCommandBuffer(slot.commands, &begin); began != VK_SUCCESS)
     return fail("a frame's command buffer could not be begun: ", compute::result_name(began));
-  const std::uint32_t parity = solver->parity(), turn = solver->turn();
+  const std::uint32_t parity = solver->parity(), turn = solver->phase();
   const auto give_up = [&](Error why) {   // the next frame begins as if this one had not been recorded
     solver->set_parity(parity);
-    solver->set_turn(turn);
+    solver->set_phase(turn);
     return why;
   };
   record_frame(slot.commands, input, timestamps, keep);
   if (const VkResult ended = device->vk().vkEndCommandBuffer(slot.commands); ended != VK_SUCCESS)
     return give_up(fail("a frame's command buffer could not be ended: ", compute::result_name(ended)));
   if (timestamps != nullptr) timestamps->reset();
-  const std::uint64_t value = submitted + 1;
+  const std::uint64_t value = queue.submitted + 1;
   const VkCommandBufferSubmitInfo commands{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO, nullptr, slot.commands, 0};
-  const VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, ready.get(), value, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
+  const VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, queue.ready.get(), value, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
   const VkSubmitInfo2 work{VK_STRUCTURE_TYPE_SUBMIT_INFO_2, nullptr, 0, static_cast<std::uint32_t>(waits.size()), waits.data(), 1, &commands, 1, &signal};
   if (auto done = device->submit(work); !done) return give_up(done.take_error());
-  half_done = false;
+  rollback.frame_is_torn = false;
   // Only what was really submitted may be waited for.
-  slot.value = submitted = value;
-  last_timed = timestamps != nullptr ? &slot : nullptr;
+  slot.value = queue.submitted = value;
+  queue.last_timed = timestamps != nullptr ? &slot : nullptr;
   return {};
 }
 
 // For devices without timestamps: every dispatch is submitted alone and timed on the CPU, waking and waiting included.
 Result<void> Simulation::State::run_pass_by_pass(const FrameInput& input, bool keep) {
-  cpu_times.clear();
+  queue.cpu_times.clear();
   if (keep)
-    if (auto done = compute::run_once(*device, "weft kept frame", [&](VkCommandBuffer commands) { copy_kept(commands, false); }); !done) return done;
-  half_done = keep;
-  const auto start = Clock::now();
+    if (auto done = compute::run_once(*device, "weft kept frame", [&](VkCommandBuffer commands) { copy_saved(commands, false); }); !done) return done;
+  rollback.frame_is_torn = keep;
+  const auto start = Stopwatch::now();
   const auto steps = solver->frame(input);
   const auto run = [&](const Solver::Step* step) {
     return compute::run_once(*device, "weft pass", [&](VkCommandBuffer commands) {
@@ -205,11 +205,11 @@ Result<void> Simulation::State::run_pass_by_pass(const FrameInput& input, bool k
   if (!steps.empty())
     if (auto done = run(nullptr); !done) return done;
   for (const Solver::Step& step : steps) {
-    const auto begun = Clock::now();
+    const auto begun = Stopwatch::now();
     if (auto done = run(&step); !done) return done;
-    cpu_times.push_back({solver->plan().passes[step.pass].label, milliseconds(start, begun), milliseconds(start, Clock::now())});
+    queue.cpu_times.push_back({solver->plan().passes[step.pass].label, milliseconds(start, begun), milliseconds(start, Stopwatch::now())});
   }
-  half_done = false;
+  rollback.frame_is_torn = false;
   return {};
 }
 
@@ -220,7 +220,7 @@ Result<Advance> Simulation::advance(double seconds) {
   if (!advance) return advance;
   if (auto done = s.wait(); !done) return done.take_error();
   if (auto done = s.run_to_the_end(input); !done) return done.take_error();
-  if (advance->substeps > 0) s.anchors_are_owed = false;
+  if (advance->substeps > 0) s.kinematic.are_dirty = false;
   return advance;
 }
 
@@ -228,9 +228,9 @@ Result<Advance> Simulation::submit(double seconds, std::span<const VkSemaphoreSu
   FrameInput input;
   auto advance = state_->plan_frame(seconds, input);
   if (!advance) return advance;
-  if (auto done = state_->make_room_later(); !done) return done.take_error();
+  if (auto done = state_->grow_later(); !done) return done.take_error();
   if (auto done = state_->submit_frame(input, waits, false); !done) return done.take_error();
-  if (advance->substeps > 0) state_->anchors_are_owed = false;
+  if (advance->substeps > 0) state_->kinematic.are_dirty = false;
   return advance;
 }
 
@@ -239,22 +239,22 @@ Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) {
   auto advance = state_->plan_frame(seconds, input);
   if (!advance) return advance;
   state_->record_frame(commands, input, nullptr, false);
-  state_->half_done = false;
-  if (advance->substeps > 0) state_->anchors_are_owed = false;
+  state_->rollback.frame_is_torn = false;
+  if (advance->substeps > 0) state_->kinematic.are_dirty = false;
   return advance;
 }
 
-bool Simulation::State::timed_on_cpu() const { return options.timings && (options.timings_on_cpu || !slots[0].timestamps.supported()); }
+bool Simulation::State::timed_on_cpu() const { return options.timings && (options.timings_on_cpu || !queue.slots[0].timestamps.supported()); }
 
 bool Simulation::timed_on_cpu() const { return state_->timed_on_cpu(); }
 
 std::vector<DispatchTime> Simulation::dispatch_times() const {
-  if (timed_on_cpu()) return state_->cpu_times;
-  if (state_->last_timed == nullptr) return {};
-  auto times = state_->last_timed->timestamps.read();
+  if (timed_on_cpu()) return state_->queue.cpu_times;
+  if (state_->queue.last_timed == nullptr) return {};
+  auto times = state_->queue.last_timed->timestamps.read();
   if (!times) return {};
   std::vector<DispatchTime> dispatches;
-  for (const compute::PassTime& time : *times) dispatches.push_back({state_->last_timed->timestamps.names()[time.name], time.begin_ms, time.end_ms});
+  for (const compute::PassTime& time : *times) dispatches.push_back({state_->queue.last_timed->timestamps.names()[time.name], time.begin_ms, time.end_ms});
   return dispatches;
 }
 

@@ -11,7 +11,7 @@ struct Motion {
 
 }  // namespace
 
-void mend_positions(const CookedFabric& fabric, const std::vector<gpu::vec4>& present, std::vector<gpu::vec4>& wanted, std::vector<bool>& mended) {
+void sanitize_positions(const CookedFabric& fabric, const std::vector<gpu::vec4>& present, std::vector<gpu::vec4>& wanted, std::vector<bool>& mended) {
   std::vector<std::uint32_t> lost;
   mended.assign(wanted.size(), false);
   for (std::uint32_t i = 0; i < wanted.size(); ++i) {

@@ -17,7 +17,7 @@ inline bool is_finite(const gpu::vec4& v) { return is_finite(Vec3{v.x, v.y, v.z}
 
 /// A particle whose wanted place is not finite keeps the present one, moved on as its neighbours across triangles are, so that nothing
 /// tears at it where a whole cloth is carried off. `mended` says which they were.
-void mend_positions(const CookedFabric& fabric, const std::vector<gpu::vec4>& present, std::vector<gpu::vec4>& wanted, std::vector<bool>& mended);
+void sanitize_positions(const CookedFabric& fabric, const std::vector<gpu::vec4>& present, std::vector<gpu::vec4>& wanted, std::vector<bool>& mended);
 
 /// The first number in a scene that is not finite and should be, or vector that reaches kFarthest, with its JSON path, as a sentence; empty if there is none. The reader lets
 /// none through; a program that makes its own scene might.

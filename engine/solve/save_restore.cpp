@@ -44,7 +44,7 @@ Result<void> check_values(const char* name, const std::vector<gpu::vec4>& values
 // written. Of others no more than is used: the rest of their memory was never written either.
 std::size_t bytes_of(const Solver& solver, const Buffer& row, const gpu::Detection& detection, std::uint32_t capacity) {
   if (&row != &buffers::candidates) return static_cast<std::size_t>(solver.used_bytes(row));
-  return detection.due != 0 ? 0 : std::min(detection.candidates, capacity) * sizeof(gpu::uvec4);
+  return detection.needs_detection != 0 ? 0 : std::min(detection.candidates, capacity) * sizeof(gpu::uvec4);
 }
 
 // Whichever thread came first wrote its candidate first. Nothing that a frame does depends on it, and neither shall the file.
@@ -66,7 +66,7 @@ bool leads_alike(const gpu::Anchor& a, const gpu::Anchor& b) {
   return a.particle == b.particle && is_finite(Vec3{a.to.x, a.to.y, a.to.z});
 }
 
-// Pairs are of a particle and a triangle, or of two edges, and room is at most doubled beyond those that were found (make_room).
+// Pairs are of a particle and a triangle, or of two edges, and room is at most doubled beyond those that were found (grow_capacity).
 std::uint64_t most_room(const CookedFabric& fabric) {
   const std::uint64_t edges = fabric.edges.size();
   return std::min<std::uint64_t>(2 * (fabric.positions.size() * fabric.triangles.size() + edges * edges / 2), kMostCandidates);
@@ -92,24 +92,24 @@ Result<Snapshot> Simulation::save() const {
   if (auto done = s.put_frame_back(); !done) return done.take_error();
   Snapshot snapshot;
   snapshot.digest = s.own_digest();
-  snapshot.substeps = s.ticks;
-  snapshot.left_over = s.pending;
+  snapshot.substeps = s.clock.substeps;
+  snapshot.left_over = s.clock.left_over;
   snapshot.gravity = s.gravity;
-  snapshot.turn = s.solver->turn();
+  snapshot.phase = s.solver->phase();
   snapshot.capacity = s.solver->contact_settings().capacity;
-  snapshot.losses_seen = s.lost_seen;
-  for (std::uint32_t k = 0; k < s.anchor_is_led.size(); ++k)
-    if (s.anchor_is_led[k]) snapshot.anchors.push_back({k, s.anchor_wishes[k].has_value(), s.anchor_wishes[k].value_or(Vec3())});
-  for (std::size_t k = 0; k < s.collider_poses.size(); ++k)
-    snapshot.colliders.push_back({s.collider_is_led[k], s.collider_wishes[k].has_value(), s.collider_poses[k], s.collider_wishes[k].value_or(ColliderPose())});
-  for (const Buffer* row : s.lasting) {   // `detection` comes before `candidates`
+  snapshot.losses_seen = s.capacity.overflow_seen;
+  for (std::uint32_t k = 0; k < s.kinematic.is_host_driven.size(); ++k)
+    if (s.kinematic.is_host_driven[k]) snapshot.anchors.push_back({k, s.kinematic.pending[k].has_value(), s.kinematic.pending[k].value_or(Vec3())});
+  for (std::size_t k = 0; k < s.bodies.poses.size(); ++k)
+    snapshot.colliders.push_back({s.bodies.is_host_driven[k], s.bodies.pending[k].has_value(), s.bodies.poses[k], s.bodies.pending[k].value_or(ColliderPose())});
+  for (const Buffer* row : s.rollback.rows) {   // `detection` comes before `candidates`
     const compute::Buffer& buffer = s.solver->buffer(*row);
     std::vector<std::byte> bytes(bytes_of(*s.solver, *row, detection_of(snapshot), snapshot.capacity));
     if (auto done = compute::read_back(*s.device, buffer, bytes); !done) return done.take_error();
     if (row == &buffers::candidates) put_in_order(bytes);
     snapshot.contents.push_back({buffer.name, std::move(bytes)});
   }
-  const auto anchors = std::as_bytes(std::span(s.anchors));
+  const auto anchors = std::as_bytes(std::span(s.kinematic.targets));
   snapshot.contents.push_back({kAnchors, {anchors.begin(), anchors.end()}});
   return snapshot;
 }
@@ -121,24 +121,24 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
   const auto unfit = [&](const auto&... what) { return fail("the snapshot is damaged: ", what...); };
   if (!(snapshot.left_over >= 0 && snapshot.left_over <= fabric.h)) return unfit("of a substep ", snapshot.left_over, " s are left over");
   if (!is_finite(snapshot.gravity)) return unfit("its gravity is not finite");
-  if (snapshot.turn > 2) return unfit("its turn of ", snapshot.turn, " is above 2");
+  if (snapshot.phase > 2) return unfit("its phase of ", snapshot.phase, " is above 2");
   if (const std::uint64_t most = std::max<std::uint64_t>(most_room(fabric), solver->contact_settings().capacity); snapshot.capacity > most)
     return unfit("room for ", snapshot.capacity, " candidates is more than this scene can take, ", most);
   for (const Snapshot::AnchorLead& lead : snapshot.anchors)
-    if (lead.anchor >= anchor_is_led.size() || !is_finite(lead.target)) return unfit("it leads anchor ", lead.anchor, " of ", anchor_is_led.size(), " to a place that is none");
-  if (snapshot.colliders.size() != collider_poses.size()) return unfit("it has ", snapshot.colliders.size(), " colliders instead of ", collider_poses.size());
+    if (lead.anchor >= kinematic.is_host_driven.size() || !is_finite(lead.target)) return unfit("it leads anchor ", lead.anchor, " of ", kinematic.is_host_driven.size(), " to a place that is none");
+  if (snapshot.colliders.size() != bodies.poses.size()) return unfit("it has ", snapshot.colliders.size(), " colliders instead of ", bodies.poses.size());
   for (std::size_t k = 0; k < snapshot.colliders.size(); ++k)
     if (!is_pose(snapshot.colliders[k].pose) || !is_pose(snapshot.colliders[k].wish)) return unfit("the pose of collider ", k, " is not finite");
-  if (snapshot.contents.size() != lasting.size() + 1) return unfit("it has ", snapshot.contents.size(), " buffers instead of ", lasting.size() + 1);
-  if (const auto led = anchors_of(snapshot); !std::equal(led.begin(), led.end(), anchors.begin(), anchors.end(), leads_alike))
-    return unfit("its ", led.size(), " anchors are not the scene's ", anchors.size(), " or are led to a place that is none");
+  if (snapshot.contents.size() != rollback.rows.size() + 1) return unfit("it has ", snapshot.contents.size(), " buffers instead of ", rollback.rows.size() + 1);
+  if (const auto led = anchors_of(snapshot); !std::equal(led.begin(), led.end(), kinematic.targets.begin(), kinematic.targets.end(), leads_alike))
+    return unfit("its ", led.size(), " anchors are not the scene's ", kinematic.targets.size(), " or are led to a place that is none");
   const gpu::Detection found = detection_of(snapshot);
-  if (!(found.reach >= 0 && found.reach < kFarthest)) return unfit("its leashes have no length");
-  if (found.age > WEFT_HORIZON || found.horizon > WEFT_HORIZON)
-    return unfit("its last detection is ", found.age, " substeps ago and was for ", found.horizon, "; neither is ever above ", WEFT_HORIZON);
-  if (found.due == 0 && found.candidates > snapshot.capacity)   // lost pairs ask for a search
+  if (!(found.margin >= 0 && found.margin < kFarthest)) return unfit("its displacement bounds have no length");
+  if (found.steps > WEFT_LONGEST_LIFETIME || found.lifetime > WEFT_LONGEST_LIFETIME)
+    return unfit("its last detection is ", found.steps, " substeps ago and was for ", found.lifetime, "; neither is ever above ", WEFT_LONGEST_LIFETIME);
+  if (found.needs_detection == 0 && found.candidates > snapshot.capacity)   // lost pairs ask for a search
     return unfit("it goes on with ", found.candidates, " candidates and has room for ", snapshot.capacity);
-  for (const Buffer* row : lasting) {
+  for (const Buffer* row : rollback.rows) {
     const compute::Buffer& buffer = solver->buffer(*row);
     const std::size_t wanted = bytes_of(*solver, *row, found, snapshot.capacity);
     const auto* bytes = find(snapshot, buffer.name);
@@ -147,10 +147,10 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
       if (auto good = check_values("positions", elements<gpu::vec4>(*bytes), fabric.positions); !good) return good;
     if (row == &buffers::velocities)
       if (auto good = check_values("velocities", elements<gpu::vec4>(*bytes), fabric.velocities); !good) return good;
-    if (row == &buffers::references || row == &buffers::paths)
+    if (row == &buffers::detected_positions || row == &buffers::trajectories)
       for (const gpu::vec4& at : elements<gpu::vec4>(*bytes))
         if (!is_finite(at)) return unfit("its buffer ", buffer.name, " leads to a place that is none");
-    if (row == &buffers::leashes)
+    if (row == &buffers::displacement_bounds)
       for (const float leash : elements<float>(*bytes))
         if (!(leash >= 0 && leash < kFarthest)) return unfit("its buffer ", buffer.name, " has one of ", leash, " m");
     if (row != &buffers::candidates) continue;
@@ -158,7 +158,7 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
       const gpu::Candidate candidate = gpu::unpack_candidate(packed);
       for (const std::uint32_t particle : candidate.particle)
         if (particle >= fabric.positions.size()) return unfit("a candidate has particle ", particle, " of ", fabric.positions.size());
-      if (!(candidate.keep >= 0 && candidate.keep < kFarthest)) return unfit("a candidate keeps a distance of ", candidate.keep, " m");
+      if (!(candidate.separation >= 0 && candidate.separation < kFarthest)) return unfit("a candidate keeps a distance of ", candidate.separation, " m");
     }
   }
   return {};
@@ -179,40 +179,40 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
     // Once there is more room what was found so far is gone; should anything fail from there on, it must be searched for again.
     if (auto done = detect_anew(); !done) return done;
     if (auto grown = solver->grow(snapshot.capacity); !grown) return grown;
-    if (auto done = create_kept(); !done) return done;
+    if (auto done = create_saved(); !done) return done;
   }
   const std::vector<gpu::vec4> iterate = iterates_at(elements<gpu::vec4>(*find(snapshot, "positions")), fabric);
   std::vector<compute::Upload> uploads;
-  for (const Buffer* row : {&buffers::predicted, &buffers::relaxed}) uploads.push_back({&solver->buffer(*row), std::as_bytes(std::span(iterate))});
-  for (const Buffer* row : lasting) {
+  for (const Buffer* row : {&buffers::predicted, &buffers::next_iterate}) uploads.push_back({&solver->buffer(*row), std::as_bytes(std::span(iterate))});
+  for (const Buffer* row : rollback.rows) {
     const compute::Buffer& buffer = solver->buffer(*row);
     uploads.push_back({&buffer, *find(snapshot, buffer.name)});
   }
   if (auto done = compute::upload_all(*device, uploads); !done) return done;
 
-  anchors = anchors_of(snapshot);
-  anchors_are_owed = true;
+  kinematic.targets = anchors_of(snapshot);
+  kinematic.are_dirty = true;
   // What the frame's end would have copied there.
   std::memcpy(readback[0].mapped, find(snapshot, "counters")->data(), sizeof(gpu::Counters));
   const gpu::Detection found = detection_of(snapshot);
   std::memcpy(readback[1].mapped, &found, sizeof found);
-  solver->set_turn(snapshot.turn);
-  lost_seen = snapshot.losses_seen;
-  ticks = snapshot.substeps;
-  pending = snapshot.left_over;
+  solver->set_phase(snapshot.phase);
+  capacity.overflow_seen = snapshot.losses_seen;
+  clock.substeps = snapshot.substeps;
+  clock.left_over = snapshot.left_over;
   gravity = snapshot.gravity;
-  anchor_is_led.assign(anchor_is_led.size(), false);
-  anchor_wishes.assign(anchor_wishes.size(), std::nullopt);
+  kinematic.is_host_driven.assign(kinematic.is_host_driven.size(), false);
+  kinematic.pending.assign(kinematic.pending.size(), std::nullopt);
   for (const Snapshot::AnchorLead& lead : snapshot.anchors) {
-    anchor_is_led[lead.anchor] = true;
-    if (lead.waits) anchor_wishes[lead.anchor] = lead.target;
+    kinematic.is_host_driven[lead.anchor] = true;
+    if (lead.waits) kinematic.pending[lead.anchor] = lead.target;
   }
-  for (std::size_t k = 0; k < collider_poses.size(); ++k) {
+  for (std::size_t k = 0; k < bodies.poses.size(); ++k) {
     const Snapshot::ColliderState& state = snapshot.colliders[k];
-    collider_poses[k] = state.pose;
-    collider_is_led[k] = state.led;
-    collider_wishes[k] = state.waits ? std::optional(state.wish) : std::nullopt;
-    collider_keys[k] = pose_at(scene.colliders[k].keys, now());
+    bodies.poses[k] = state.pose;
+    bodies.is_host_driven[k] = state.led;
+    bodies.pending[k] = state.waits ? std::optional(state.wish) : std::nullopt;
+    bodies.keys[k] = pose_at(scene.colliders[k].keys, now());
   }
   return draw_surface();
 }

@@ -21,7 +21,7 @@ Simulation::Simulation(std::unique_ptr<State> state) : state_(std::move(state)) 
 
 Simulation::~Simulation() {
   // Frames that Weft submitted must be done before their buffers go; a host that recorded frames waits for them itself.
-  if (!state_ || state_->submitted == 0) return;
+  if (!state_ || state_->queue.submitted == 0) return;
   (void)state_->wait();
   state_->device->wait_idle();   // the software driver (Mesa 22.3) looks at semaphores for a moment after they are signalled
 }
@@ -54,7 +54,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   std::uint64_t points = 0;
   for (std::size_t k = 0; k < std::min(described.cloths.size(), meshes.size()); ++k) points += meshes[k].points.size();
   const auto chosen = with_choice(described, points, options.curve ? *options.curve : builtin_curve(), chosen_by);
-  if (!chosen) return fail(chosen.error());
+  if (!chosen) return fail(chosen.why());
   const Scene& scene = *chosen;
   auto state = std::make_unique<State>();
   state->device = &device;
@@ -80,7 +80,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   if (!solver) return solver.take_error();
   state->solver = std::move(*solver);
   for (const Plan::PlannedBuffer& planned : state->solver->plan().buffers)
-    if (planned.row->lifetime == Lifetime::kept) state->lasting.push_back(planned.row);
+    if (planned.row->lifetime == Lifetime::kept) state->rollback.rows.push_back(planned.row);
   // A cache that cannot be written costs the next start some time and nothing else.
   if (!options.pipeline_cache.empty())
     if (auto saved = state->cache.save(); !saved) state->fabric.notes.push_back(saved.error());
@@ -92,7 +92,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   state->readback = std::move(*readback);
   for (const compute::Buffer& report : state->readback.buffers()) std::fill_n(report.mapped, report.bytes, std::byte{0});
   if (state->solver->has(buffers::candidates))
-    if (auto made = state->create_kept(); !made) return made.take_error();
+    if (auto made = state->create_saved(); !made) return made.take_error();
   // One advance records all of its dispatches at once.
   const double most_substeps = std::max(scene.solver.longest_advance, 1 / scene.solver.rate) / state->fabric.h + 1;
   const double dispatches = state->dispatches_of(most_substeps);
@@ -101,12 +101,12 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
                 "; take fewer substeps or iterations, or a shorter longest_advance");
   auto pool = compute::CommandPool::create(device, "weft");
   if (!pool) return pool.take_error();
-  state->pool = std::move(*pool);
+  state->queue.pool = std::move(*pool);
   auto ready = compute::create_timeline(device, "weft ready");
   if (!ready) return ready.take_error();
-  state->ready = std::move(*ready);
-  for (FrameSlot& slot : state->slots) {
-    auto commands = state->pool.allocate("weft frame");
+  state->queue.ready = std::move(*ready);
+  for (FrameSlot& slot : state->queue.slots) {
+    auto commands = state->queue.pool.allocate("weft frame");
     if (!commands) return commands.take_error();
     slot.commands = *commands;
     if (!options.timings) continue;
@@ -115,24 +115,24 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
     slot.timestamps = std::move(*timestamps);
   }
   if (state->timed_on_cpu())
-    if (auto made = state->create_kept(); !made) return made.take_error();
+    if (auto made = state->create_saved(); !made) return made.take_error();
 
-  state->anchors = anchors_at_rest(state->fabric);
-  for (const AnchorTarget& anchor : state->fabric.anchors) state->anchors_are_keyed |= !scene.cloths[anchor.cloth].anchors[anchor.entry].keys.empty();
-  for (const ColliderMesh& mesh : state->fabric.collider_meshes) state->anchors_are_keyed |= !scene.colliders[mesh.collider].keys.empty();
-  state->anchor_wishes.resize(state->fabric.anchors.size());
-  state->anchor_is_led.resize(state->fabric.anchors.size());
+  state->kinematic.targets = anchors_at_rest(state->fabric);
+  for (const AnchorTarget& anchor : state->fabric.anchors) state->kinematic.are_keyed |= !scene.cloths[anchor.cloth].anchors[anchor.entry].keys.empty();
+  for (const ColliderMesh& mesh : state->fabric.collider_meshes) state->kinematic.are_keyed |= !scene.colliders[mesh.collider].keys.empty();
+  state->kinematic.pending.resize(state->fabric.anchors.size());
+  state->kinematic.is_host_driven.resize(state->fabric.anchors.size());
   const std::size_t colliders = scene.colliders.size();
-  state->collider_wishes.resize(colliders);
-  state->collider_is_led.resize(colliders);
+  state->bodies.pending.resize(colliders);
+  state->bodies.is_host_driven.resize(colliders);
   for (const Collider& collider : scene.colliders) {
     const Key key = pose_at(collider.keys, 0);
-    state->collider_poses.push_back(keyed_pose(collider, key));
-    state->collider_keys.push_back(key);
+    state->bodies.poses.push_back(keyed_pose(collider, key));
+    state->bodies.keys.push_back(key);
   }
   for (std::uint32_t k = 0; k < colliders; ++k)
-    if (scene.colliders[k].shape != ColliderShape::mesh) state->collider_order.push_back(k);
-  std::stable_sort(state->collider_order.begin(), state->collider_order.end(),
+    if (scene.colliders[k].shape != ColliderShape::mesh) state->bodies.order.push_back(k);
+  std::stable_sort(state->bodies.order.begin(), state->bodies.order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return scene.colliders[a].shape < scene.colliders[b].shape; });
   std::unique_ptr<Simulation> simulation(new Simulation(std::move(state)));
   // The surface exists before the first frame: a host may draw at once.
@@ -152,20 +152,20 @@ FrameView Simulation::normals() const {
 }
 
 Result<void> Simulation::move_anchors(std::uint32_t first, std::span<const Vec3> targets) {
-  const std::size_t anchors = state_->anchor_wishes.size();
+  const std::size_t anchors = state_->kinematic.pending.size();
   if (first > anchors || targets.size() > anchors - first)
     return fail("anchors ", first, " to ", first + targets.size(), " (exclusive) are beyond the simulation's ", anchors);
   for (std::size_t k = 0; k < targets.size(); ++k)
     if (!is_finite(targets[k])) return fail("the target of anchor ", first + k, " is not finite, or ", kFarthest, " m away or more");
   for (std::size_t k = 0; k < targets.size(); ++k) {
-    state_->anchor_wishes[first + k] = targets[k] - state_->origin;
-    state_->anchor_is_led[first + k] = true;
+    state_->kinematic.pending[first + k] = targets[k] - state_->origin;
+    state_->kinematic.is_host_driven[first + k] = true;
   }
   return {};
 }
 
 Result<ColliderPose> Simulation::State::checked_pose(std::uint32_t collider, const ColliderPose& pose) const {
-  if (collider >= collider_poses.size()) return fail("collider ", collider, " is not below the scene's ", collider_poses.size());
+  if (collider >= bodies.poses.size()) return fail("collider ", collider, " is not below the scene's ", bodies.poses.size());
   const Rotation& r = pose.rotation;
   const float turn = std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w);
   if (!is_finite(pose.centre) || !is_finite(pose.normal) || !std::isfinite(turn))
@@ -185,29 +185,29 @@ Result<ColliderPose> Simulation::State::checked_pose(std::uint32_t collider, con
 Result<void> Simulation::move_collider(std::uint32_t collider, const ColliderPose& pose) {
   auto wish = state_->checked_pose(collider, pose);
   if (!wish) return wish.take_error();
-  state_->collider_wishes[collider] = *wish;
-  state_->collider_is_led[collider] = true;
+  state_->bodies.pending[collider] = *wish;
+  state_->bodies.is_host_driven[collider] = true;
   return {};
 }
 
 Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPose& pose) {
   const auto there = state_->checked_pose(collider, pose);
-  if (!there) return fail(there.error());
+  if (!there) return fail(there.why());
   if (const ColliderMesh* mesh = state_->mesh_of(collider)) {
     auto positions = read_positions();
     if (!positions) return positions.take_error();
     const std::vector<Vec3> points = collider_points(state_->fabric, *mesh, there->centre, there->rotation);
     for (std::size_t k = 0; k < points.size(); ++k) (*positions)[mesh->first_particle + k] = {points[k].x, points[k].y, points[k].z, 0};
     // What writes positions sets anchors there, too; those that wait for cloth to make way must not be taken for led no further.
-    const std::vector<gpu::Anchor> led = state_->anchors;
+    const std::vector<gpu::Anchor> led = state_->kinematic.targets;
     if (auto done = state_->put(*positions); !done) return done;
     for (std::size_t k = 0; k < led.size(); ++k) {
       const bool own = led[k].particle >= mesh->first_particle && led[k].particle - mesh->first_particle < mesh->particles;
-      if (!own) state_->anchors[k].to = led[k].to;
+      if (!own) state_->kinematic.targets[k].to = led[k].to;
     }
   }
-  state_->collider_poses[collider] = *there;
-  state_->collider_wishes[collider].reset();
+  state_->bodies.poses[collider] = *there;
+  state_->bodies.pending[collider].reset();
   return state_->mesh_of(collider) != nullptr ? state_->draw_surface() : Result<void>();
 }
 
@@ -217,13 +217,13 @@ Result<void> Simulation::set_gravity(Vec3 gravity) {
   return {};
 }
 
-VkSemaphore Simulation::ready_semaphore() const { return state_->ready.get(); }
-std::uint64_t Simulation::ready_value() const { return state_->submitted; }
+VkSemaphore Simulation::ready_semaphore() const { return state_->queue.ready.get(); }
+std::uint64_t Simulation::ready_value() const { return state_->queue.submitted; }
 double Simulation::time() const { return state_->now(); }
 std::span<const ColliderPose> Simulation::colliders() const {
-  state_->told_poses = state_->collider_poses;
-  for (ColliderPose& pose : state_->told_poses) pose.centre = pose.centre + state_->origin;
-  return state_->told_poses;
+  state_->bodies.told = state_->bodies.poses;
+  for (ColliderPose& pose : state_->bodies.told) pose.centre = pose.centre + state_->origin;
+  return state_->bodies.told;
 }
 Vec3 Simulation::origin() const { return state_->origin; }
 const Scene& Simulation::scene() const { return state_->described; }
@@ -249,7 +249,7 @@ std::vector<PassUse> Simulation::passes() const {
   std::vector<PassUse> uses;
   for (std::size_t k = 0; k < s.solver->plan().passes.size(); ++k) {
     const PlannedPass& planned = s.solver->plan().passes[k];
-    const bool idle = planned.pass->only_towards_targets && !s.anchors_are_keyed && !s.solver->has(buffers::detection);
+    const bool idle = planned.pass->only_towards_targets && !s.kinematic.are_keyed && !s.solver->has(buffers::detection);
     const auto runs = static_cast<std::uint32_t>(idle ? 0 : runs_of(planned.pass->stage, shape_of(s.scene), substeps));
     uses.push_back({planned.label, runs * static_cast<std::uint32_t>(s.solver->rounds(k))});
   }
@@ -264,8 +264,8 @@ std::vector<BufferUse> Simulation::buffers() const {
 
 Counts Simulation::counts() const {
   const gpu::Counters& counters = state_->counters();
-  return {counters.non_finite, counters.coincident,  counters.contacts_most, counters.contacts_lost, counters.truncated, counters.detections,
-          std::bit_cast<float>(counters.lag), counters.unconverged, counters.stopped, counters.residual, counters.unaccelerated};
+  return {counters.non_finite, counters.coincident,  counters.contacts_most, counters.contacts_overflowed, counters.truncated, counters.detections,
+          std::bit_cast<float>(counters.tracking_error), counters.unconverged, counters.stopped, counters.residual, counters.unaccelerated};
 }
 
 }  // namespace weft

@@ -17,7 +17,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
 
 constexpr std::string_view kMagic = "WEFTSNAP";
-constexpr std::uint32_t kVersion = 4;
+constexpr std::uint32_t kVersion = 5;
 constexpr std::size_t kHead = kMagic.size() + sizeof kVersion + sizeof(std::uint64_t);
 constexpr std::size_t kEnd = sizeof(std::uint64_t);
 constexpr std::uint64_t kLongest = std::uint64_t(1) << 32;   // of a file: more than the most particles and candidates take
@@ -53,7 +53,7 @@ void fields(Walk& walk, T& content) {
 
 template <class Walk, Is<Snapshot> T>
 void fields(Walk& walk, T& s) {
-  walk(s.digest), walk(s.substeps), walk(s.left_over), walk(s.gravity), walk(s.turn), walk(s.capacity), walk(s.losses_seen);
+  walk(s.digest), walk(s.substeps), walk(s.left_over), walk(s.gravity), walk(s.phase), walk(s.capacity), walk(s.losses_seen);
   walk(s.anchors), walk(s.colliders), walk(s.contents), walk(s.note);
 }
 

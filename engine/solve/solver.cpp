@@ -12,9 +12,9 @@
 namespace weft {
 namespace {
 
-// `predicted` and `relaxed` trade places; everything else is itself.
+// `predicted` and `next_iterate` trade places; everything else is itself.
 std::size_t in_role(std::size_t number, std::uint32_t parity) {
-  static const std::size_t predicted = number_of(buffers::predicted), relaxed = number_of(buffers::relaxed);
+  static const std::size_t predicted = number_of(buffers::predicted), relaxed = number_of(buffers::next_iterate);
   if (parity == 0) return number;
   return number == predicted ? relaxed : number == relaxed ? predicted : number;
 }
@@ -99,7 +99,7 @@ Result<compute::Arena> Solver::create_arena(bool grows) const {
     if (row.grows != grows) continue;
     compute::BufferRequest request{std::string(row.name), places_[k].bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT};
     // Both iterates are bound in both roles.
-    const bool iterate = predicted != nullptr && (&row == &buffers::predicted || &row == &buffers::relaxed);
+    const bool iterate = predicted != nullptr && (&row == &buffers::predicted || &row == &buffers::next_iterate);
     if (planned.storage || (iterate && predicted->storage)) request.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
     if (planned.texels || (iterate && predicted->texels)) {
       request.usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
@@ -252,7 +252,7 @@ std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
       case Stage::iteration: {
         const std::uint32_t k = moment.iteration;
         if (shape_.implicit) push.iteration = shape_.iterations;
-        push.flags = substep_flags | (k == 0 ? WEFT_FIRST_ITERATION : 0) | (k + 1 == shape_.solver_iterations() ? WEFT_LAST_ITERATION : 0) | turn_ << WEFT_TURN_SHIFT;
+        push.flags = substep_flags | (k == 0 ? WEFT_FIRST_ITERATION : 0) | (k + 1 == shape_.solver_iterations() ? WEFT_LAST_ITERATION : 0) | phase_ << WEFT_PHASE_SHIFT;
         push.omega = k == 0 ? 1 : static_cast<float>(k == 1 ? 2 / (2 - rho_ * rho_) : 4 / (4 - rho_ * rho_ * push.omega));
         break;
       }
@@ -260,7 +260,7 @@ std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
       default: break;
     }
     list(moment.stage, input, push);
-    if (moment.stage == Stage::detect) turn_ = (turn_ + 1) % 3;
+    if (moment.stage == Stage::detect) phase_ = (phase_ + 1) % 3;
   });
   return steps_;
 }
@@ -283,7 +283,7 @@ void Solver::list(Stage stage, const FrameInput& input, const gpu::Push& push) {
       told.first = runs_[k].ranges[round].first;
       told.count = runs_[k].ranges[round].count;
       if (arrived) told.fraction_from = told.fraction_to = 1;
-      if (pass.rounds > 1) told.flags |= round << WEFT_ROUND_SHIFT;
+      if (pass.rounds > 1) told.flags |= round << WEFT_PASS_SHIFT;
       steps_.push_back({k, parity_, told});
     }
     if (pass.changes == Changes::iterate) parity_ ^= 1;

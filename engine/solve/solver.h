@@ -59,7 +59,7 @@ class Solver {
   const Plan& plan() const { return plan_; }
   /// Dispatches of a pass where it is listed once.
   std::size_t rounds(std::size_t pass) const { return runs_[pass].ranges.size(); }
-  /// Must be a buffer of the plan. `predicted` and `relaxed` by name, not by role.
+  /// Must be a buffer of the plan. `predicted` and `next_iterate` by name, not by role.
   const compute::Buffer& buffer(const Buffer& row) const;
   /// What the passes use of it; its memory is rounded up.
   std::uint64_t used_bytes(const Buffer& row) const;
@@ -71,8 +71,8 @@ class Solver {
   std::uint32_t parity() const { return parity_; }
   void set_parity(std::uint32_t parity) { parity_ = parity; }
   /// Substeps modulo 3: where in gpu::Acceleration the next one finds its predecessors.
-  std::uint32_t turn() const { return turn_; }
-  void set_turn(std::uint32_t turn) { turn_ = turn; }
+  std::uint32_t phase() const { return phase_; }
+  void set_phase(std::uint32_t turn) { phase_ = turn; }
 
  private:
   // A buffer of the plan: how many bytes of it are used, and where it is.
@@ -120,7 +120,7 @@ class Solver {
   gpu::Motion motion_{};
   std::vector<std::byte> told_;    // the uniform buffer as the next frame tells it
   std::vector<SliceRange> slices_; // of plan_.slices, in it
-  std::uint32_t workgroup_ = 0, parity_ = 0, turn_ = 0;
+  std::uint32_t workgroup_ = 0, parity_ = 0, phase_ = 0;
   double rho_ = 0;
 };
 

@@ -9,7 +9,7 @@
 namespace weft {
 
 Result<void> Simulation::State::wait() const {
-  return submitted == 0 ? Result<void>() : compute::wait_for(*device, ready.get(), submitted);
+  return queue.submitted == 0 ? Result<void>() : compute::wait_for(*device, queue.ready.get(), queue.submitted);
 }
 
 // The surface of the pose at hand, outside a frame.
@@ -35,7 +35,7 @@ Result<void> Simulation::State::check_count(std::span<const gpu::vec4> values) c
 }
 
 // The counters with so many more mended. The device must be done: in between they are its.
-Result<gpu::Counters> Simulation::State::counters_and_mended(std::size_t more) {
+Result<gpu::Counters> Simulation::State::counters_and_sanitized(std::size_t more) {
   gpu::Counters counted{};
   if (auto done = compute::read_back(*device, solver->buffer(buffers::counters), std::as_writable_bytes(std::span(&counted, 1))); !done) return done.take_error();
   counted.non_finite += static_cast<std::uint32_t>(more);
@@ -62,26 +62,26 @@ Result<void> Simulation::State::put(std::span<const gpu::vec4> positions) {
   if (!velocities) return velocities.take_error();
   std::vector<gpu::vec4> wanted(positions.begin(), positions.end());
   std::vector<bool> mended;
-  mend_positions(fabric, *present, wanted, mended);
+  sanitize_positions(fabric, *present, wanted, mended);
   // w belongs to the solver: inverse mass, split mass or material. Both iterates follow: what a frame does not predict (anchors) it takes from them.
   const std::vector<gpu::vec4> iterate = iterates_at(wanted, fabric);
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     wanted[i].w = (*present)[i].w;
     if (mended[i]) (*velocities)[i] = {0, 0, 0, (*velocities)[i].w};
   }
-  auto counted = counters_and_mended(static_cast<std::size_t>(std::count(mended.begin(), mended.end(), true)));
+  auto counted = counters_and_sanitized(static_cast<std::size_t>(std::count(mended.begin(), mended.end(), true)));
   if (!counted) return counted.take_error();
-  // First: paths and leashes must never be those of another pose.
+  // First: paths and displacement bounds must never be those of another pose.
   if (solver->has(buffers::detection))
     if (auto done = detect_anew(); !done) return done;
   const auto upload = [&](const Buffer& row, const std::vector<gpu::vec4>& values) { return compute::Upload{&solver->buffer(row), std::as_bytes(std::span(values))}; };
-  if (auto done = write({upload(buffers::positions, wanted), upload(buffers::predicted, iterate), upload(buffers::relaxed, iterate), upload(buffers::velocities, *velocities)}, *counted); !done)
+  if (auto done = write({upload(buffers::positions, wanted), upload(buffers::predicted, iterate), upload(buffers::next_iterate, iterate), upload(buffers::velocities, *velocities)}, *counted); !done)
     return done;
-  for (gpu::Anchor& anchor : anchors) {
+  for (gpu::Anchor& anchor : kinematic.targets) {
     const gpu::vec4& p = wanted[anchor.particle];
     anchor.from = anchor.to = {p.x, p.y, p.z};
   }
-  anchors_are_owed = true;
+  kinematic.are_dirty = true;
   return {};
 }
 
@@ -101,7 +101,7 @@ Result<void> Simulation::write_velocities(std::span<const gpu::vec4> velocities)
     lost += !is_finite(v);
     (*wanted)[i] = is_finite(v) ? gpu::vec4{v.x, v.y, v.z, (*wanted)[i].w} : gpu::vec4{0, 0, 0, (*wanted)[i].w};
   }
-  auto counted = s.counters_and_mended(lost);
+  auto counted = s.counters_and_sanitized(lost);
   if (!counted) return counted.take_error();
   return s.write({{&s.solver->buffer(buffers::velocities), std::as_bytes(std::span(*wanted))}}, *counted);
 }

@@ -21,6 +21,57 @@ struct FrameSlot {
 /// Where a collider stands when its keys say `key`.
 ColliderPose keyed_pose(const Collider& collider, const Key& key);
 
+/// Time goes in whole substeps; what is left of a frame's seconds waits for the next one.
+struct Clock {
+  std::uint64_t substeps = 0;
+  double left_over = 0;                        // s, less than a substep
+};
+
+/// Particles that keys or the host lead: all anchors, then the particles of mesh colliders. `targets` has an entry for each of them, `pending` and
+/// `is_host_driven` for the anchors alone. The GPU is told of targets in each frame in which `from` and `to` differ or `are_dirty`.
+struct KinematicTargets {
+  std::vector<gpu::Anchor> targets;            // from: where they are; to: where the frame takes them
+  std::vector<std::optional<Vec3>> pending;    // what the host has asked for since the last frame
+  std::vector<bool> is_host_driven;            // by the host from its first target on, instead of by keys
+  bool are_keyed = false;
+  bool are_dirty = false;                      // the GPU's copy is not `targets`: a frame has failed, or they were put somewhere
+};
+
+/// Colliders, an entry each in all lists but the last two.
+struct Bodies {
+  std::vector<ColliderPose> poses;             // where they are
+  std::vector<Key> keys;                       // what the keys said last
+  std::vector<std::optional<ColliderPose>> pending;   // what the host has asked for since the last frame
+  std::vector<bool> is_host_driven;
+  std::vector<ColliderPose> told;              // poses in the host's world
+  std::vector<std::uint32_t> order;            // by shape, as the GPU wants them; no meshes
+  std::vector<gpu::Collider> colliders;        // of the frame at hand, in that order
+};
+
+/// What it takes to run a frame again. While `frame_is_torn` the solver's buffers are in the middle of a frame, and `saved` is what to put back.
+struct Rollback {
+  std::vector<const Buffer*> rows;             // what a frame leaves to the next one, in the order of rows: Lifetime::kept
+  compute::Arena saved;                        // with contacts, or passes one by one: a copy of each
+  std::uint32_t candidates = 0;                // how many candidates are in it
+  bool frame_is_torn = false;
+};
+
+/// Room for contact candidates. It grows by what overflowed since it was last looked at, until the device has no more.
+struct ContactCapacity {
+  std::uint32_t overflow_seen = 0;             // candidates that overflowed in frames after which submit has grown
+  bool is_final = false;                       // more was asked for and not to be had: not asked for again
+};
+
+/// Frames that Weft submits. Frame n is done when `ready` has reached n; `submitted` is the last n.
+struct FrameQueue {
+  compute::CommandPool pool;
+  std::array<FrameSlot, 2> slots;
+  compute::OwnedSemaphore ready;
+  std::uint64_t submitted = 0;
+  std::vector<DispatchTime> cpu_times;         // on devices without timestamps
+  const FrameSlot* last_timed = nullptr;
+};
+
 struct Simulation::State {
   const compute::Device* device = nullptr;
   Scene described;                             // as the host gave it
@@ -31,39 +82,17 @@ struct Simulation::State {
   CookedFabric fabric;
   compute::PipelineCache cache;
   std::optional<Solver> solver;
-  std::vector<const Buffer*> lasting;          // what a frame leaves to the next one, in the order of rows: Lifetime::kept
-  compute::Arena readback;                     // the counters and, with contacts, the detection, copied at every frame's end
-  compute::Arena kept;                         // with contacts, or passes one by one: what advance needs to run its frame again
-  std::uint32_t found_at_start = 0;            // candidates in it
-  std::uint32_t lost_seen = 0;                 // candidates lost by frames that submit has made room after
-  bool half_done = false;                      // a frame that passes were timed in one by one stopped in its middle: `kept` is to be put back
-  bool room_ends = false;                      // more was asked for and not to be had: not asked for again
-  std::optional<std::uint64_t> digest;         // of the scene and its fabric: what a snapshot must be of; made when it is asked for
-  compute::CommandPool pool;
-  std::array<FrameSlot, 2> slots;
-  compute::OwnedSemaphore ready;
-  std::uint64_t submitted = 0;                 // the ready semaphore's last value
-
-  std::uint64_t ticks = 0;                     // substeps so far: the clock
-  double pending = 0;                          // s, less than a substep
+  compute::Arena readback;       // the counters and, with contacts, the detection, copied at every frame's end
+  std::optional<std::uint64_t> digest;   // of the scene and its fabric: what a snapshot must be of; made when it is asked for
   Vec3 gravity;
-  std::vector<gpu::Anchor> anchors;            // from: where they are; to: where the frame takes them; then the mesh colliders' particles
-  std::vector<std::optional<Vec3>> anchor_wishes;   // of the anchors alone
-  std::vector<bool> anchor_is_led;             // by the host, instead of by keys
-  std::vector<ColliderPose> collider_poses;    // where they are
-  std::vector<Key> collider_keys;              // what the keys said last
-  std::vector<std::uint32_t> collider_order;   // by shape, as the GPU wants them; no meshes
-  std::vector<ColliderPose> told_poses;        // the same in the host's world
-  std::vector<std::optional<ColliderPose>> collider_wishes;
-  std::vector<bool> collider_is_led;
-  std::vector<gpu::Collider> colliders;        // of the frame at hand
-  bool anchors_are_keyed = false;
-  bool anchors_are_owed = false;               // the GPU does not know yet where they are led: a frame has failed, or they were put somewhere
+  Clock clock;
+  KinematicTargets kinematic;
+  Bodies bodies;
+  Rollback rollback;
+  ContactCapacity capacity;
+  FrameQueue queue;
 
-  std::vector<DispatchTime> cpu_times;         // on devices without timestamps
-  const FrameSlot* last_timed = nullptr;
-
-  double now() const { return static_cast<double>(ticks) * fabric.h; }
+  double now() const { return static_cast<double>(clock.substeps) * fabric.h; }
   bool timed_on_cpu() const;
   double dispatches_of(double substeps) const;   // of a frame with so many
   Result<Advance> plan_frame(double seconds, FrameInput& input);
@@ -76,11 +105,11 @@ struct Simulation::State {
   Result<void> submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits, bool keep);
   Result<void> run_pass_by_pass(const FrameInput& input, bool keep);
   Result<void> run_to_the_end(const FrameInput& input);
-  Result<void> create_kept();
-  void copy_kept(VkCommandBuffer commands, bool back) const;
+  Result<void> create_saved();
+  void copy_saved(VkCommandBuffer commands, bool back) const;
   Result<void> put_frame_back();
-  Result<bool> make_room();
-  Result<void> make_room_later();
+  Result<bool> grow_capacity();
+  Result<void> grow_later();
   Result<void> detect_anew();
   const gpu::Counters& counters() const;
   const gpu::Detection& detection() const { return *reinterpret_cast<const gpu::Detection*>(readback[1].mapped); }
@@ -93,7 +122,7 @@ struct Simulation::State {
   Result<void> put(std::span<const gpu::vec4> positions);
   Result<void> write(std::vector<compute::Upload> uploads, const gpu::Counters& counted);
   Result<void> check_count(std::span<const gpu::vec4> values) const;
-  Result<gpu::Counters> counters_and_mended(std::size_t more);
+  Result<gpu::Counters> counters_and_sanitized(std::size_t more);
 };
 
 }  // namespace weft

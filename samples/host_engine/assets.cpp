@@ -97,7 +97,8 @@ Result<void> write_png(const std::filesystem::path& file, VkExtent2D size, std::
     static_cast<std::vector<char>*>(to)->insert(static_cast<std::vector<char>*>(to)->end(), first, first + count);
   };
   const auto width = static_cast<int>(size.width), height = static_cast<int>(size.height);
-  if (stbi_write_png_to_func(append, &bytes, width, height, 4, rgba.data(), 4 * width) == 0) return fail(file.string(), " could not be encoded");
+  if (stbi_write_png_to_func(append, &bytes, width, height, 4, rgba.data(), 4 * width) == 0)
+    return fail(file.string(), " could not be encoded");
   return weft::write_file(file, std::as_bytes(std::span(bytes)));
 }
 

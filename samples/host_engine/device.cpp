@@ -44,15 +44,15 @@ bool is_number(const std::string& text) { return !text.empty() && text.find_firs
 
 }  // namespace
 
-Result<std::unique_ptr<Device>> Device::create(const DeviceWish& wish) {
+Result<std::unique_ptr<Device>> Device::create(const DeviceRequest& request) {
   std::unique_ptr<Device> made(new Device);
-  if (auto done = made->create_instance(wish); !done) return done.take_error();
-  if (auto done = made->pick(wish.name); !done) return done.take_error();
+  if (auto done = made->create_instance(request); !done) return done.take_error();
+  if (auto done = made->pick(request.name); !done) return done.take_error();
   if (auto done = made->create_device(); !done) return done.take_error();
   return made;
 }
 
-Result<void> Device::create_instance(const DeviceWish& wish) {
+Result<void> Device::create_instance(const DeviceRequest& request) {
   auto application = typed<VkApplicationInfo>(VK_STRUCTURE_TYPE_APPLICATION_INFO);
   application.pApplicationName = "host_engine";
   application.apiVersion = VK_API_VERSION_1_3;
@@ -64,13 +64,13 @@ Result<void> Device::create_instance(const DeviceWish& wish) {
   messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
   messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
   messenger.pfnUserCallback = hear;
-  messenger.pUserData = wish.validation;
+  messenger.pUserData = request.validation;
   const VkValidationFeatureEnableEXT enabled = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
   auto features = typed<VkValidationFeaturesEXT>(VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT);
   features.pNext = &messenger;   // hears what happens at the instance's creation and end
   features.enabledValidationFeatureCount = 1;
   features.pEnabledValidationFeatures = &enabled;
-  if (wish.validation != nullptr) {
+  if (request.validation != nullptr) {
     create.pNext = &features;
     create.enabledLayerCount = 1;
     create.ppEnabledLayerNames = &kValidationLayer;
@@ -79,11 +79,12 @@ Result<void> Device::create_instance(const DeviceWish& wish) {
   }
   const VkResult result = vkCreateInstance(&create, nullptr, &instance_);
   if (result == VK_ERROR_LAYER_NOT_PRESENT)
-    return fail("validation was asked for, and the layer ", kValidationLayer, " is not installed: on Debian, apt install vulkan-validationlayers");
+    return fail("validation was asked for, and the layer ", kValidationLayer,
+                " is not installed: on Debian, apt install vulkan-validationlayers");
   if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
     return fail("no Vulkan driver is installed: on Debian, apt install mesa-vulkan-drivers brings one that needs no GPU");
   if (auto done = checked(result, "vkCreateInstance"); !done) return done;
-  if (wish.validation == nullptr) return {};
+  if (request.validation == nullptr) return {};
   const auto create_messenger =
       reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(instance_, "vkCreateDebugUtilsMessengerEXT"));
   return checked(create_messenger(instance_, &messenger, nullptr, &messenger_), "vkCreateDebugUtilsMessengerEXT");
@@ -98,7 +99,8 @@ Result<void> Device::pick(const std::string& name) {
   for (std::uint32_t k = 0; k < count; ++k) {
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(devices[k], &properties);
-    const bool wanted = is_number(name) ? name == std::to_string(k) : std::string_view(properties.deviceName).find(name) != std::string_view::npos;
+    const bool wanted =
+        is_number(name) ? name == std::to_string(k) : std::string_view(properties.deviceName).find(name) != std::string_view::npos;
     std::uint32_t family = 0;
     if (!wanted || properties.apiVersion < VK_API_VERSION_1_3 || !find_family(devices[k], family)) continue;
     if (rank(properties.deviceType) <= best) continue;
@@ -161,7 +163,9 @@ Result<std::uint32_t> Device::memory_type(std::uint32_t types, VkMemoryPropertyF
   return fail(name(), " has no memory with the properties ", wanted);
 }
 
-Result<void> Device::submit(const VkSubmitInfo2& work) const { return checked(vkQueueSubmit2(queue_, 1, &work, VK_NULL_HANDLE), "vkQueueSubmit2"); }
+Result<void> Device::submit(const VkSubmitInfo2& work) const {
+  return checked(vkQueueSubmit2(queue_, 1, &work, VK_NULL_HANDLE), "vkQueueSubmit2");
+}
 
 weft::compute::BorrowedDevice Device::lend() const {
   return {.get_instance_proc_addr = vkGetInstanceProcAddr, .instance = instance_, .physical = physical_, .device = device_, .queue = queue_,
@@ -174,7 +178,8 @@ Result<Buffer> Buffer::create(const Device& device, VkDeviceSize bytes, VkBuffer
   auto create = typed<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
   create.size = bytes;
   create.usage = usage;
-  if (auto done = checked(vkCreateBuffer(device.handle(), &create, nullptr, &made.buffer_), "vkCreateBuffer"); !done) return done.take_error();
+  if (auto done = checked(vkCreateBuffer(device.handle(), &create, nullptr, &made.buffer_), "vkCreateBuffer"); !done)
+    return done.take_error();
   VkMemoryRequirements needs;
   vkGetBufferMemoryRequirements(device.handle(), made.buffer_, &needs);
   auto type = device.memory_type(needs.memoryTypeBits, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
@@ -182,10 +187,13 @@ Result<Buffer> Buffer::create(const Device& device, VkDeviceSize bytes, VkBuffer
   auto allocate = typed<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
   allocate.allocationSize = needs.size;
   allocate.memoryTypeIndex = *type;
-  if (auto done = checked(vkAllocateMemory(device.handle(), &allocate, nullptr, &made.memory_), "vkAllocateMemory"); !done) return done.take_error();
-  if (auto done = checked(vkBindBufferMemory(device.handle(), made.buffer_, made.memory_, 0), "vkBindBufferMemory"); !done) return done.take_error();
+  if (auto done = checked(vkAllocateMemory(device.handle(), &allocate, nullptr, &made.memory_), "vkAllocateMemory"); !done)
+    return done.take_error();
+  if (auto done = checked(vkBindBufferMemory(device.handle(), made.buffer_, made.memory_, 0), "vkBindBufferMemory"); !done)
+    return done.take_error();
   void* mapped = nullptr;
-  if (auto done = checked(vkMapMemory(device.handle(), made.memory_, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory"); !done) return done.take_error();
+  if (auto done = checked(vkMapMemory(device.handle(), made.memory_, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory"); !done)
+    return done.take_error();
   made.mapped_ = static_cast<std::byte*>(mapped);
   return made;
 }

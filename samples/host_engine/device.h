@@ -25,7 +25,7 @@ struct Complaints {
   std::atomic<std::uint32_t> count = 0;
 };
 
-struct DeviceWish {
+struct DeviceRequest {
   std::string name;                  // "": the best; a number: its index; else part of its name
   Complaints* validation = nullptr;  // not null: Khronos and synchronization validation, which complain there and on stderr
 };
@@ -33,7 +33,7 @@ struct DeviceWish {
 class Device {
  public:
   /// Errors: no driver, no device that draws and computes, none of that name; no validation layer.
-  static Result<std::unique_ptr<Device>> create(const DeviceWish& wish);
+  static Result<std::unique_ptr<Device>> create(const DeviceRequest& request);
   ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
@@ -52,7 +52,7 @@ class Device {
 
  private:
   Device() = default;
-  Result<void> create_instance(const DeviceWish& wish);
+  Result<void> create_instance(const DeviceRequest& request);
   Result<void> pick(const std::string& name);
   Result<void> create_device();
 

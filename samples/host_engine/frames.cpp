@@ -26,7 +26,7 @@ Result<std::unique_ptr<Frames>> Frames::create(const Device& device) {
 }
 
 Frames::~Frames() {
-  if (drawn_ != VK_NULL_HANDLE) (void)wait();   // nothing better can be done about a device that is lost by now
+  if (drawn_ != VK_NULL_HANDLE) (void)wait();   // an error says that the device is lost; nothing can be done
   vkDestroySemaphore(device_->handle(), drawn_, nullptr);
   vkDestroyCommandPool(device_->handle(), pool_, nullptr);
 }

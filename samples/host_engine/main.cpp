@@ -49,7 +49,7 @@ struct Cloth {
 
 class Engine {
  public:
-  static Result<std::unique_ptr<Engine>> create(const DeviceWish& wish);
+  static Result<std::unique_ptr<Engine>> create(const DeviceRequest& request);
   Result<void> run(const Options& options);
 
  private:
@@ -78,9 +78,9 @@ class Engine {
   double time_ = 0;                  // s on the game's clock
 };
 
-Result<std::unique_ptr<Engine>> Engine::create(const DeviceWish& wish) {
+Result<std::unique_ptr<Engine>> Engine::create(const DeviceRequest& request) {
   std::unique_ptr<Engine> engine(new Engine);
-  auto device = Device::create(wish);
+  auto device = Device::create(request);
   if (!device) return device.take_error();
   engine->device_ = std::move(*device);
   auto renderer = Renderer::create(*engine->device_, kSize);
@@ -125,7 +125,7 @@ Result<void> Engine::play(const Act& act) {
   }
   const auto first = Clock::now();
   for (std::uint32_t k = act.first; k < act.end; ++k)
-    if (auto done = frame(act.way); !done) return fail("frame ", k, ": ", done.error());
+    if (auto done = frame(act.way); !done) return fail("frame ", k, ": ", done.why());
   if (auto done = frames_->wait(); !done) return done;
   std::printf("  frames %3u to %3u: %-47s %7.1f frames/s\n", act.first, act.end - 1, act.title, (act.end - act.first) / since(first));
   return {};
@@ -140,7 +140,8 @@ Result<void> Engine::start_weft() {
   if (!simulation) return simulation.take_error();
   cloth.simulation = std::move(*simulation);
   const weft::FrameView view = cloth.simulation->positions(), drawable;
-  if (view.stride != drawable.stride || view.format != drawable.format) return fail("Weft's vertices are not in the format that the renderer draws");
+  if (view.stride != drawable.stride || view.format != drawable.format)
+    return fail("Weft's vertices are not in the format that the renderer draws");
   const auto& triangles = cloth.simulation->meshes()[0].render.triangles;
   auto indices = create_indices(*device_, triangles);
   if (!indices) return indices.take_error();

@@ -83,7 +83,8 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const Device& device, VkExten
   std::unique_ptr<Renderer> made(new Renderer(device, size));
   constexpr VkImageUsageFlags kAttachment = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
   if (auto done = made->create_target(made->colour_, kColour, kSamples, kAttachment); !done) return done.take_error();
-  if (auto done = made->create_target(made->depth_, kDepth, kSamples, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT); !done) return done.take_error();
+  if (auto done = made->create_target(made->depth_, kDepth, kSamples, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT); !done)
+    return done.take_error();
   if (auto done = made->create_target(made->picture_, kColour, VK_SAMPLE_COUNT_1_BIT, kAttachment | VK_IMAGE_USAGE_TRANSFER_SRC_BIT); !done)
     return done.take_error();
   auto pixels = Buffer::create(device, VkDeviceSize{4} * size.width * size.height, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
@@ -127,7 +128,8 @@ Result<void> Renderer::create_target(Target& target, VkFormat format, VkSampleCo
   view.image = target.image;
   view.viewType = VK_IMAGE_VIEW_TYPE_2D;
   view.format = format;
-  view.subresourceRange = {static_cast<VkImageAspectFlags>(format == kDepth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT), 0, 1, 0, 1};
+  const VkImageAspectFlags aspect = format == kDepth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+  view.subresourceRange = {aspect, 0, 1, 0, 1};
   return checked(vkCreateImageView(device, &view, nullptr, &target.view), "vkCreateImageView");
 }
 
@@ -155,7 +157,8 @@ Result<void> Renderer::create_pipeline() {
   stages[0].pName = stages[1].pName = "main";
 
   const weft::FrameView as_weft;   // stride and format that every attribute has
-  const VkVertexInputBindingDescription bindings[] = {{0, as_weft.stride, VK_VERTEX_INPUT_RATE_VERTEX}, {1, as_weft.stride, VK_VERTEX_INPUT_RATE_VERTEX}};
+  const VkVertexInputBindingDescription bindings[] = {{0, as_weft.stride, VK_VERTEX_INPUT_RATE_VERTEX},
+                                                      {1, as_weft.stride, VK_VERTEX_INPUT_RATE_VERTEX}};
   const VkVertexInputAttributeDescription attributes[] = {{0, 0, as_weft.format, 0}, {1, 1, as_weft.format, 0}};
   auto input = typed<VkPipelineVertexInputStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO);
   input.vertexBindingDescriptionCount = input.vertexAttributeDescriptionCount = 2;
@@ -208,12 +211,13 @@ void Renderer::draw(VkCommandBuffer commands, const Stage& stage, std::span<cons
   // What the frame before drew is overwritten, once it has been drawn and copied.
   constexpr VkPipelineStageFlags2 kOutput = VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
   constexpr VkPipelineStageFlags2 kTests = VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT;
-  constexpr VkAccessFlags2 kColourWrite = VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, kDepthWrite = VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
+  constexpr VkAccessFlags2 kColourWrite = VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
+  constexpr VkAccessFlags2 kDepthWrite = VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
   for (const Target& target : {colour_, picture_})
     change(commands, target.image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
            kOutput | VK_PIPELINE_STAGE_2_COPY_BIT, kColourWrite, kOutput, kColourWrite);
-  change(commands, depth_.image, VK_IMAGE_ASPECT_DEPTH_BIT, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, kTests, kDepthWrite,
-         kTests, kDepthWrite | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT);
+  change(commands, depth_.image, VK_IMAGE_ASPECT_DEPTH_BIT, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, kTests,
+         kDepthWrite, kTests, kDepthWrite | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT);
 
   auto colour = typed<VkRenderingAttachmentInfo>(VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO);
   colour.imageView = colour_.view;
@@ -263,9 +267,9 @@ void Renderer::draw_one(VkCommandBuffer commands, const Drawable& what, const Ma
 }
 
 void Renderer::read_back(VkCommandBuffer commands) const {
-  change(commands, picture_.image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-         VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, VK_PIPELINE_STAGE_2_COPY_BIT,
-         VK_ACCESS_2_TRANSFER_READ_BIT);
+  change(commands, picture_.image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+         VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT,
+         VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_READ_BIT);
   VkBufferImageCopy region{};
   region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
   region.imageExtent = {size_.width, size_.height, 1};

@@ -39,12 +39,14 @@ SweepPlan plan_of(const Scene& scene, const AccuracyOptions& options) {
   plan.warm_up = plan.frames / 4;
   plan.reference_cells = options.reference_cells.value_or(options.quick ? 16 : 32);
   plan.most_steps = options.quick ? 80 : 320;
-  plan.substeps = options.quick ? std::vector<std::uint32_t>{1, 2, 5, 10, 20} : std::vector<std::uint32_t>{1, 2, 5, 10, 20, 40, 80, 160, 320};
+  plan.substeps =
+      options.quick ? std::vector<std::uint32_t>{1, 2, 5, 10, 20} : std::vector<std::uint32_t>{1, 2, 5, 10, 20, 40, 80, 160, 320};
   plan.iterations = options.quick ? std::vector<std::uint32_t>{1, 4} : std::vector<std::uint32_t>{1, 4, 16};
   plan.most_passes = plan.substeps.back();
   plan.most_iterated = options.quick ? 8 : 40;
   plan.most_particle_passes = options.quick ? 0.5e6 : 3.3e6;
-  for (const std::uint32_t cells : options.quick ? std::vector<std::uint32_t>{plan.reference_cells} : std::vector<std::uint32_t>{plan.reference_cells, 99})
+  for (const std::uint32_t cells :
+       options.quick ? std::vector<std::uint32_t>{plan.reference_cells} : std::vector<std::uint32_t>{plan.reference_cells, 99})
     if (cells > 0 && cells < own) plan.cells.push_back(cells);
   plan.cells.push_back(own);
   plan.tethers = {tethered};
@@ -73,15 +75,16 @@ Result<std::string> read_text(const std::filesystem::path& file) {
   return text;
 }
 
-// The curve that a sweep goes on with.
+// The curve that a sweep continues.
 Result<Curve> begun(const std::filesystem::path& file, const Curve& fresh, bool anew) {
   if (anew || !is_there(file)) return fresh;
   auto text = read_text(file);
   if (!text) return text.take_error();
   auto curve = parse_curve(*text);
-  if (!curve) return fail(file.string(), ": ", curve.error());
+  if (!curve) return fail(file.string(), ": ", curve.why());
   if (curve->key != fresh.key)
-    return fail(file.string(), ": is a curve of another scene, device or number of frames; choose another --out, or begin anew with --fresh");
+    return fail(file.string(),
+                ": is a curve of another scene, device or number of frames; choose another --out, or begin anew with --fresh");
   return curve;
 }
 
@@ -92,7 +95,8 @@ struct Swept {
   std::vector<std::string> notes;
 };
 
-Result<void> sweep(const compute::Device& device, const Scene& scene, const SweepPlan& plan, const std::filesystem::path& folder, Swept& swept) {
+Result<void> sweep(const compute::Device& device, const Scene& scene, const SweepPlan& plan, const std::filesystem::path& folder,
+                   Swept& swept) {
   std::vector<Setting> settings = settings_of(scene, plan, swept.notes);
   std::erase_if(settings, [&](const Setting& setting) {
     return std::any_of(swept.curve.points.begin(), swept.curve.points.end(), [&](const CurvePoint& point) { return setting == point; });
@@ -110,7 +114,7 @@ Result<void> sweep(const compute::Device& device, const Scene& scene, const Swee
     if (interrupted()) break;
     if (compared && !no_reference.empty()) swept.notes.push_back("no reference: " + no_reference);
     progress.step(units(setting));
-    if (!point && device.is_lost()) return fail(setting.row.name, ": ", point.error());
+    if (!point && device.is_lost()) return fail(setting.row.name, ": ", point.why());
     if (!point) {
       const std::string sentence = std::string(setting.row.name) + ": " + point.error();
       if (std::find(swept.notes.begin(), swept.notes.end(), sentence) == swept.notes.end()) swept.notes.push_back(sentence);
@@ -133,7 +137,7 @@ std::vector<CurvePoint> three_budgets(const std::vector<CurvePoint>& points) {
   return {points[best.front()], points[between], points[best.back()]};
 }
 
-// Pictures are taken on a device of its own, after everything has been timed: a software driver that has drawn tells wrong times.
+// Pictures are taken on a device of its own, after everything has been timed: the times of a software driver that has drawn are wrong.
 Exit take_shots(const Scene& scene, const Swept& swept, const AccuracyOptions& options, std::vector<Shot>& shots) {
   compute::DeviceChoice choice;
   choice.name = options.device;
@@ -143,7 +147,8 @@ Exit take_shots(const Scene& scene, const Swept& swept, const AccuracyOptions& o
   for (const bool tethers : {true, false}) {
     const auto points = three_budgets(points_of(swept.curve, largest(swept.curve), tethers));
     for (const CurvePoint& point : points) {
-      const auto* row = std::find_if(std::begin(kSolverRows), std::end(kSolverRows), [&](const SolverRow& r) { return r.name == point.row; });
+      const auto* row =
+          std::find_if(std::begin(kSolverRows), std::end(kSolverRows), [&](const SolverRow& r) { return r.name == point.row; });
       if (row == std::end(kSolverRows)) continue;
       const auto made = scene_of(scene, Setting{*row, point.cells, tethers, point.substeps, point.iterations, 0});
       if (!made) return failed(made.error());
@@ -160,8 +165,8 @@ Exit take_shots(const Scene& scene, const Swept& swept, const AccuracyOptions& o
       if (!png) return failed(png.error());
       char ms[32];
       std::snprintf(ms, sizeof ms, "%.3g ms", point.ms_median);
-      shots.push_back({std::string(ms) + (tethers ? ", with tethers: " : ", without tethers: ") + setting_words(point) + "; strain " + percent(point.strain_rms) +
-                           " rms, " + percent(point.strain_max) + " at most",
+      shots.push_back({std::string(ms) + (tethers ? ", with tethers: " : ", without tethers: ") + setting_words(point) + "; strain " +
+                           percent(point.strain_rms) + " rms, " + percent(point.strain_max) + " at most",
                        {png->begin(), png->end()}});
     }
   }
@@ -178,7 +183,8 @@ void print_front(const Curve& curve, bool tethers) {
     const CurvePoint& p = points[i];
     char distance[32] = "-";
     if (std::isfinite(p.total_error)) std::snprintf(distance, sizeof distance, "%.2e", p.total_error);
-    std::printf("%10.3g %10s %10s %10s  %s\n", p.ms_median, percent(p.strain_rms).c_str(), percent(p.strain_max).c_str(), distance, setting_words(p).c_str());
+    std::printf("%10.3g %10s %10s %10s  %s\n", p.ms_median, percent(p.strain_rms).c_str(), percent(p.strain_max).c_str(), distance,
+                setting_words(p).c_str());
   }
 }
 
@@ -188,12 +194,15 @@ void print_budget(const Curve& curve, bool tethers, double budget) {
   if (!found) {
     const auto all = front(points, &CurvePoint::strain_rms);
     if (all.empty()) std::printf("Nothing was measured that could be compared with a budget\n");
-    else std::printf("No setting fits %g ms: the cheapest takes %.3g ms, %s\n", budget, points[all[0]].ms_median, setting_words(points[all[0]]).c_str());
+    else
+      std::printf("No setting fits %g ms: the cheapest takes %.3g ms, %s\n", budget, points[all[0]].ms_median,
+                  setting_words(points[all[0]]).c_str());
     return;
   }
   const CurvePoint& p = points[*found];
-  std::printf("Within %g ms: %s takes %.3g ms for %zu particles; strain %s rms, %s at most\nweft run SCENE %s\n", budget, setting_words(p).c_str(), p.ms_median,
-              static_cast<std::size_t>(p.particles), percent(p.strain_rms).c_str(), percent(p.strain_max).c_str(), setting_flags(p).c_str());
+  std::printf("Within %g ms: %s takes %.3g ms for %zu particles; strain %s rms, %s at most\nweft run SCENE %s\n", budget,
+              setting_words(p).c_str(), p.ms_median, static_cast<std::size_t>(p.particles), percent(p.strain_rms).c_str(),
+              percent(p.strain_max).c_str(), setting_flags(p).c_str());
 }
 
 }  // namespace
@@ -233,7 +242,8 @@ Exit accuracy(const AccuracyOptions& options) {
     if (const Exit exit = take_shots(*scene, swept, options, shots); exit != kDone && exit != kInterrupted) return exit;
   const Drawing drawing = accuracy_plot(swept.curve);
   const Page page{swept.curve, plan, swept.notes, std::move(shots), interrupted()};
-  const std::pair<const char*, std::string> files[] = {{"curve.csv", curve_csv(swept.curve)}, {"curve.svg", svg(drawing)}, {"curve.html", accuracy_page(page)}};
+  const std::pair<const char*, std::string> files[] = {
+      {"curve.csv", curve_csv(swept.curve)}, {"curve.svg", svg(drawing)}, {"curve.html", accuracy_page(page)}};
   for (const auto& [name, text] : files)
     if (const Result<void> written = write_text(options.out / name, text); !written) return failed(written.error());
   if (const Result<void> written = write_png(options.out / "curve.png", picture(drawing)); !written) return failed(written.error());

@@ -66,10 +66,11 @@ void add_table(const std::vector<CurvePoint>& points, std::ostream& html) {
   for (const std::size_t i : order) {
     const CurvePoint& p = points[i];
     const bool in_front = std::find(best.begin(), best.end(), i) != best.end();
-    html << (in_front ? "<tr class=\"front\">" : "<tr>") << "<td>" << escaped(p.row) << "<td>" << p.substeps << "<td>" << p.iterations << "<td>"
-         << number(p.ms_median) << "<td>" << number(p.ms_p95) << "<td>" << number(p.ms_gpu) << "<td>" << percent(p.strain_mean) << "<td>"
-         << percent(p.strain_rms) << "<td>" << percent(p.strain_max) << "<td>" << number(p.solver_error) << "<td>" << number(p.time_error) << "<td>" << number(p.total_error) << "<td class=\"passes\">"
-         << escaped(p.passes) << (p.non_finite > 0 ? "; not finite" : "") << "</tr>\n";
+    html << (in_front ? "<tr class=\"front\">" : "<tr>") << "<td>" << escaped(p.row) << "<td>" << p.substeps << "<td>" << p.iterations
+         << "<td>" << number(p.ms_median) << "<td>" << number(p.ms_p95) << "<td>" << number(p.ms_gpu) << "<td>" << percent(p.strain_mean)
+         << "<td>" << percent(p.strain_rms) << "<td>" << percent(p.strain_max) << "<td>" << number(p.solver_error) << "<td>"
+         << number(p.time_error) << "<td>" << number(p.total_error) << "<td class=\"passes\">" << escaped(p.passes)
+         << (p.non_finite > 0 ? "; not finite" : "") << "</tr>\n";
   }
   html << "</table>\n";
 }
@@ -77,16 +78,17 @@ void add_table(const std::vector<CurvePoint>& points, std::ostream& html) {
 constexpr const char* kStyle =
     "body{font:15px/1.5 system-ui,sans-serif;max-width:1400px;margin:2em auto;padding:0 1em;color:#222}h1,h2,h3{line-height:1.2}"
     "svg{max-width:100%;height:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:13px}"
-    "th,td{padding:2px 10px;text-align:right;border-bottom:1px solid #ddd}th:first-child,td:first-child{text-align:left}.front{font-weight:bold}"
-    ".passes{font-size:11px;font-weight:normal;text-align:left}.shots{display:flex;flex-wrap:wrap;gap:12px}figure{margin:0;flex:1 1 280px}img{width:100%}details{margin:.5em 0}";
+    "th,td{padding:2px 10px;text-align:right;border-bottom:1px solid #ddd}th:first-child,td:first-child{text-align:left}"
+    ".front{font-weight:bold}.passes{font-size:11px;font-weight:normal;text-align:left}"
+    ".shots{display:flex;flex-wrap:wrap;gap:12px}figure{margin:0;flex:1 1 280px}img{width:100%}details{margin:.5em 0}";
 
 }  // namespace
 
 std::string percent(double fraction) { return std::isfinite(fraction) ? number(100 * fraction) + " %" : ""; }
 
 std::string setting_words(const CurvePoint& point) {
-  return point.row + ", " + std::to_string(point.substeps) + (point.substeps == 1 ? " substep x " : " substeps x ") + std::to_string(point.iterations) +
-         (point.iterations == 1 ? " iteration" : " iterations");
+  return point.row + ", " + std::to_string(point.substeps) + (point.substeps == 1 ? " substep x " : " substeps x ") +
+         std::to_string(point.iterations) + (point.iterations == 1 ? " iteration" : " iterations");
 }
 
 std::string setting_flags(const CurvePoint& point) {
@@ -129,13 +131,15 @@ Drawing accuracy_plot(const Curve& curve) {
 std::string accuracy_page(const Page& page) {
   const Curve& curve = page.curve;
   std::ostringstream html;
-  html << "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>Accuracy of " << escaped(curve.scene) << "</title>\n<style>" << kStyle
-       << "</style>\n<h1>Accuracy of " << escaped(curve.scene) << "</h1>\n<p>" << escaped(curve.device) << ", " << escaped(curve.date) << ". Each of "
-       << curve.points.size() << " settings was run for " << curve.frames << " frames; milliseconds (whole frames on the wall clock after "
-       << page.plan.warm_up << " frames to warm up) and errors are of the same run, milliseconds on the GPU of a second one with timestamps. Strain is "
-          "|length / rest - 1| over all edges and the frames of the second half, at full resolution. Distances are rms over all particles and frames, over "
-          "the sheet's size, to references in double precision (Newton's method on every step): the solver's error at the same step h, the time step's "
-          "between references at h and h / 16, and both together to the one at h / 16.";
+  html << "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>Accuracy of " << escaped(curve.scene) << "</title>\n<style>"
+       << kStyle << "</style>\n<h1>Accuracy of " << escaped(curve.scene) << "</h1>\n<p>" << escaped(curve.device) << ", "
+       << escaped(curve.date) << ". Each of " << curve.points.size() << " settings was run for " << curve.frames
+       << " frames; milliseconds (whole frames on the wall clock after " << page.plan.warm_up
+       << " frames to warm up) and errors are of the same run, milliseconds on the GPU of a second one with timestamps. Strain is "
+          "|length / rest - 1| over all edges and the frames of the second half, at full resolution. Distances are rms over all "
+          "particles and frames, over the sheet's size, to references in double precision (Newton's method on every step): the "
+          "solver's error at the same step h, the time step's between references at h and h / 16, and both together to the one at "
+          "h / 16.";
   const std::uint32_t referenced = largest_referenced(curve);
   if (referenced > 0)
     html << " References are costly: they were made up to " << referenced << " cells a side, and with at most " << page.plan.most_steps
@@ -151,7 +155,8 @@ std::string accuracy_page(const Page& page) {
   if (!page.shots.empty()) {
     html << "<h2>Three budgets</h2>\n<div class=\"shots\">\n";
     for (const Shot& shot : page.shots)
-      html << "<figure><img alt=\"\" src=\"data:image/png;base64," << base64(shot.png) << "\"><figcaption>" << escaped(shot.caption) << "</figcaption></figure>\n";
+      html << "<figure><img alt=\"\" src=\"data:image/png;base64," << base64(shot.png) << "\"><figcaption>" << escaped(shot.caption)
+           << "</figcaption></figure>\n";
     html << "</div>\n";
   }
   html << "<h2>All settings</h2>\n<p>Bold: no other is both faster and strained less.</p>\n";
@@ -159,8 +164,8 @@ std::string accuracy_page(const Page& page) {
   for (const CurvePoint& point : curve.points) parts[{point.cells, !point.tethers}] = true;
   for (const auto& [part, there] : parts) {
     const auto points = points_of(curve, part.first, !part.second);
-    html << "<details" << (part.first == largest(curve) ? " open" : "") << "><summary>" << size_words(points) << ", " << (part.second ? "without" : "with")
-         << " tethers</summary>\n";
+    html << "<details" << (part.first == largest(curve) ? " open" : "") << "><summary>" << size_words(points) << ", "
+         << (part.second ? "without" : "with") << " tethers</summary>\n";
     add_table(points, html);
     html << "</details>\n";
   }

@@ -1,4 +1,4 @@
-// Running references, and keeping them: a few counts and then all coordinates in double precision, as the machine has them.
+// Runs references, and saves them: a few counts and then all coordinates in double precision, as the machine has them.
 #include "samples/weft/accuracy_reference.h"
 
 #include <array>
@@ -23,7 +23,8 @@ struct Counts {
 bool read(const std::filesystem::path& file, std::uint32_t frames, std::size_t particles, Trajectory& run) {
   std::ifstream stream(file, std::ios::binary);
   Counts counts;
-  if (!stream.read(reinterpret_cast<char*>(&counts), sizeof counts) || counts.frames != frames || counts.particles != particles) return false;
+  if (!stream.read(reinterpret_cast<char*>(&counts), sizeof counts) || counts.frames != frames || counts.particles != particles)
+    return false;
   run.not_converged = counts.not_converged;
   run.newton_steps = counts.newton_steps;
   for (std::uint32_t frame = 0; frame < frames; ++frame) {
@@ -34,7 +35,8 @@ bool read(const std::filesystem::path& file, std::uint32_t frames, std::size_t p
 }
 
 std::string bytes_of(const Trajectory& run) {
-  const Counts counts{run.poses.size(), run.poses.empty() ? 0 : static_cast<std::uint64_t>(run.poses[0].cols()), run.not_converged, run.newton_steps};
+  const Counts counts{run.poses.size(), run.poses.empty() ? 0 : static_cast<std::uint64_t>(run.poses[0].cols()), run.not_converged,
+                      run.newton_steps};
   std::string bytes(reinterpret_cast<const char*>(&counts), sizeof counts);
   for (const reference::Positions& pose : run.poses)
     bytes.append(reinterpret_cast<const char*>(pose.data()), sizeof(double) * static_cast<std::size_t>(pose.size()));
@@ -70,7 +72,7 @@ std::string Fingerprint::text() const {
 
 Result<Trajectory> reference_run(Scene scene, std::uint32_t substeps, std::uint32_t frames, const std::filesystem::path& folder) {
   const double rate = scene.solver.rate;
-  scene.solver = {};   // of its settings the reference knows the time step alone
+  scene.solver = {};   // the reference uses the time step alone
   scene.solver.rate = rate;
   scene.solver.substeps = substeps;
   scene.frames = frames;

@@ -1,5 +1,5 @@
 // References for an accuracy sweep: the same scene solved by Newton's method in double precision (engine/reference/trajectory.h),
-// kept on disk, since they cost more than all that is compared with them.
+// saved on disk, since they cost more than all that is compared with them.
 #pragma once
 
 #include <filesystem>
@@ -21,8 +21,9 @@ class Fingerprint {
   std::uint64_t hash_ = 0xcbf29ce484222325u;
 };
 
-/// The scene's run of `frames` frames in time steps of 1 / (rate substeps). Taken from `folder` if it was kept there, and kept there
-/// otherwise; the name tells the scene, what was cooked from it, the frames and the step. Errors: those of integrate_newton, and "stopped" after ctrl-C.
+/// The scene's run of `frames` frames in time steps of 1 / (rate substeps). Loaded from `folder` if it is there, and saved
+/// there otherwise; the name tells the scene, what was cooked from it, the frames and the step. Errors: those of integrate_newton,
+/// and "stopped" after ctrl-C.
 Result<reference::Trajectory> reference_run(Scene scene, std::uint32_t substeps, std::uint32_t frames, const std::filesystem::path& folder);
 
 }  // namespace weft::command

@@ -19,9 +19,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A name that a CSV would change would never be found there again.
-static_assert(std::all_of(std::begin(kSolverRows), std::end(kSolverRows),
-                          [](const SolverRow& row) { return row.name.find(',') == row.name.npos && row.assignments.find(',') == row.assignments.npos; }));
+// A name with a comma would not be found again in a CSV.
+static_assert(std::all_of(std::begin(kSolverRows), std::end(kSolverRows), [](const SolverRow& row) {
+  return row.name.find(',') == row.name.npos && row.assignments.find(',') == row.assignments.npos;
+}));
 
 constexpr std::uint32_t kTimedByStamps = 12, kBeforeStamps = 3;   // frames
 constexpr double kSubmission = 4000;   // what a frame costs besides its passes, in particles of one pass
@@ -78,7 +79,7 @@ struct References {
 
 Result<References> references_of(const Scene& scene, const Setting& setting, const SweepPlan& plan, const std::filesystem::path& folder) {
   const auto base = scene_at(scene, setting.cells, setting.tethers);
-  if (!base) return fail(base.error());
+  if (!base) return fail(base.why());
   auto same = reference_run(*base, setting.substeps, plan.frames, folder);
   if (!same) return same.take_error();
   auto fine = reference_run(*base, std::min(16 * setting.substeps, plan.most_steps), plan.frames, folder);
@@ -87,7 +88,8 @@ Result<References> references_of(const Scene& scene, const Setting& setting, con
 }
 
 // Errors and whole frames.
-Result<void> run(const compute::Device& device, const Scene& scene, const SweepPlan& plan, const References& references, CurvePoint& point) {
+Result<void> run(const compute::Device& device, const Scene& scene, const SweepPlan& plan, const References& references,
+                 CurvePoint& point) {
   SimulationOptions options;
   options.pipeline_cache = pipeline_cache();
   auto simulation = Simulation::create(device, scene, options);
@@ -98,12 +100,12 @@ Result<void> run(const compute::Device& device, const Scene& scene, const SweepP
   std::vector<double> wall;
   for (std::uint32_t frame = 0; frame < plan.frames && !interrupted(); ++frame) {
     const Clock::time_point start = Clock::now();
-    if (auto advance = (*simulation)->advance(1 / scene.solver.rate); !advance) return fail("frame ", frame, ": ", advance.error());
+    if (auto advance = (*simulation)->advance(1 / scene.solver.rate); !advance) return fail("frame ", frame, ": ", advance.why());
     if (frame >= plan.warm_up) wall.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
     const bool strained = 2 * (frame + 1) > plan.frames;
     if (!strained && !references.there()) continue;
     const auto positions = (*simulation)->read_positions();
-    if (!positions) return fail(positions.error());
+    if (!positions) return fail(positions.why());
     if (strained) strains.add(measure_strain(fabric, *positions));
     if (references.there()) poses.poses.push_back(reference::pose_of(fabric, *positions));
   }
@@ -139,7 +141,8 @@ Result<void> time_passes(const compute::Device& device, const Scene& scene, Curv
   }
   std::ostringstream passes;
   passes.precision(4);
-  for (std::size_t i = 0; i < times.passes().size(); ++i) passes << (i > 0 ? " " : "") << times.passes()[i].name << '=' << times.spread(i).median;
+  for (std::size_t i = 0; i < times.passes().size(); ++i)
+    passes << (i > 0 ? " " : "") << times.passes()[i].name << '=' << times.spread(i).median;
   point.passes = passes.str();
   point.ms_gpu = times.total().median;
   return {};
@@ -148,7 +151,8 @@ Result<void> time_passes(const compute::Device& device, const Scene& scene, Curv
 }  // namespace
 
 bool Setting::operator==(const CurvePoint& point) const {
-  return point.row == row.name && point.cells == cells && point.tethers == tethers && point.substeps == substeps && point.iterations == iterations;
+  return point.row == row.name && point.cells == cells && point.tethers == tethers && point.substeps == substeps &&
+         point.iterations == iterations;
 }
 
 Result<Scene> scene_at(const Scene& scene, std::uint32_t cells, bool tethers) {
@@ -158,7 +162,8 @@ Result<Scene> scene_at(const Scene& scene, std::uint32_t cells, bool tethers) {
     const Cloth& cloth = scene.cloths[i];
     const std::string path = "cloths[" + std::to_string(i) + "].";
     const auto scaled = [&](std::uint32_t count) { return std::to_string(std::max<long>(1, std::lround(count * scale))); };
-    if (cloth.grid && cells > 0) assignments.push_back({path + "grid.cells", '[' + scaled(cloth.grid->cells_x) + ',' + scaled(cloth.grid->cells_y) + ']'});
+    if (cloth.grid && cells > 0)
+      assignments.push_back({path + "grid.cells", '[' + scaled(cloth.grid->cells_x) + ',' + scaled(cloth.grid->cells_y) + ']'});
     if (cloth.tethers != tethers) assignments.push_back({path + "tethers", tethers ? "true" : "false"});
   }
   return changed(scene, assignments);
@@ -185,8 +190,10 @@ std::vector<Setting> settings_of(const Scene& scene, const SweepPlan& plan, std:
         for (const std::uint32_t substeps : plan.substeps)
           for (const std::uint32_t iterations : plan.iterations) {
             const std::uint32_t passes = substeps * iterations;
-            if (passes > (iterations == 1 ? plan.most_passes : plan.most_iterated) || passes * particles > plan.most_particle_passes) continue;
-            Setting setting{row, cells, tethers, substeps, iterations, (particles * passes + kSubmission) * (plan.frames + kBeforeStamps + kTimedByStamps)};
+            if (passes > (iterations == 1 ? plan.most_passes : plan.most_iterated) || passes * particles > plan.most_particle_passes)
+              continue;
+            const double cost = (particles * passes + kSubmission) * (plan.frames + kBeforeStamps + kTimedByStamps);
+            Setting setting{row, cells, tethers, substeps, iterations, cost};
             if (const auto made = scene_of(scene, setting)) settings.push_back(setting);
             else why = made.error();
           }

@@ -63,8 +63,8 @@ Result<Scene> scene_of(const Scene& scene, const Setting& setting);
 std::vector<Setting> settings_of(const Scene& scene, const SweepPlan& plan, std::vector<std::string>& refused);
 
 /// Measures one setting: a run from the scene's start, in which errors are measured in every frame and the wall clock in all
-/// but the first; then a short one with timestamps. Strain is taken over the frames of the second half. Distances are taken to the references
-/// in `folder`, which are made where they are not there, if the setting has the resolution for them.
+/// but the first; then a short one with timestamps. Strain is taken over the frames of the second half. Distances are taken to the
+/// references in `folder`, which are made if they are missing and the setting has the resolution for them.
 /// Errors: a run that could not be made; "interrupted".
 Result<CurvePoint> measure(const compute::Device& device, const Scene& scene, const Setting& setting, const SweepPlan& plan,
                            const std::filesystem::path& folder, std::string& no_reference);

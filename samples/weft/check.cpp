@@ -36,9 +36,10 @@ Exit check_scene(const std::filesystem::path& file) {
     return kBadInput;
   }
   for (const std::string& note : fabric->notes) std::printf("note: %s\n", note.c_str());
-  std::printf("%s: nothing is wrong: %zu particles, %zu edges, %zu bends, %llu tethers, %zu anchored, %zu colliders\n", file.string().c_str(),
-              std::size_t(cloth_particles(*fabric)), fabric->links.size(), fabric->bends.size() + fabric->hinges.size(), static_cast<unsigned long long>(fabric->tether_count),
-              fabric->anchors.size(), scene->colliders.size());
+  std::printf("%s: nothing is wrong: %zu particles, %zu edges, %zu bends, %llu tethers, %zu anchored, %zu colliders\n",
+              file.string().c_str(), std::size_t(cloth_particles(*fabric)), fabric->links.size(),
+              fabric->bends.size() + fabric->hinges.size(), static_cast<unsigned long long>(fabric->tether_count), fabric->anchors.size(),
+              scene->colliders.size());
   return kDone;
 }
 
@@ -51,9 +52,10 @@ Exit check_mesh(const std::filesystem::path& file) {
   for (const std::string& sentence : mesh->mended) std::printf("%s: mended: %s\n", file.string().c_str(), sentence.c_str());
   std::size_t boundary = 0;
   for (const WingedEdge& edge : mesh->edges) boundary += edge.triangle[0] == kNone || edge.triangle[1] == kNone;
-  std::printf("%s: can be simulated: %zu vertices welded to %zu points within %g m, %zu triangles, %zu edges, %zu of them on the boundary\n",
-              file.string().c_str(), mesh->render.positions.size(), mesh->points.size(), mesh->weld_tolerance, mesh->triangles.size(),
-              mesh->edges.size(), boundary);
+  std::printf(
+      "%s: can be simulated: %zu vertices welded to %zu points within %g m, %zu triangles, %zu edges, %zu of them on the boundary\n",
+      file.string().c_str(), mesh->render.positions.size(), mesh->points.size(), mesh->weld_tolerance, mesh->triangles.size(),
+      mesh->edges.size(), boundary);
   return kDone;
 }
 

@@ -46,7 +46,7 @@ Result<Checkpoint> load_checkpoint(const std::filesystem::path& file, const Simu
   const std::optional<Tally> tally = tally_of(snapshot->note);
   if (!tally) return fail(file.string(), ": the snapshot is not one that a run has left");
   if (checked && !tally->intersections) return fail(file.string(), ": the run that left it did not count where cloth crosses");
-  if (const Result<void> good = simulation.fits(*snapshot); !good) return fail(file.string(), ": ", good.error());
+  if (const Result<void> good = simulation.fits(*snapshot); !good) return fail(file.string(), ": ", good.why());
   return Checkpoint{std::move(*snapshot), *tally};
 }
 

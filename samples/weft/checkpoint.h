@@ -1,4 +1,4 @@
-// What a long run leaves every so often, so that the same command can go on after a kill: a snapshot with the run's own counts in it.
+// The checkpoint of a long run, from which the same command goes on after a kill: a snapshot with the run's own counts in it.
 #pragma once
 
 #include <cstdint>

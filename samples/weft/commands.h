@@ -19,7 +19,7 @@ enum Exit : int {
   kInterrupted = 130,  // 128 + SIGINT, as shells count
 };
 
-/// Complains of what the machine has failed in.
+/// Prints an error that is the machine's fault.
 Exit failed(std::string_view sentence);
 
 struct RunOptions {
@@ -29,7 +29,7 @@ struct RunOptions {
   std::uint32_t every = 0;      // 0: only the final frame is drawn
   bool picture = true;
   bool check = false;           // count crossings of cloth at every frame
-  std::uint32_t checkpoint = 0; // every how many frames the run can be gone on with; 0: never
+  std::uint32_t checkpoint = 0; // frames between snapshots that the run can go on from; 0: none
   bool fresh = false;           // do not go on with what is in `out`
   std::string device;           // as compute::DeviceChoice::name
   std::vector<Assignment> assignments;
@@ -54,7 +54,7 @@ struct AccuracyOptions {
   std::optional<std::uint32_t> reference_cells;
   std::optional<double> budget_ms;   // print the best setting that fits
   bool fresh = false;           // do not go on with what is in `out`
-  bool save = false;            // keep the curve for scenes whose solver is "auto"
+  bool save = false;            // save the curve for scenes whose solver is "auto"
   std::string device;
   std::vector<Assignment> assignments;
 };

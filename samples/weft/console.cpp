@@ -68,8 +68,8 @@ void Progress::draw() {
   const int filled = total_ == 0 ? kWidth : static_cast<int>(std::uint64_t{done_} * kWidth / total_);
   const double seconds = std::chrono::duration<double>(drawn_ - start_).count();
   const double left = done_ == 0 ? 0 : seconds / done_ * (total_ - done_);
-  std::fprintf(stderr, "\r%s [%.*s%*s] %u/%u, %.0f s left \033[K", what_.c_str(), filled, "##############################", kWidth - filled, "",
-               done_, total_, left);
+  std::fprintf(stderr, "\r%s [%.*s%*s] %u/%u, %.0f s left \033[K", what_.c_str(), filled, "##############################", kWidth - filled,
+               "", done_, total_, left);
   std::fflush(stderr);
 }
 

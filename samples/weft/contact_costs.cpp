@@ -19,17 +19,17 @@ bool begins_with_one_of(std::string_view name, std::initializer_list<std::string
   return false;
 }
 
-bool of_searches(std::string_view pass) { return begins_with_one_of(pass, {"detect_path", "grid_", "search_", "pair_"}); }
-bool of_pairs(std::string_view pass) { return begins_with_one_of(pass, {"detect_arm", "contact_"}); }
+bool of_searches(std::string_view pass) { return begins_with_one_of(pass, {"detect_trajectory", "grid_", "search_", "pair_"}); }
+bool of_pairs(std::string_view pass) { return begins_with_one_of(pass, {"detect_arguments", "contact_"}); }
 
-// State that is written calls for a search. Of several the fastest counts: others use the machine too.
+// Written state needs a detection. Of several the fastest counts, since other programs use the machine too.
 Result<void> time_searches(Simulation& simulation, ContactCosts& costs) {
   for (int k = 0; k < kSearches; ++k) {
     const auto positions = simulation.read_positions();
-    if (!positions) return fail(positions.error());
+    if (!positions) return fail(positions.why());
     if (auto done = simulation.write_positions(*positions); !done) return done;
     const std::uint32_t before = simulation.counts().detections;
-    if (const auto advance = simulation.advance(1 / simulation.scene().solver.rate); !advance) return fail(advance.error());
+    if (const auto advance = simulation.advance(1 / simulation.scene().solver.rate); !advance) return fail(advance.why());
     const std::uint32_t searches = simulation.counts().detections - before;
     if (searches == 0) return fail("no search for pairs in a frame that was to begin with one");
     ContactCosts these;
@@ -48,7 +48,8 @@ double ContactCosts::per_search() const {
   return sum;
 }
 
-Result<ContactCosts> contact_costs(const compute::Device& device, const Scene& scene, std::uint32_t vertices, std::uint32_t frames, double cell) {
+Result<ContactCosts> contact_costs(const compute::Device& device, const Scene& scene, std::uint32_t vertices, std::uint32_t frames,
+                                   double cell) {
   Scene sized = scene;
   for (Cloth& cloth : sized.cloths)
     if (cloth.grid) cloth.grid->cells_x = cloth.grid->cells_y = vertices - 1;
@@ -65,7 +66,7 @@ Result<ContactCosts> contact_costs(const compute::Device& device, const Scene& s
   costs.cell = contact_settings(sized, simulation.fabric()).cell;
   for (std::uint32_t frame = 0; frame <= frames; ++frame) {
     const auto advance = simulation.advance(1 / sized.solver.rate);
-    if (!advance) return fail(vertices, " x ", vertices, " vertices, frame ", frame, ": ", advance.error());
+    if (!advance) return fail(vertices, " x ", vertices, " vertices, frame ", frame, ": ", advance.why());
     if (interrupted()) return fail("interrupted");
     costs.substeps += advance->substeps;
     if (frame == 0) continue;
@@ -75,7 +76,7 @@ Result<ContactCosts> contact_costs(const compute::Device& device, const Scene& s
   costs.searches = simulation.counts().detections;
   if (auto done = time_searches(simulation, costs); !done) return done.take_error();
   costs.pairs_most = simulation.counts().contacts_most;
-  costs.pairs_lost = simulation.counts().contacts_lost;
+  costs.pairs_overflowed = simulation.counts().contacts_overflowed;
   return costs;
 }
 

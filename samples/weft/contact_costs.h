@@ -21,7 +21,7 @@ struct ContactCosts {
   double edge = 0, cell = 0;       // m: mean edge, and the grid's cell
   std::uint32_t substeps = 0;      // of all frames together
   std::uint32_t searches = 0;
-  std::uint32_t pairs_most = 0, pairs_lost = 0;
+  std::uint32_t pairs_most = 0, pairs_overflowed = 0;
   double solve = 0, search = 0, contacts = 0;   // ms a frame: everything else; searches; pairs found by them
   std::vector<PassCost> passes;    // of the fastest of several searches at the end of the run
 
@@ -29,7 +29,8 @@ struct ContactCosts {
 };
 
 /// Runs `frames` frames of a grid scene with `vertices` along a side and contacts on. `cell` (m): 0 for the automatic choice.
-Result<ContactCosts> contact_costs(const compute::Device& device, const Scene& scene, std::uint32_t vertices, std::uint32_t frames, double cell);
+Result<ContactCosts> contact_costs(const compute::Device& device, const Scene& scene, std::uint32_t vertices, std::uint32_t frames,
+                                   double cell);
 
 /// The slope of log(ms a search) over log(vertices along a side), by least squares.
 double growth(const std::vector<ContactCosts>& costs);

@@ -18,7 +18,7 @@ namespace {
 constexpr std::uint32_t kSizes[] = {30, 50, 100, 150, 200, 300}, kQuickSizes[] = {30, 60};   // vertices along a side
 constexpr double kCells[] = {0.6, 0.8, 1, 1.25, 1.6, 2.2, 3};   // times the automatic choice ...
 constexpr std::size_t kAutomatic = 2;                           // ... which is this one
-constexpr std::uint32_t kRounds = 4;   // over all cells, so that each has its turn when others use the machine less
+constexpr std::uint32_t kRepeats = 4;   // of the series over all cells; the fastest counts, since other programs use the machine too
 constexpr std::uint32_t kCellSize = 100, kQuickCellSize = 50;   // vertices along a side when cells are compared
 constexpr std::uint32_t kCellFrames = 20;
 
@@ -28,27 +28,29 @@ void print_heading(const ContactCosts& costs) {
   std::printf(" %10s %9s %8s %8s %8s %7s %7s\n", "ms/search", "searches", "search", "contacts", "solve", "share", "saved");
 }
 
-// How much of the searching is saved: one in every substep would be the alternative.
+// The share of searches saved, against one in every substep.
 double saved(const ContactCosts& costs) { return costs.substeps > 0 ? 1 - static_cast<double>(costs.searches) / costs.substeps : 0; }
 double share(const ContactCosts& costs) { return (costs.search + costs.contacts) / (costs.search + costs.contacts + costs.solve); }
 
 void print_row(const ContactCosts& costs) {
   std::printf("%5u", costs.vertices);
   for (const PassCost& pass : costs.passes) std::printf(" %12.3f", pass.ms);
-  std::printf(" %10.2f %9u %8.2f %8.2f %8.2f %5.0f %% %5.1f %%\n", costs.per_search(), costs.searches, costs.search, costs.contacts, costs.solve, 100 * share(costs),
-              100 * saved(costs));
+  std::printf(" %10.2f %9u %8.2f %8.2f %8.2f %5.0f %% %5.1f %%\n", costs.per_search(), costs.searches, costs.search, costs.contacts,
+              costs.solve, 100 * share(costs), 100 * saved(costs));
   std::fflush(stdout);
 }
 
 std::string csv(const std::vector<ContactCosts>& rows) {
-  std::string text = "vertices,edge_m,cell_m,substeps,searches,pairs_most,pairs_lost,ms_per_search,search_ms_per_frame,contacts_ms_per_frame,solve_ms_per_frame";
+  std::string text =
+      "vertices,edge_m,cell_m,substeps,searches,pairs_most,pairs_lost,ms_per_search,"
+      "search_ms_per_frame,contacts_ms_per_frame,solve_ms_per_frame";
   if (!rows.empty())
     for (const PassCost& pass : rows[0].passes) text.append(",").append(pass.name).append("_ms_per_search");
   text += "\n";
   for (const ContactCosts& row : rows) {
     char line[256];
-    std::snprintf(line, sizeof line, "%u,%g,%g,%u,%u,%u,%u,%g,%g,%g,%g", row.vertices, row.edge, row.cell, row.substeps, row.searches, row.pairs_most, row.pairs_lost,
-                  row.per_search(), row.search, row.contacts, row.solve);
+    std::snprintf(line, sizeof line, "%u,%g,%g,%u,%u,%u,%u,%g,%g,%g,%g", row.vertices, row.edge, row.cell, row.substeps, row.searches,
+                  row.pairs_most, row.pairs_overflowed, row.per_search(), row.search, row.contacts, row.solve);
     text += line;
     for (const PassCost& pass : row.passes) text.append(",").append(std::to_string(pass.ms));
     text += "\n";
@@ -59,7 +61,8 @@ std::string csv(const std::vector<ContactCosts>& rows) {
 // Milliseconds a search over the cell's size, in edges.
 Drawing cell_plot(const std::vector<ContactCosts>& rows) {
   const ContactCosts& chosen = rows[kAutomatic];
-  Series all{"any cell", series_colour(0), {}}, automatic{"the automatic choice", series_colour(4), {{chosen.cell / chosen.edge, chosen.per_search()}}};
+  Series all{"any cell", series_colour(0), {}};
+  Series automatic{"the automatic choice", series_colour(4), {{chosen.cell / chosen.edge, chosen.per_search()}}};
   for (const ContactCosts& row : rows) all.points.push_back({row.cell / row.edge, row.per_search()});
   char title[64];
   std::snprintf(title, sizeof title, "a search, %u x %u vertices", chosen.vertices, chosen.vertices);
@@ -71,13 +74,13 @@ Result<std::vector<ContactCosts>> compare_cells(const compute::Device& device, c
   auto automatic = contact_costs(device, scene, size, kCellFrames, 0);
   if (!automatic) return automatic.take_error();
   std::vector<ContactCosts> cells(std::size(kCells), *automatic);
-  Progress progress("comparing cells", kRounds * std::size(kCells), "runs");
-  for (std::uint32_t round = 0; round < kRounds && !interrupted(); ++round)
+  Progress progress("comparing cells", kRepeats * std::size(kCells), "runs");
+  for (std::uint32_t repeat = 0; repeat < kRepeats && !interrupted(); ++repeat)
     for (std::size_t k = 0; k < std::size(kCells); ++k) {
       auto costs = contact_costs(device, scene, size, kCellFrames, kCells[k] * automatic->cell);
-      if (!costs && round > 0 && interrupted()) return cells;
+      if (!costs && repeat > 0 && interrupted()) return cells;
       if (!costs) return costs.take_error();
-      if (round == 0 || costs->per_search() < cells[k].per_search()) cells[k] = std::move(*costs);
+      if (repeat == 0 || costs->per_search() < cells[k].per_search()) cells[k] = std::move(*costs);
       progress.step();
     }
   return cells;
@@ -131,15 +134,18 @@ Exit contacts(const ContactOptions& options) {
   std::printf("%12s %12s %12s   %u x %u vertices\n", "cell m", "edges", "ms/search", size, size);
   double best = chosen.per_search();
   for (const ContactCosts& costs : *cells) {
-    std::printf("%12.4g %12.3g %12.3f%s\n", costs.cell, costs.cell / costs.edge, costs.per_search(), &costs == &chosen ? "   the automatic choice" : "");
+    std::printf("%12.4g %12.3g %12.3f%s\n", costs.cell, costs.cell / costs.edge, costs.per_search(),
+                &costs == &chosen ? "   the automatic choice" : "");
     best = std::min(best, costs.per_search());
   }
   std::printf("the automatic choice takes %.2f times as long as the best\n", chosen.per_search() / best);
 
-  const std::pair<const char*, std::string> files[] = {{"contacts.csv", csv(rows)}, {"cells.csv", csv(*cells)}, {"cells.svg", svg(cell_plot(*cells))}};
+  const std::pair<const char*, std::string> files[] = {
+      {"contacts.csv", csv(rows)}, {"cells.csv", csv(*cells)}, {"cells.svg", svg(cell_plot(*cells))}};
   for (const auto& [name, text] : files)
     if (const Result<void> written = write_text(options.out / name, text); !written) return failed(written.error());
-  if (const Result<void> written = write_png(options.out / "cells.png", picture(cell_plot(*cells))); !written) return failed(written.error());
+  if (const Result<void> written = write_png(options.out / "cells.png", picture(cell_plot(*cells))); !written)
+    return failed(written.error());
   std::printf("Written: contacts.csv, cells.csv, cells.svg, cells.png in %s\n", options.out.string().c_str());
   if (!interrupted()) return kDone;
   complain("Interrupted: cells were compared less often than usual");

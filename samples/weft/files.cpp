@@ -1,4 +1,4 @@
-// Writing text, and where things are kept.
+// Writing text, and the folders of saved files.
 #include "samples/weft/files.h"
 
 #include <cstdlib>

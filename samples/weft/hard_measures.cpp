@@ -63,7 +63,7 @@ double crossings(const Glance& at) {
   return static_cast<double>(count_crossings(places, at.fabric.triangles, at.fabric.cloth_triangles));
 }
 
-double contacts_lost(const Glance& at) { return at.counts.contacts_lost; }
+double contacts_overflowed(const Glance& at) { return at.counts.contacts_overflowed; }
 
 double pins_off(const Glance& at) {
   double farthest = 0;
@@ -214,8 +214,8 @@ double cantilever_error(const Glance& at) {
   return std::abs(sinks / ends / (cloth.fabric.area_density * -at.scene.gravity.y * std::pow(length, 4) / (8 * cloth.fabric.bend)) - 1);
 }
 
-// All that moves hangs at one distance from a line of anchors along x and swings across it. Its phase after a time tells the period, with the
-// small-angle series for how far it swings; the angle at the start is small and its speed none.
+// All that moves hangs at one distance from a line of anchors along x and swings across it. The period follows from its phase, with
+// the small-angle series for its amplitude; it starts at rest, at a small angle.
 double pendulum_error(const Glance& at) {
   double pivot = 0;
   std::size_t swings = 0;
@@ -252,7 +252,8 @@ double drape_order(const Glance& at) {
       if (area == 0) continue;
       for (int y = std::max(0, int(*std::min_element(w, w + 3))); y < std::min(kPixels, int(*std::max_element(w, w + 3)) + 1); ++y)
         for (int x = std::max(0, int(*std::min_element(u, u + 3))); x < std::min(kPixels, int(*std::max_element(u, u + 3)) + 1); ++x) {
-          const double a = ((u[1] - x) * (w[2] - y) - (u[2] - x) * (w[1] - y)) / area, b = ((u[2] - x) * (w[0] - y) - (u[0] - x) * (w[2] - y)) / area;
+          const double a = ((u[1] - x) * (w[2] - y) - (u[2] - x) * (w[1] - y)) / area;
+          const double b = ((u[2] - x) * (w[0] - y) - (u[0] - x) * (w[2] - y)) / area;
           if (a < 0 || b < 0 || a + b > 1) continue;
           (pinned ? held : shadow)[static_cast<std::size_t>(y * kPixels + x)] = true;
         }

@@ -7,7 +7,7 @@ namespace weft::command::figure {
 
 double not_finite(const Glance& at);           // particles that are not finite now, and times that one was put back
 double crossings(const Glance& at);            // pairs of edge and triangle
-double contacts_lost(const Glance& at);
+double contacts_overflowed(const Glance& at);
 double pins_off(const Glance& at);             // m, from where the scene has them
 double largest_strain(const Glance& at);       // %
 double top_speed(const Glance& at);            // m/s

@@ -1,4 +1,4 @@
-// Runs the list of hard cases, and writes what came of it.
+// Runs the list of hard cases, and writes their figures.
 #include "samples/weft/hard_table.h"
 
 #include <algorithm>
@@ -41,24 +41,25 @@ void print(const HardRow& row) {
   std::fflush(stdout);
 }
 
-// Whatever else did not hold breaks any bound; not a number holds none, not even one that is infinite.
+// A fault other than sag or shape exceeds any bound: NaN, which is within none, not even within an infinite one.
 void widen(double& worst, double off, const std::vector<std::string>& faults) {
   const bool whole = std::all_of(faults.begin(), faults.end(), [](const std::string& fault) { return fault == "sag" || fault == "shape"; });
   worst = whole && !std::isnan(worst) ? std::max(100 * off, worst) : NAN;
 }
 
 // `group`: of the perturbations only these; empty: all.
-Result<void> add_invariance(const compute::Device& device, const std::filesystem::path& file, std::string_view group, bool quick, std::vector<HardRow>& rows) {
+Result<void> add_invariance(const compute::Device& device, const std::filesystem::path& file, std::string_view group, bool quick,
+                            std::vector<HardRow>& rows) {
   const auto scene = load_scene(file);
-  if (!scene) return fail(scene.error());
-  const auto base = endure(device, *scene, {}, scene->frames);
-  if (!base) return fail(base.error());
+  if (!scene) return fail(scene.why());
+  const auto base = run_perturbed(device, *scene, {}, scene->frames);
+  if (!base) return fail(base.why());
   std::vector<HardRow> found;   // two a group: the mean, then the shape
   for (const Perturbation& perturbation : all_perturbations(*scene, quick)) {
     if (!group.empty() && perturbation.group != group) continue;
     if (interrupted()) return {};
-    const auto seen = endure(device, *scene, perturbation, scene->frames);
-    if (!seen) return fail(seen.error());
+    const auto seen = run_perturbed(device, *scene, perturbation, scene->frames);
+    if (!seen) return fail(seen.why());
     auto row = std::find_if(found.begin(), found.end(), [&](const HardRow& r) { return r.what.starts_with(perturbation.group + ":"); });
     if (row == found.end()) {   // what physics does see is published
       const auto bound = [&](double band) { return 100 * perturbation.bands * band; };
@@ -78,26 +79,27 @@ Result<void> add_invariance(const compute::Device& device, const std::filesystem
 
 }  // namespace
 
-Result<std::vector<HardRow>> run_suite(const compute::Device& device, const std::filesystem::path& scenes, bool quick, std::string_view only) {
+Result<std::vector<HardRow>> run_suite(const compute::Device& device, const std::filesystem::path& scenes, bool quick,
+                                       std::string_view only) {
   std::vector<HardRow> rows;
   std::printf("%-26s %-8s %-36s %10s %10s %-4s %s\n", "case", "", "figure", "bound", "measured", "", "margin");
   for (const HardCase& hard : hard_cases()) {
     if (interrupted()) return rows;
     if ((quick && hard.large) || hard.name.find(only) == std::string_view::npos) continue;
     const auto scene = scene_of(hard, scenes);
-    if (!scene) return fail(scene.error());
+    if (!scene) return fail(scene.why());
     const auto figures = measure(device, hard, *scene);
-    if (!figures) return fail(figures.error());
-    if (interrupted()) return rows;   // a case that was cut short tells nothing
+    if (!figures) return fail(figures.why());
+    if (interrupted()) return rows;   // a case that was cut short has no figures
     for (std::size_t k = 0; k < figures->size(); ++k) {
       const Check& check = hard.checks[k];
-      print(rows.emplace_back(HardRow{std::string(hard.name), std::string(hard.families), std::string(check.what), std::string(check.unit), std::string(hard.scene),
-                                      check.bound, (*figures)[k]}));
+      print(rows.emplace_back(HardRow{std::string(hard.name), std::string(hard.families), std::string(check.what), std::string(check.unit),
+                                      std::string(hard.scene), check.bound, (*figures)[k]}));
     }
   }
   if (std::string_view("invariance").find(only) == std::string_view::npos) return rows;
   if (auto done = add_invariance(device, scenes / "invariance.json", "", quick, rows); !done) return done.take_error();
-  // Of cloth that does not give way mass alone must not change anything either.
+  // Rigid cloth must not change with mass alone either.
   if (auto done = add_invariance(device, scenes / "invariance_rigid.json", "masses alone", quick, rows); !done) return done.take_error();
   return rows;
 }
@@ -105,7 +107,8 @@ Result<std::vector<HardRow>> run_suite(const compute::Device& device, const std:
 std::string csv(const std::vector<HardRow>& rows) {
   std::string text = "case,families,figure,unit,bound,measured\n";
   for (const HardRow& row : rows)
-    text += '"' + row.name + "\",\"" + row.families + "\",\"" + row.what + "\"," + row.unit + ',' + digits(row.bound, "%g") + ',' + digits(row.measured, "%.9g") + '\n';
+    text += '"' + row.name + "\",\"" + row.families + "\",\"" + row.what + "\"," + row.unit + ',' + digits(row.bound, "%g") + ',' +
+            digits(row.measured, "%.9g") + '\n';
   return text;
 }
 
@@ -116,17 +119,21 @@ std::string markdown(const std::vector<HardRow>& rows, bool whole) {
   for (const HardRow& row : rows) {
     if (row.bound == 0 && row.measured == 0) {
       ++zero;
-      const bool more = std::any_of(rows.begin(), rows.end(), [&](const HardRow& r) { return r.name == row.name && !(r.bound == 0 && r.measured == 0); });
+      const bool more =
+          std::any_of(rows.begin(), rows.end(), [&](const HardRow& r) { return r.name == row.name && !(r.bound == 0 && r.measured == 0); });
       if (!more && (all_zero.empty() || all_zero.back() != row.name)) all_zero.push_back(row.name);
       continue;
     }
-    text += "| " + row.families + " | " + row.name + " | " + row.what + " | " + (std::isinf(row.bound) ? "" : with_unit(row.bound, row.unit)) + " | " +
-            with_unit(row.measured, row.unit) + " | " + margin(row) + " |\n";
+    text += "| " + row.families + " | " + row.name + " | " + row.what + " | " +
+            (std::isinf(row.bound) ? "" : with_unit(row.bound, row.unit)) + " | " + with_unit(row.measured, row.unit) + " | " +
+            margin(row) + " |\n";
   }
-  text += "\nAnother " + std::to_string(zero) + " figures have the bound 0 and are 0: particles not finite, pins off their place, crossings, contacts lost, sheets out of order.\n";
+  text += "\nAnother " + std::to_string(zero) + " figures have the bound 0 and are 0: particles not finite, pins off their place, " +
+          "crossings, contacts lost, sheets out of order.\n";
   if (!all_zero.empty()) {
     text += "The whole of a case they are in ";
-    for (std::size_t k = 0; k < all_zero.size(); ++k) text += (k == 0 ? "" : k + 1 == all_zero.size() ? " and " : ", ") + ("*" + all_zero[k] + "*");
+    for (std::size_t k = 0; k < all_zero.size(); ++k)
+      text += (k == 0 ? "" : k + 1 == all_zero.size() ? " and " : ", ") + ("*" + all_zero[k] + "*");
     text += ".\n";
   }
   if (!whole) text += "Without the large cases and with a few perturbations only (`--quick`).\n";

@@ -17,7 +17,8 @@ struct HardRow {
 
 /// Runs the cases whose scenes are in a folder, prints each figure, and puts the scene `invariance` through every perturbation; `quick`:
 /// without the large ones and with a few perturbations; `only`: those whose name has this part. Stops early when interrupted.
-Result<std::vector<HardRow>> run_suite(const compute::Device& device, const std::filesystem::path& scenes, bool quick, std::string_view only);
+Result<std::vector<HardRow>> run_suite(const compute::Device& device, const std::filesystem::path& scenes, bool quick,
+                                       std::string_view only);
 
 std::string csv(const std::vector<HardRow>& rows);
 

@@ -1,5 +1,5 @@
-// `weft harden SCENE`: runs a scene through every perturbation and tells what held. `weft harden FOLDER`: runs the hard cases, whose scenes
-// are in that folder, and tells how far each stays from its bound.
+// `weft harden SCENE`: runs a scene under every perturbation and reports what held. `weft harden FOLDER`: runs the hard cases, whose
+// scenes are in that folder, and reports how far each stays from its bound.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -32,16 +32,17 @@ std::string unjudged(const Perturbation& perturbation) {
   return perturbation.same_strain ? "" : "; strain not judged";
 }
 
-void print_row(const std::string& name, const Endurance& seen, const Difference& off, const std::string& verdict) {
-  std::printf("%-31s %6u %8.2g %8.3g %8.3g %6u %6llu %8.3g %8.3g %8.3g %7.3g  %s\n", name.c_str(), seen.non_finite, seen.pins_off, 100 * seen.strain.max, 100 * seen.strain.rms, seen.lost,
-              static_cast<unsigned long long>(seen.crossings), 100 * off.mean, 100 * off.shape, seen.clamped, seen.wall, verdict.c_str());
+void print_row(const std::string& name, const PerturbedRun& seen, const Difference& off, const std::string& verdict) {
+  std::printf("%-31s %6u %8.2g %8.3g %8.3g %6u %6llu %8.3g %8.3g %8.3g %7.3g  %s\n", name.c_str(), seen.non_finite, seen.pins_off,
+              100 * seen.strain.max, 100 * seen.strain.rms, seen.overflowed, static_cast<unsigned long long>(seen.crossings),
+              100 * off.mean, 100 * off.shape, seen.clamped, seen.wall, verdict.c_str());
   std::fflush(stdout);
 }
 
-Json json_of(const std::string& name, const Endurance& seen, const Difference& off, const std::vector<std::string>& broken) {
+Json json_of(const std::string& name, const PerturbedRun& seen, const Difference& off, const std::vector<std::string>& broken) {
   return {{"name", name}, {"non_finite", seen.non_finite}, {"pins_off_m", seen.pins_off},
           {"strain", {{"mean", seen.strain.mean}, {"rms", seen.strain.rms}, {"max", seen.strain.max}}},
-          {"contacts_lost", seen.lost}, {"crossings", seen.crossings}, {"mean_moved", off.mean}, {"shape_rms", off.shape},
+          {"contacts_overflowed", seen.overflowed}, {"crossings", seen.crossings}, {"mean_moved", off.mean}, {"shape_rms", off.shape},
           {"simulated_seconds", seen.simulated}, {"clamped_seconds", seen.clamped}, {"wall_seconds", seen.wall}, {"broken", broken}};
 }
 
@@ -56,13 +57,15 @@ std::uint32_t frames_of(const Scene& scene, const HardenOptions& options) {
 Result<Count> run_all(const compute::Device& device, const Scene& scene, const HardenOptions& options, Json& rows) {
   const std::vector<Perturbation> perturbations = all_perturbations(scene, options.quick);
   const std::uint32_t frames = frames_of(scene, options);
-  std::printf("%-31s %6s %8s %8s %8s %6s %6s %8s %8s %8s %7s\n", "", "not", "pins", "strain", "strain", "lost", "cross-", "mean", "shape", "s given", "");
-  std::printf("%-31s %6s %8s %8s %8s %6s %6s %8s %8s %8s %7s\n", "", "finite", "off m", "max %", "rms %", "", "ings", "off %", "off %", "back", "s");
-  const auto base = endure(device, scene, {}, frames);
-  if (!base) return base.error().empty() ? fail("nothing ran") : fail(base.error());
+  std::printf("%-31s %6s %8s %8s %8s %6s %6s %8s %8s %8s %7s\n", "", "not", "pins", "strain", "strain", "lost", "cross-", "mean", "shape",
+              "s given", "");
+  std::printf("%-31s %6s %8s %8s %8s %6s %6s %8s %8s %8s %7s\n", "", "finite", "off m", "max %", "rms %", "", "ings", "off %", "off %",
+              "back", "s");
+  const auto base = run_perturbed(device, scene, {}, frames);
+  if (!base) return base.error().empty() ? fail("nothing ran") : fail(base.why());
   if (interrupted()) return Count();   // it was not run to its end
   Count count{1, 0};
-  const auto tell = [&](const Perturbation& perturbation, const Endurance& seen) {
+  const auto tell = [&](const Perturbation& perturbation, const PerturbedRun& seen) {
     const std::vector<std::string> faults = broken(perturbation, seen, *base, options.band);
     const Difference off = difference(seen, *base);
     const std::string name = perturbation.name.empty() ? "as it is" : perturbation.name;
@@ -75,8 +78,8 @@ Result<Count> run_all(const compute::Device& device, const Scene& scene, const H
   Progress progress("hardening " + scene.name, static_cast<std::uint32_t>(perturbations.size()), "perturbations");
   for (const Perturbation& perturbation : perturbations) {
     if (interrupted()) break;
-    const auto seen = endure(device, scene, perturbation, frames);
-    if (!seen) return fail(seen.error());
+    const auto seen = run_perturbed(device, scene, perturbation, frames);
+    if (!seen) return fail(seen.why());
     if (interrupted()) break;
     tell(perturbation, *seen);
     ++count.runs;
@@ -92,13 +95,14 @@ Exit harden_scene(const compute::Device& device, const HardenOptions& options) {
     return kBadInput;
   }
   if (const std::uint32_t frames = frames_of(*scene, options), least = least_frames(*scene); frames < least) {
-    complain("--frames: a run of " + std::to_string(frames) + " frames has no room for the long one halfway; this scene takes at least " + std::to_string(least));
+    complain("--frames: a run of " + std::to_string(frames) + " frames has no room for the long one halfway; this scene takes at least " +
+             std::to_string(least));
     return kBadInput;
   }
-  // Everything a scene's author can have got wrong is told before anything runs.
+  // Every mistake of the scene's author is reported before anything runs.
   if (const Started started = start(device, *scene, false); !started.simulation) return started.exit;
-  std::printf("%s on %s: perturbed, then compared with the scene as it is; held: mean within %g %% of its size, shape within %g %%\n", scene->name.c_str(),
-              device.name().c_str(), 100 * options.band, 100 * kShapeBands * options.band);
+  std::printf("%s on %s: perturbed, then compared with the scene as it is; held: mean within %g %% of its size, shape within %g %%\n",
+              scene->name.c_str(), device.name().c_str(), 100 * options.band, 100 * kShapeBands * options.band);
   Json report{{"scene", scene->name}, {"device", device.name()}, {"band", options.band}, {"rows", Json::array()}};
   const auto count = run_all(device, *scene, options, report["rows"]);
   if (!count) return failed(count.error());
@@ -112,7 +116,7 @@ Exit harden_scene(const compute::Device& device, const HardenOptions& options) {
   return count->broken == 0 ? kDone : kFailed;
 }
 
-// What is wrong with the hard cases' folder, or with the place for their table, is told before any of them runs.
+// What is wrong with the hard cases' folder, or with the place of their table, is reported before any of them runs.
 Result<void> check_suite(const HardenOptions& options) {
   for (const HardCase& hard : hard_cases())
     if (auto scene = scene_of(hard, options.file); !scene) return scene.take_error();
@@ -131,9 +135,11 @@ Exit harden_suite(const compute::Device& device, const HardenOptions& options) {
   }
   if (const Result<void> written = write_text(options.out / "hard_cases.csv", csv(*rows)); !written) return failed(written.error());
   if (!options.readme.empty() && !interrupted())
-    if (const Result<void> replaced = replace_table(options.readme, markdown(*rows, !options.quick)); !replaced) return failed(replaced.error());
+    if (const Result<void> replaced = replace_table(options.readme, markdown(*rows, !options.quick)); !replaced)
+      return failed(replaced.error());
   const auto held = std::count_if(rows->begin(), rows->end(), [](const HardRow& row) { return row.held(); });
-  std::printf("%zd of %zu figures are within their bounds. Written: hard_cases.csv in %s\n", held, rows->size(), options.out.string().c_str());
+  std::printf("%zd of %zu figures are within their bounds. Written: hard_cases.csv in %s\n", held, rows->size(),
+              options.out.string().c_str());
   if (interrupted()) {
     complain("Interrupted: what is written is of the cases before");
     return kInterrupted;

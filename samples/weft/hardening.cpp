@@ -1,4 +1,4 @@
-// Plays a scene under one perturbation, and tells how it differs from the scene as it is.
+// Runs a scene under one perturbation, and compares it with the scene as it is.
 #include "samples/weft/hardening.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace weft::command {
 
 namespace {
 
-// Of a mean edge, and of a thickness where cloth meets cloth: a start must not cross.
+// Of a mean edge; with contacts also of a thickness, since a start must not cross.
 constexpr double kJitterOfEdge = 0.01, kJitterOfThickness = 0.1;
 constexpr double kStrainFactor = 2, kStrainMore = 0.005;   // rms at the end: this times as much and this much more
 
@@ -31,7 +31,7 @@ Result<void> jitter(Simulation& simulation, std::uint32_t seed) {
   if (contacts_on(simulation.scene()))
     for (const Cloth& cloth : simulation.scene().cloths) most = std::min(most, kJitterOfThickness * cloth.fabric.thickness);
   auto positions = simulation.read_positions();
-  if (!positions) return fail(positions.error());
+  if (!positions) return fail(positions.why());
   std::mt19937 words(seed);
   const auto part = [&] { return static_cast<float>(most * (2 * (words() / 4294967296.0) - 1)); };
   for (gpu::vec4& p : *positions) {
@@ -41,10 +41,10 @@ Result<void> jitter(Simulation& simulation, std::uint32_t seed) {
   return simulation.write_positions(*positions);
 }
 
-// As a host does it whose character goes through a door. Velocities stay.
+// As a host does when its character passes a door. Velocities stay.
 Result<void> teleport(Simulation& simulation, Vec3 by) {
   auto positions = simulation.read_positions();
-  if (!positions) return fail(positions.error());
+  if (!positions) return fail(positions.why());
   for (gpu::vec4& p : *positions) p = {p.x + by.x, p.y + by.y, p.z + by.z, p.w};
   if (auto done = simulation.write_positions(*positions); !done) return done;
   const std::vector<ColliderPose> poses(simulation.colliders().begin(), simulation.colliders().end());
@@ -68,10 +68,10 @@ double box_diagonal(const std::vector<Mesh>& meshes, std::size_t cloths) {
   return length(high - low);
 }
 
-// What is looked at after every frame.
-Result<void> look(const Simulation& simulation, Endurance& seen) {
+// Measures what is to hold after every frame.
+Result<void> measure(const Simulation& simulation, PerturbedRun& seen) {
   const auto positions = simulation.read_positions();
-  if (!positions) return fail(positions.error());
+  if (!positions) return fail(positions.why());
   const Glance at{simulation.scene(), simulation.fabric(), {}, {}, *positions, {}, simulation.time(), 0, 0, simulation.counts()};
   seen.pins_off = std::max(seen.pins_off, figure::pins_off(at));
   seen.non_finite = std::max(seen.non_finite, static_cast<std::uint32_t>(figure::not_finite(at)));
@@ -81,7 +81,8 @@ Result<void> look(const Simulation& simulation, Endurance& seen) {
 
 }  // namespace
 
-Result<Endurance> endure(const compute::Device& device, const Scene& scene, const Perturbation& perturbation, std::uint32_t frames) {
+Result<PerturbedRun> run_perturbed(const compute::Device& device, const Scene& scene, const Perturbation& perturbation,
+                                   std::uint32_t frames) {
   using Clock = std::chrono::steady_clock;
   const double frame = perturbation.frame > 0 ? perturbation.frame : 1 / scene.solver.rate;
   const double seconds = frames / scene.solver.rate, halfway = std::floor(seconds / 2 / frame) * frame;
@@ -91,9 +92,9 @@ Result<Endurance> endure(const compute::Device& device, const Scene& scene, cons
   if (perturbation.seed)
     if (auto done = jitter(simulation, *perturbation.seed); !done) return done.take_error();
 
-  Endurance seen;
+  PerturbedRun seen;
   const Clock::time_point start = Clock::now();
-  bool changed = false;   // as it is to be halfway
+  bool changed = false;   // whether what happens halfway has happened
   // Against the clock of what was simulated: a clamped frame leaves time to be made up for. Half a substep is rounding.
   while (simulation.time() < seconds - 0.5 * simulation.fabric().h && !interrupted()) {
     const bool now = !changed && simulation.time() >= halfway - 0.5 * simulation.fabric().h;
@@ -101,20 +102,22 @@ Result<Endurance> endure(const compute::Device& device, const Scene& scene, cons
     if (now && perturbation.teleport != Vec3{})
       if (auto done = teleport(simulation, perturbation.teleport); !done) return done.take_error();
     const double left = seconds - simulation.time();
-    const auto advance = simulation.advance(now && perturbation.hitch > 0 ? perturbation.hitch : std::min(frame, left + 0.25 * simulation.fabric().h));
-    if (!advance) return fail(perturbation.name, ", at ", simulation.time(), " s: ", advance.error());
+    const auto advance =
+        simulation.advance(now && perturbation.hitch > 0 ? perturbation.hitch : std::min(frame, left + 0.25 * simulation.fabric().h));
+    if (!advance) return fail(perturbation.name, ", at ", simulation.time(), " s: ", advance.why());
     seen.clamped += advance->clamped;
-    if (auto done = look(simulation, seen); !done) return done.take_error();
+    if (auto done = measure(simulation, seen); !done) return done.take_error();
   }
   seen.wall = std::chrono::duration<double>(Clock::now() - start).count();
   seen.simulated = simulation.time();
-  seen.lost = simulation.counts().contacts_lost;
+  seen.overflowed = simulation.counts().contacts_overflowed;
   const auto end = simulation.read_positions();
-  if (!end) return fail(end.error());
+  if (!end) return fail(end.why());
   seen.strain = measure_strain(simulation.fabric(), *end);
   const std::size_t cloths = simulation.fabric().cloths.size();
   if (simulation.counts().truncated > 0)   // else no anchor was held either
-    for (const gpu::vec4& rest : simulation.fabric().rest) seen.patience = std::max(seen.patience, simulation.scene().contacts.patience * double(rest.w));
+    for (const gpu::vec4& rest : simulation.fabric().rest)
+      seen.kinematic_lag_limit = std::max(seen.kinematic_lag_limit, simulation.scene().contacts.kinematic_lag_limit * double(rest.w));
   seen.size = box_diagonal(simulation.meshes(), cloths) / perturbation.size;
   const Vec3 back = simulation.origin() - (perturbation.away + perturbation.jolt + perturbation.teleport);   // small, however far away
   const auto smaller = static_cast<float>(1 / perturbation.size);
@@ -122,7 +125,7 @@ Result<Endurance> endure(const compute::Device& device, const Scene& scene, cons
   return seen;
 }
 
-Difference difference(const Endurance& with, const Endurance& without) {
+Difference difference(const PerturbedRun& with, const PerturbedRun& without) {
   double sum[3] = {}, squares = 0;
   const std::size_t count = std::min(with.pose.size(), without.pose.size());
   for (std::size_t i = 0; i < count; ++i) {
@@ -134,11 +137,11 @@ Difference difference(const Endurance& with, const Endurance& without) {
   return {std::hypot(sum[0], sum[1], sum[2]) / n, std::sqrt(squares / static_cast<double>(count)) / without.size};
 }
 
-std::vector<std::string> broken(const Perturbation& perturbation, const Endurance& with, const Endurance& without, double band) {
+std::vector<std::string> broken(const Perturbation& perturbation, const PerturbedRun& with, const PerturbedRun& without, double band) {
   std::vector<std::string> broken;
   if (with.non_finite > 0) broken.push_back("not finite");
-  if (!(with.pins_off <= with.patience)) broken.push_back("pins");
-  if (with.lost > 0) broken.push_back("contacts lost");
+  if (!(with.pins_off <= with.kinematic_lag_limit)) broken.push_back("pins");
+  if (with.overflowed > 0) broken.push_back("contacts lost");
   if (with.crossings > 0) broken.push_back("crossings");   // a scene that crosses by itself does not hold either
   if (perturbation.same_strain && !(with.strain.rms <= kStrainFactor * without.strain.rms + kStrainMore)) broken.push_back("strain");
   if (std::isinf(perturbation.bands)) return broken;

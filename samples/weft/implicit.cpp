@@ -1,9 +1,9 @@
 // `weft implicit`: the table of the particle system that Weft's implicit method grew out of (2006): frames a second for 10 to 70
 // iterations, 100 to 10,000 particles, conjugate gradients and Jacobi, on the processor and on the device, and beside each
-// what it left unsolved.
+// the residual that it left.
 //
 // A sheet of 1 m by 1 m with 24 springs a particle is held at two corners and falls; a frame is one step of 0.01 s. Errors are taken
-// at one pose for all, the one that a converged solver reaches in a fifth of a second, in one step: the part of the residual that
+// at one pose for all, that of a converged solver after a fifth of a second, in one step: the part of the residual that
 // is left, and the distance from where the converged step goes (rms over the particles). Times are medians over the frames after it,
 // wall clock; those on the processor are of one thread in double precision.
 #include <chrono>
@@ -68,9 +68,9 @@ struct Row {
 
 Result<ImplicitSystem> system_of(const Scene& scene) {
   const auto meshes = make_meshes(scene);
-  if (!meshes) return fail(meshes.error());
+  if (!meshes) return fail(meshes.why());
   const auto fabric = cook(scene, *meshes);
-  if (!fabric) return fail(fabric.error());
+  if (!fabric) return fail(fabric.why());
   return ImplicitSystem::create(scene, *fabric);
 }
 
@@ -94,7 +94,7 @@ void judge(const Subject& subject, const Columns& change, Outcome& outcome) {
   outcome.distance = kStep * (change - subject.exact).norm() / std::sqrt(static_cast<double>(change.cols()));
 }
 
-// Of the median step: how many of it there are in a second. `step` says whether it went well.
+// Steps a second, by the median step. `step` says whether it succeeded.
 template <class F>
 Result<double> speed_of(F&& step) {
   using Clock = std::chrono::steady_clock;
@@ -149,12 +149,13 @@ Result<Outcome> on_device(const compute::Device& device, const Scene& scene, con
     if (auto done = step(); !done) return done.take_error();
   }
   const auto velocities = simulation.read_velocities();
-  if (!velocities) return fail(velocities.error());
+  if (!velocities) return fail(velocities.why());
   Columns change(3, velocities->size());
-  for (std::size_t i = 0; i < velocities->size(); ++i) change.col(static_cast<Eigen::Index>(i)) << (*velocities)[i].x, (*velocities)[i].y, (*velocities)[i].z;
+  for (std::size_t i = 0; i < velocities->size(); ++i)
+    change.col(static_cast<Eigen::Index>(i)) << (*velocities)[i].x, (*velocities)[i].y, (*velocities)[i].z;
   judge(subject, subject.equations.filtered(change - subject.equations.flight), outcome);
   const Result<double> speed = speed_of(step);
-  if (!speed) return fail(speed.error());
+  if (!speed) return fail(speed.why());
   outcome.frames_a_second = *speed;
   outcome.stopped = simulation.counts().stopped;
   outcome.non_finite = simulation.counts().non_finite;
@@ -165,8 +166,8 @@ const char* name_of(Linear linear) { return linear == Linear::cg ? "cg" : "jacob
 
 void print(const Row& row) {
   std::printf("%9u %-7s %10u %10.4g %10.4g %12.2e %12.2e %12.2e %12.2e%s\n", row.particles, name_of(row.linear), row.iterations,
-              row.processor.frames_a_second, row.device.frames_a_second, row.processor.residual, row.device.residual, row.processor.distance,
-              row.device.distance, row.device.residual > ImplicitSystem::kConverged ? "  not converged" : "");
+              row.processor.frames_a_second, row.device.frames_a_second, row.processor.residual, row.device.residual,
+              row.processor.distance, row.device.distance, row.device.residual > ImplicitSystem::kConverged ? "  not converged" : "");
   std::fflush(stdout);
 }
 
@@ -176,8 +177,8 @@ std::string csv_of(const std::vector<Row>& rows) {
   for (const Row& row : rows)
     for (const bool device : {false, true}) {
       const Outcome& o = device ? row.device : row.processor;
-      text << row.particles << ',' << name_of(row.linear) << ',' << row.iterations << ',' << (device ? "vulkan" : "cpu") << ',' << o.frames_a_second << ','
-           << o.residual << ',' << o.distance << ',' << o.stopped << ',' << o.non_finite << '\n';
+      text << row.particles << ',' << name_of(row.linear) << ',' << row.iterations << ',' << (device ? "vulkan" : "cpu") << ','
+           << o.frames_a_second << ',' << o.residual << ',' << o.distance << ',' << o.stopped << ',' << o.non_finite << '\n';
     }
   return text.str();
 }
@@ -188,11 +189,11 @@ const Row* find(const std::vector<Row>& rows, std::uint32_t particles, Linear li
   return nullptr;
 }
 
-// What was said of the system of 2006, said of this one.
+// The findings about the system of 2006, checked for this one.
 void summarise(const std::vector<Row>& rows) {
-  std::uint32_t wins = 0, largest = 0, lost = 0;
+  std::uint32_t wins = 0, largest = 0, non_finite = 0;
   for (const Row& row : rows) {
-    lost += row.processor.non_finite + row.device.non_finite;
+    non_finite += row.processor.non_finite + row.device.non_finite;
     largest = std::max(largest, row.particles);
     if (row.linear != Linear::cg || row.iterations != 30) continue;
     if (row.device.frames_a_second <= row.processor.frames_a_second) wins = 0;
@@ -203,8 +204,9 @@ void summarise(const std::vector<Row>& rows) {
   const Row *few = find(rows, largest, Linear::cg, 10), *many = find(rows, largest, Linear::cg, 70);
   if (few && many)
     std::printf("At %u particles 70 iterations take %.1f times as long as 10 on the processor and %.1f times on the device.\n", largest,
-                few->processor.frames_a_second / many->processor.frames_a_second, few->device.frames_a_second / many->device.frames_a_second);
-  std::printf("Not finite: %u\n", lost);
+                few->processor.frames_a_second / many->processor.frames_a_second,
+                few->device.frames_a_second / many->device.frames_a_second);
+  std::printf("Not finite: %u\n", non_finite);
 }
 
 }  // namespace
@@ -220,12 +222,14 @@ Exit implicit(const ImplicitOptions& options) {
   choice.name = options.device;
   const auto device = compute::Device::create(choice);
   if (!device) return failed(device.error());
-  const std::vector<std::uint32_t> sides = options.quick ? std::vector<std::uint32_t>{10, 30} : std::vector<std::uint32_t>{10, 20, 30, 40, 50, 60, 100};
-  const std::vector<std::uint32_t> iterations = options.quick ? std::vector<std::uint32_t>{10, 30} : std::vector<std::uint32_t>{10, 30, 50, 70};
+  const std::vector<std::uint32_t> sides =
+      options.quick ? std::vector<std::uint32_t>{10, 30} : std::vector<std::uint32_t>{10, 20, 30, 40, 50, 60, 100};
+  const std::vector<std::uint32_t> iterations =
+      options.quick ? std::vector<std::uint32_t>{10, 30} : std::vector<std::uint32_t>{10, 30, 50, 70};
 
   std::printf("%s; a frame is one step of %g s\n", (*device)->name().c_str(), kStep);
-  std::printf("%9s %-7s %10s %10s %10s %12s %12s %12s %12s\n%28s %21s %25s %25s\n", "particles", "solver", "iterations", "CPU fps", "Vulkan fps", "CPU", "Vulkan",
-              "CPU", "Vulkan", "", "", "residual left", "rms distance, m");
+  std::printf("%9s %-7s %10s %10s %10s %12s %12s %12s %12s\n%28s %21s %25s %25s\n", "particles", "solver", "iterations", "CPU fps",
+              "Vulkan fps", "CPU", "Vulkan", "CPU", "Vulkan", "", "", "residual left", "rms distance, m");
   std::vector<Row> rows;
   {
     Progress progress("implicit", static_cast<std::uint32_t>(sides.size() * iterations.size() * 2), "rows");

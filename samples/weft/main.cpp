@@ -28,7 +28,8 @@ std::optional<double> milliseconds(const std::string& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   const std::string_view unit(end, static_cast<std::size_t>(text.data() + text.size() - end));
-  if (error != std::errc() || !(value > 0) || !std::isfinite(value) || !(unit.empty() || unit == "ms" || unit == " ms")) return std::nullopt;
+  if (error != std::errc() || !(value > 0) || !std::isfinite(value) || !(unit.empty() || unit == "ms" || unit == " ms"))
+    return std::nullopt;
   return value;
 }
 
@@ -54,16 +55,17 @@ Exit obey(int count, char** arguments) {
   bool no_picture = false;
   CLI::App* run_command = app.add_subcommand("run", "Simulate a scene; write a picture, times, figures and the final mesh");
   run_command->add_option("scene", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ)")->required()->type_name("SCENE|MESH");
-  CLI::Option* frames_option = run_command->add_option("--frames", frames, "How many frames; the scene says otherwise");
+  CLI::Option* frames_option = run_command->add_option("--frames", frames, "How many frames; by default the scene's");
   frames_option->check(CLI::Range(0u, kMostFrames));
   run_command->add_option("--out", run_options.out, "Where files go")->type_name("DIR")->capture_default_str();
   add_set(*run_command, sets);
   CLI::Option* every_option = run_command->add_option("--every", run_options.every, "Draw every K-th frame too, as frame_0000.png");
   every_option->type_name("K")->check(CLI::Range(1u, kMostFrames));
   run_command->add_flag("--no-picture", no_picture, "Draw nothing: needs no graphics queue")->excludes(every_option);
-  run_command->add_flag("--check", run_options.check, "Count where cloth crosses cloth, at every frame");
-  CLI::Option* checkpoint_option =
-      run_command->add_option("--checkpoint", run_options.checkpoint, "Leave a snapshot every K frames; the same command goes on with it after a kill");
+  run_command->add_flag("--check", run_options.check,
+                        "Count where cloth crosses cloth or a mesh collider, at the start and after every frame");
+  CLI::Option* checkpoint_option = run_command->add_option(
+      "--checkpoint", run_options.checkpoint, "Leave a snapshot every K frames; the same command goes on with it after a kill");
   checkpoint_option->type_name("K")->check(CLI::Range(1u, kMostFrames));
   run_command->add_flag("--fresh", run_options.fresh, "Begin anew, whatever snapshot is in the folder already")->needs(checkpoint_option);
   run_command->add_option("--device", run_options.device, "Index or part of the name; weft info lists them");
@@ -71,16 +73,23 @@ Exit obey(int count, char** arguments) {
   TimeOptions time_options;
   CLI::App* time_command = app.add_subcommand("time", "Time a scene pass by pass; write a table, CSV and a trace");
   time_command->add_option("scene", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ)")->required()->type_name("SCENE|MESH");
-  time_command->add_option("--frames", time_options.frames, "Frames that are timed")->check(CLI::Range(1u, kMostFrames))->capture_default_str();
-  time_command->add_option("--warm-up", time_options.warm_up, "Frames before these")->check(CLI::Range(0u, kMostFrames))->capture_default_str();
+  time_command->add_option("--frames", time_options.frames, "Frames that are timed")
+      ->check(CLI::Range(1u, kMostFrames))
+      ->capture_default_str();
+  time_command->add_option("--warm-up", time_options.warm_up, "Frames before these")
+      ->check(CLI::Range(0u, kMostFrames))
+      ->capture_default_str();
   time_command->add_option("--out", time_options.out, "Where files go")->type_name("DIR")->capture_default_str();
   add_set(*time_command, sets);
   time_command->add_option("--device", time_options.device, "Index or part of the name; weft info lists them");
 
   ContactOptions contact_options;
-  CLI::App* contacts_command = app.add_subcommand("contacts", "Measure what contacts cost over the size of a sheet and of the hash's cells");
+  CLI::App* contacts_command =
+      app.add_subcommand("contacts", "Measure what contacts cost over the size of a sheet and of the hash's cells");
   contacts_command->add_option("scene", file, "A scene (JSON) whose cloths are grids")->required()->type_name("SCENE");
-  contacts_command->add_option("--frames", contact_options.frames, "Frames of each size")->check(CLI::Range(4u, kMostFrames))->capture_default_str();
+  contacts_command->add_option("--frames", contact_options.frames, "Frames of each size")
+      ->check(CLI::Range(4u, kMostFrames))
+      ->capture_default_str();
   contacts_command->add_flag("--quick", contact_options.quick, "Two small sizes only");
   contacts_command->add_option("--out", contact_options.out, "Where files go")->type_name("DIR")->capture_default_str();
   add_set(*contacts_command, sets);
@@ -89,23 +98,30 @@ Exit obey(int count, char** arguments) {
   AccuracyOptions accuracy_options;
   std::uint32_t accuracy_frames = 0, reference_cells = 0;
   std::string budget;
-  CLI::App* accuracy_command = app.add_subcommand("accuracy", "Measure error over milliseconds for solvers, substeps, iterations and resolutions");
+  CLI::App* accuracy_command =
+      app.add_subcommand("accuracy", "Measure error over milliseconds for solvers, substeps, iterations and resolutions");
   accuracy_command->add_option("scene", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ)")->required()->type_name("SCENE|MESH");
   accuracy_command->add_flag("--quick", accuracy_options.quick, "A coarse sweep of under a minute");
-  CLI::Option* accuracy_frames_option = accuracy_command->add_option("--frames", accuracy_frames, "Frames that each setting is run for: 48, quick 24");
+  CLI::Option* accuracy_frames_option =
+      accuracy_command->add_option("--frames", accuracy_frames, "Frames that each setting is run for: 48, quick 24");
   accuracy_frames_option->check(CLI::Range(4u, kMostFrames));
   CLI::Option* reference_option = accuracy_command->add_option(
-      "--reference-cells", reference_cells, "Cells along the longest side up to which runs are compared with a reference: 32, quick 16; 0: with none");
+      "--reference-cells", reference_cells,
+      "Cells along the longest side up to which runs are compared with a reference: 32, quick 16; 0: with none");
   reference_option->check(CLI::Range(0u, 2048u));
-  CLI::Option* budget_option = accuracy_command->add_option("--budget", budget, "Print the best setting that takes no longer than this a frame: --budget 2ms");
+  CLI::Option* budget_option =
+      accuracy_command->add_option("--budget", budget, "Print the best setting that takes no longer than this a frame: --budget 2ms");
   accuracy_command->add_flag("--fresh", accuracy_options.fresh, "Begin anew, whatever is in the folder already");
   accuracy_command->add_flag("--save", accuracy_options.save, "Keep the curve where scenes with \"method\": \"auto\" find it");
-  accuracy_command->add_option("--out", accuracy_options.out, "Where files go, and where a sweep that was interrupted goes on")->type_name("DIR")->capture_default_str();
+  accuracy_command->add_option("--out", accuracy_options.out, "Where files go, and where a sweep that was interrupted goes on")
+      ->type_name("DIR")
+      ->capture_default_str();
   add_set(*accuracy_command, sets);
   accuracy_command->add_option("--device", accuracy_options.device, "Index or part of the name; weft info lists them");
 
   ImplicitOptions implicit_options;
-  CLI::App* implicit_command = app.add_subcommand("implicit", "Tabulate speed and error of the implicit method, on the processor and on the device");
+  CLI::App* implicit_command =
+      app.add_subcommand("implicit", "Tabulate speed and error of the implicit method, on the processor and on the device");
   implicit_command->add_flag("--quick", implicit_options.quick, "Only 100 and 900 particles, 10 and 30 iterations");
   implicit_command->add_option("--out", implicit_options.out, "Where implicit.csv goes")->type_name("DIR")->capture_default_str();
   implicit_command->add_option("--device", implicit_options.device, "Index or part of the name; weft info lists them");
@@ -113,15 +129,27 @@ Exit obey(int count, char** arguments) {
   HardenOptions harden_options;
   std::uint32_t harden_frames = 0;
   double band = 100 * harden_options.band;
-  CLI::App* harden_command = app.add_subcommand("harden", "Run a scene, or the hard cases, through jittered starts, other rates, masses, places and sizes");
-  harden_command->add_option("scene", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ); or the folder of the hard cases, assets/scenes/hard")->required()->type_name("SCENE|FOLDER");
-  CLI::Option* harden_frames_option = harden_command->add_option("--frames", harden_frames, "How many frames; the scene says otherwise");
+  CLI::App* harden_command =
+      app.add_subcommand("harden", "Run a scene, or the hard cases, through jittered starts, other rates, masses, places and sizes");
+  harden_command
+      ->add_option("scene", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ); or the folder of the hard cases, assets/scenes/hard")
+      ->required()
+      ->type_name("SCENE|FOLDER");
+  CLI::Option* harden_frames_option = harden_command->add_option("--frames", harden_frames, "How many frames; by default the scene's");
   harden_frames_option->check(CLI::Range(2u, kMostFrames));
-  harden_command->add_option("--band", band, "How far a perturbation may move the cloths' mean, in % of their size; their shape (rms of all particles) twice as far")->type_name("%")->check(CLI::Range(0.0, 1000.0))->capture_default_str();
-  harden_command->add_flag("--quick", harden_options.quick, "Sixty frames and one or two perturbations of a kind; of the hard cases those that are small");
+  harden_command
+      ->add_option("--band", band,
+                   "How far a perturbation may move the cloths' mean, in % of their size; their shape (rms of all particles) twice as far")
+      ->type_name("%")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  harden_command->add_flag("--quick", harden_options.quick,
+                           "Sixty frames and one or two perturbations of a kind; of the hard cases those that are small");
   harden_command->add_option("--only", harden_options.only, "Of the hard cases those whose name has this part");
   harden_command->add_option("--readme", harden_options.readme, "A file whose table of hard cases is replaced")->type_name("FILE");
-  harden_command->add_option("--out", harden_options.out, "Where harden.json or hard_cases.csv goes")->type_name("DIR")->capture_default_str();
+  harden_command->add_option("--out", harden_options.out, "Where harden.json or hard_cases.csv goes")
+      ->type_name("DIR")
+      ->capture_default_str();
   add_set(*harden_command, sets);
   harden_command->add_option("--device", harden_options.device, "Index or part of the name; weft info lists them");
 

@@ -10,7 +10,8 @@ Exit Painter::create(compute::Device& device, const Simulation& simulation, VkEx
   std::vector<ShadedCloth> cloths;
   for (std::size_t i = 0; i < scene.cloths.size(); ++i)
     cloths.push_back({&simulation.meshes()[i].render, &scene.cloths[i].appearance});
-  for (std::size_t i = scene.cloths.size(); i < simulation.meshes().size(); ++i) cloths.push_back({&simulation.meshes()[i].render, nullptr});
+  for (std::size_t i = scene.cloths.size(); i < simulation.meshes().size(); ++i)
+    cloths.push_back({&simulation.meshes()[i].render, nullptr});
   auto shading = Shading::create(device, scene, cloths, size);
   if (shading) {
     shading_ = std::move(*shading);
@@ -30,7 +31,7 @@ Result<Image> Painter::draw(const Simulation& simulation) {
 Result<void> Painter::draw(const Simulation& simulation, const std::filesystem::path& file) {
   if (!shading_) return {};
   const Result<Image> image = draw(simulation);
-  if (!image) return fail(image.error());
+  if (!image) return fail(image.why());
   return write_png(file, *image);
 }
 

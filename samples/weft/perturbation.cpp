@@ -1,5 +1,5 @@
-// Perturbations as changes of a scene. Lengths grow by s and accelerations with them, so that everything takes as long as before: forces
-// per mass grow by s too, tension per width by s^2 and a moment per width and curvature by s^4 (area weights stay).
+// Perturbations as changes of a scene. Lengths and accelerations grow by s, so that everything takes as long as before: forces per
+// mass grow by s too, tension per width by s^2, and a moment per width and curvature by s^4 (area densities stay).
 #include "samples/weft/perturbation.h"
 
 #include <algorithm>
@@ -38,7 +38,8 @@ void make_stiffer(Scene& scene, double m) {
     cloth.fabric.shear *= m;
     cloth.fabric.bend *= m;
     if (!cloth.springs) continue;
-    for (Springs::Kind* kind : {&cloth.springs->structural, &cloth.springs->shear, &cloth.springs->bend}) kind->stiffness *= m, kind->damping *= m;
+    for (Springs::Kind* kind : {&cloth.springs->structural, &cloth.springs->shear, &cloth.springs->bend})
+      kind->stiffness *= m, kind->damping *= m;
   }
 }
 
@@ -50,7 +51,7 @@ void enlarge(Scene& scene, double factor) {
   const auto s = static_cast<float>(factor);
   const double s2 = factor * factor;
   scene.gravity = s * scene.gravity;
-  for (double* length : {&scene.contacts.recover, &scene.contacts.cell, &scene.contacts.reach}) *length *= factor;
+  for (double* length : {&scene.contacts.recover, &scene.contacts.cell, &scene.contacts.detection_margin}) *length *= factor;
   for (Cloth& cloth : scene.cloths) {
     cloth.transform.translate = s * cloth.transform.translate;
     cloth.transform.scale *= factor;
@@ -62,7 +63,8 @@ void enlarge(Scene& scene, double factor) {
     cloth.fabric.bend *= s2 * s2;
     if (cloth.springs) {
       cloth.springs->mass *= s2;
-      for (Springs::Kind* kind : {&cloth.springs->structural, &cloth.springs->shear, &cloth.springs->bend}) kind->stiffness *= s2, kind->damping *= s2;
+      for (Springs::Kind* kind : {&cloth.springs->structural, &cloth.springs->shear, &cloth.springs->bend})
+        kind->stiffness *= s2, kind->damping *= s2;
     }
     for (Anchor& anchor : cloth.anchors) {
       if (anchor.top) *anchor.top *= factor;
@@ -87,7 +89,7 @@ void move(Scene& scene, Vec3 by) {
   for (Collider& collider : scene.colliders) collider.centre = collider.centre + by;
 }
 
-// Keys that do what they did, `by` further on from `time` + `within`.
+// The same keys, `by` further on from `time` + `within`.
 std::vector<Key> with_jump(const std::vector<Key>& keys, double time, double within, Vec3 by) {
   const auto at = [&](double when, Vec3 further) {
     Key key = pose_at(keys, when);
@@ -120,7 +122,8 @@ std::vector<Perturbation> all_perturbations(const Scene& scene, bool quick) {
     added.name = std::move(name);
     return added;
   };
-  for (std::uint32_t seed = 1; seed <= (quick ? 2 : kJitters); ++seed) add("jittered starts", "jittered start " + std::to_string(seed)).seed = seed;
+  for (std::uint32_t seed = 1; seed <= (quick ? 2 : kJitters); ++seed)
+    add("jittered starts", "jittered start " + std::to_string(seed)).seed = seed;
   for (const double rate : kRates)
     if (!quick || rate == 30 || rate == 240) add("frame rates", "frames at " + text(rate) + " Hz").frame = 1 / rate;
   for (const double rate : kRates)

@@ -1,8 +1,8 @@
-// What a scene is put through to see whether it stands firm: other frames, other masses, other places, worse starts.
+// The perturbations that test how robust a scene is: other frames, other masses, other places, worse starts.
 //
-// A perturbation that physics does not see must change nothing: the same cloth heavier and as much stiffer, or heavier if nothing in it gives way, the same scene elsewhere,
-// everything larger (with gravity, so that it takes as long), cut into other frames or set elsewhere between two. One that it does see, a jolt, must leave nothing
-// behind.
+// The physics is invariant under most of them, so they must change nothing: the same cloth heavier and as much stiffer, or only
+// heavier if nothing in it gives way; the same scene elsewhere; everything larger (with gravity, so that it takes as long); cut
+// into other frames, or set elsewhere between two. It is not invariant under a jolt, which must leave nothing behind.
 #pragma once
 
 #include <cstdint>
@@ -29,11 +29,11 @@ struct Perturbation {
   bool same_strain = true;       // strain at the end must be what it was without
 };
 
-/// All of them; `quick`: one or two of each kind. What mass alone leaves at the end is judged where the scene's physics does not see it:
-/// of cloth that neither stretches nor resists bending.
+/// All of them; `quick`: one or two of each kind. The pose under mass alone is judged only where the physics is invariant under it:
+/// for cloth that neither stretches nor resists bending.
 std::vector<Perturbation> all_perturbations(const Scene& scene, bool quick);
 
-/// Fewer frames than this do not have room for what happens halfway: the hitch, clamped to the scene's longest advance.
+/// In fewer frames than this there is no time for what happens halfway: the hitch, clamped to the scene's longest advance.
 std::uint32_t least_frames(const Scene& scene);
 
 /// The scene as the perturbation has it from the start. `halfway` (s): when anchors and colliders jump, within `frame`. Of a teleport the

@@ -43,7 +43,7 @@ Axis axis_of(const Panel& panel, std::size_t dimension, double from, double to) 
       least = std::min(least, point[dimension]);
       most = std::max(most, point[dimension]);
     }
-  // What blew up would squeeze everything else: no more than a hundred times the sheet.
+  // A run that diverged would squeeze all others: no more than a hundred times the sheet.
   most = std::min(most, dimension == 1 ? 100.0 : INFINITY);
   if (!(least <= most)) least = 0.1, most = 1;
   Axis axis{static_cast<int>(std::floor(std::log10(least))), static_cast<int>(std::ceil(std::log10(most))), from, to};
@@ -96,7 +96,8 @@ void add_panel(const Panel& panel, double left, double top, std::vector<Stroke>&
 }  // namespace
 
 Colour series_colour(std::size_t k) {
-  constexpr Colour kColours[] = {{0, 114, 178}, {86, 180, 233}, {230, 159, 0}, {0, 158, 115}, {213, 94, 0}, {204, 121, 167}, {120, 120, 120}, {240, 208, 20}};
+  constexpr Colour kColours[] = {{0, 114, 178}, {86, 180, 233}, {230, 159, 0}, {0, 158, 115},
+                                 {213, 94, 0}, {204, 121, 167}, {120, 120, 120}, {240, 208, 20}};
   return kColours[k % std::size(kColours)];
 }
 
@@ -105,7 +106,8 @@ Drawing plot(const std::vector<Panel>& panels, std::size_t across) {
   std::vector<const Series*> named;   // one of each name
   for (const Panel& panel : panels)
     for (const Series& series : panel.series)
-      if (std::none_of(named.begin(), named.end(), [&](const Series* other) { return other->name == series.name; })) named.push_back(&series);
+      if (std::none_of(named.begin(), named.end(), [&](const Series* other) { return other->name == series.name; }))
+        named.push_back(&series);
   const std::size_t rows = (panels.size() + across - 1) / across;
   drawing.width = kWidth * static_cast<double>(std::min(across, panels.size()));
   const auto columns = std::max<std::size_t>(1, static_cast<std::size_t>(drawing.width / kLegendColumn));

@@ -32,10 +32,11 @@ class Canvas {
   void segment(double x0, double y0, double x1, double y1, double radius, Colour colour) {
     for (double* value : {&x0, &y0, &x1, &y1, &radius}) *value *= kPixels;
     const double dx = x1 - x0, dy = y1 - y0, squared = dx * dx + dy * dy;
-    cover(std::min(x0, x1) - radius, std::min(y0, y1) - radius, std::max(x0, x1) + radius, std::max(y0, y1) + radius, colour, [&](double x, double y) {
-      const double t = squared > 0 ? std::clamp(((x - x0) * dx + (y - y0) * dy) / squared, 0.0, 1.0) : 0;
-      return radius - std::hypot(x - x0 - t * dx, y - y0 - t * dy);
-    });
+    cover(std::min(x0, x1) - radius, std::min(y0, y1) - radius, std::max(x0, x1) + radius, std::max(y0, y1) + radius, colour,
+          [&](double x, double y) {
+            const double t = squared > 0 ? std::clamp(((x - x0) * dx + (y - y0) * dy) / squared, 0.0, 1.0) : 0;
+            return radius - std::hypot(x - x0 - t * dx, y - y0 - t * dy);
+          });
   }
 
   // In pixels.
@@ -73,7 +74,8 @@ class Canvas {
         const double part = std::clamp(depth(x + 0.5, y + 0.5) + 0.5, 0.0, 1.0);
         if (part <= 0) continue;
         std::uint8_t* pixel = &image_.rgba[4 * (std::size_t{y} * image_.width + x)];
-        for (std::size_t c = 0; c < 3; ++c) pixel[c] = static_cast<std::uint8_t>(std::lround(pixel[c] + part * (double(colour[c]) - pixel[c])));
+        for (std::size_t c = 0; c < 3; ++c)
+          pixel[c] = static_cast<std::uint8_t>(std::lround(pixel[c] + part * (double(colour[c]) - pixel[c])));
       }
   }
 
@@ -103,8 +105,9 @@ std::string svg(const Drawing& drawing) {
   constexpr const char* kAnchors[] = {"start", "middle", "end"};
   std::ostringstream text;
   text.precision(5);
-  text << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << drawing.width << ' ' << drawing.height << "\" width=\"" << drawing.width
-       << "\" height=\"" << drawing.height << "\" font-family=\"system-ui, sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
+  text << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << drawing.width << ' ' << drawing.height << "\" width=\""
+       << drawing.width << "\" height=\"" << drawing.height
+       << "\" font-family=\"system-ui, sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
   for (const Stroke& s : drawing.strokes) switch (s.kind) {
       case Stroke::Kind::line:
         text << "<line x1=\"" << s.x << "\" y1=\"" << s.y << "\" x2=\"" << s.to_x << "\" y2=\"" << s.to_y << "\" stroke=\"" << hex(s.colour)
@@ -114,8 +117,8 @@ std::string svg(const Drawing& drawing) {
         text << "<circle cx=\"" << s.x << "\" cy=\"" << s.y << "\" r=\"" << s.size << "\" fill=\"" << hex(s.colour) << "\"/>\n";
         break;
       case Stroke::Kind::text:
-        text << "<text x=\"" << s.x << "\" y=\"" << s.y << "\" font-size=\"" << s.size << "\" fill=\"" << hex(s.colour) << "\" text-anchor=\""
-             << kAnchors[static_cast<int>(s.anchor)] << '"';
+        text << "<text x=\"" << s.x << "\" y=\"" << s.y << "\" font-size=\"" << s.size << "\" fill=\"" << hex(s.colour)
+             << "\" text-anchor=\"" << kAnchors[static_cast<int>(s.anchor)] << '"';
         if (s.upwards) text << " transform=\"rotate(-90 " << s.x << ' ' << s.y << ")\"";
         text << '>' << escaped(s.text) << "</text>\n";
         break;

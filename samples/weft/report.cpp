@@ -69,7 +69,7 @@ double fastest_of(const CookedFabric& fabric, std::span<const gpu::vec4> before,
 
 Result<Figures> figures_of(const Simulation& simulation) {
   const Result<std::vector<gpu::vec4>> positions = simulation.read_positions();
-  if (!positions) return fail(positions.error());
+  if (!positions) return fail(positions.why());
   const CookedFabric& fabric = simulation.fabric();
   Figures figures;
   figures.scene = simulation.scene().name;
@@ -134,7 +134,11 @@ std::string report_json(const Figures& figures, const PassTimes& times) {
   report["coincident"] = figures.counts.coincident;
   if (figures.intersections) report["intersections"] = {{"max", figures.intersections->max}, {"final", figures.intersections->final}};
   if (const Counts& counts = figures.counts; figures.contacts)
-    report["contacts"] = {{"max", counts.contacts_most}, {"lost", counts.contacts_lost}, {"truncated", counts.truncated}, {"detections", counts.detections}, {"lag", counts.lag}};
+    report["contacts"] = {{"max", counts.contacts_most},
+                          {"overflowed", counts.contacts_overflowed},
+                          {"truncated", counts.truncated},
+                          {"detections", counts.detections},
+                          {"tracking_error", counts.tracking_error}};
   if (figures.chebyshev) report["unaccelerated"] = figures.counts.unaccelerated;
   if (const Counts& counts = figures.counts; figures.implicit)
     report["linear"] = {{"residual", counts.residual}, {"unconverged", counts.unconverged}, {"stopped", counts.stopped}};

@@ -43,7 +43,8 @@ class PassTimes {
   std::vector<std::vector<double>> rows_;
 };
 
-/// Pairs of edge and triangle, of cloth and cloth or cloth and mesh collider, that cross (engine/reference/intersections.h), at the start and after every frame.
+/// Pairs of edge and triangle, of cloth and cloth or cloth and mesh collider, that cross (engine/reference/intersections.h), at the
+/// start and after every frame.
 struct Intersections {
   std::uint64_t max = 0;     // of all of these
   std::uint64_t final = 0;
@@ -69,8 +70,8 @@ struct Figures {
   std::optional<Intersections> intersections;   // none unless they were counted
 };
 
-/// m/s, of the fastest particle of cloth, if it takes so long from one place to the other. What is seen: in the velocities that substeps work
-/// with there is also the rounding of places.
+/// m/s, of the fastest particle of cloth that takes `seconds` from one position to the other. This is the speed that is seen: the
+/// velocities of substeps also have the rounding of positions.
 double fastest_of(const CookedFabric& fabric, std::span<const gpu::vec4> before, std::span<const gpu::vec4> after, double seconds);
 
 /// Everything about a simulation's state but times. Waits for it.

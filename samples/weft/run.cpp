@@ -37,8 +37,8 @@ constexpr double kLongestTimed = 20;        // s; the frame at which it is over 
 using Clock = std::chrono::steady_clock;
 double milliseconds_since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
 
-// A simulation on its way through a scene: where it is, what it has counted, and what is needed to time its middle.
-struct Passage {
+// The state of a run: how far it is, what it has counted, and what is needed to time its middle.
+struct RunState {
   Tally tally;
   std::optional<std::uint32_t> resumed_at;
   std::vector<double> milliseconds;  // wall clock around submitting a frame and waiting for it, of this program's frames
@@ -47,25 +47,25 @@ struct Passage {
   std::optional<double> speed;       // m/s, over the last frame
 };
 
-Result<void> advance(Simulation& simulation, Passage& passage) {
+Result<void> advance(Simulation& simulation, RunState& state) {
   const Clock::time_point start = Clock::now();
   const Result<Advance> advance = simulation.advance(1 / simulation.scene().solver.rate);
-  if (!advance) return fail("frame ", passage.tally.frames, ": ", advance.error());
-  passage.milliseconds.push_back(milliseconds_since(start));
-  passage.tally.clamped += advance->clamped;
-  ++passage.tally.frames;
+  if (!advance) return fail("frame ", state.tally.frames, ": ", advance.why());
+  state.milliseconds.push_back(milliseconds_since(start));
+  state.tally.clamped += advance->clamped;
+  ++state.tally.frames;
   return {};
 }
 
-Result<void> advance_and_time_particles(Simulation& simulation, Passage& passage) {
+Result<void> advance_and_time_particles(Simulation& simulation, RunState& state) {
   const auto before = simulation.read_positions();
-  if (!before) return fail(before.error());
+  if (!before) return fail(before.why());
   const double start = simulation.time();
-  if (Result<void> done = advance(simulation, passage); !done) return done;
+  if (Result<void> done = advance(simulation, state); !done) return done;
   const auto after = simulation.read_positions();
-  if (!after) return fail(after.error());
+  if (!after) return fail(after.why());
   // A longest advance may leave nothing of a frame.
-  if (simulation.time() > start) passage.speed = fastest_of(simulation.fabric(), *before, *after, simulation.time() - start);
+  if (simulation.time() > start) state.speed = fastest_of(simulation.fabric(), *before, *after, simulation.time() - start);
   return {};
 }
 
@@ -73,11 +73,11 @@ Result<void> advance_and_time_particles(Simulation& simulation, Passage& passage
 Result<void> write_mesh(const Simulation& simulation, const std::filesystem::path& file) {
   const CookedFabric& fabric = simulation.fabric();
   auto vertices = simulation.read_vertex_positions();
-  if (!vertices) return fail(vertices.error());
+  if (!vertices) return fail(vertices.why());
   auto normals = simulation.read_vertex_normals();
-  if (!normals) return fail(normals.error());
+  if (!normals) return fail(normals.why());
   const auto particles = simulation.read_positions();
-  if (!particles) return fail(particles.error());
+  if (!particles) return fail(particles.why());
   std::vector<Triangle> triangles;
   std::uint32_t first = 0;
   for (const Mesh& mesh : std::span(simulation.meshes()).first(fabric.cloths.size())) {
@@ -93,7 +93,7 @@ Result<void> write_mesh(const Simulation& simulation, const std::filesystem::pat
 
 Result<void> count(const Simulation& simulation, Intersections& intersections) {
   const auto particles = simulation.read_positions();
-  if (!particles) return fail(particles.error());
+  if (!particles) return fail(particles.why());
   std::vector<Vec3> positions;
   positions.reserve(particles->size());
   for (const gpu::vec4& particle : *particles) positions.push_back({particle.x, particle.y, particle.z});
@@ -113,13 +113,16 @@ void print(const Figures& figures, double rate) {
     std::printf("Cloth crosses %s: %llu pairs of edge and triangle in the worst frame, %llu in the last\n", what,
                 static_cast<unsigned long long>(found->max), static_cast<unsigned long long>(found->final));
   if (const Counts& counts = figures.counts; figures.implicit && counts.unconverged > 0)
-    std::printf("%u substeps were solved to worse than 1 %% (the last to %.2g %%): more iterations or shorter substeps do better\n", counts.unconverged,
-                100 * counts.residual);
+    std::printf("%u substeps were solved to worse than 1 %% (the last to %.2g %%): more iterations or shorter substeps do better\n",
+                counts.unconverged, 100 * counts.residual);
   if (const Counts& counts = figures.counts; figures.contacts) {
-    std::printf("Contacts: up to %u pairs, searched for %u times; %u times a particle was stopped short\n", counts.contacts_most, counts.detections,
-                counts.truncated);
-    if (counts.lag > 0) std::printf("Anchors waited for cloth to make way, up to %.2g mm behind their targets\n", 1000 * static_cast<double>(counts.lag));
-    if (counts.contacts_lost > 0) std::printf("%u pairs found no room: their particles were held still instead\n", counts.contacts_lost);
+    std::printf("Contacts: up to %u pairs, searched for %u times; %u times a particle was stopped short\n", counts.contacts_most,
+                counts.detections, counts.truncated);
+    if (counts.tracking_error > 0)
+      std::printf("Anchors waited for cloth to make way, up to %.2g mm behind their targets\n",
+                  1000 * static_cast<double>(counts.tracking_error));
+    if (counts.contacts_overflowed > 0)
+      std::printf("%u pairs found no room: their particles were held still instead\n", counts.contacts_overflowed);
   }
   if (figures.timed_on_cpu) std::printf("This device has no timestamps: passes were timed on the CPU\n");
   if (figures.clamped_seconds > 0)
@@ -136,10 +139,12 @@ Result<std::unique_ptr<compute::Device>> open_device(const std::string& name, bo
 }
 
 // Named after the scene, so that another scene's run in the same folder does not take it away.
-std::filesystem::path checkpoint_file(const Scene& scene, const RunOptions& options) { return options.out / (file_name(scene.name) + ".snapshot"); }
+std::filesystem::path checkpoint_file(const Scene& scene, const RunOptions& options) {
+  return options.out / (file_name(scene.name) + ".snapshot");
+}
 
-// What belongs to a frame that is done: crossings, a picture, a checkpoint.
-Result<void> tend(Simulation& simulation, Painter& painter, const RunOptions& options, Tally& tally) {
+// What follows a frame: crossings are counted, a picture is drawn, a checkpoint is written.
+Result<void> after_frame(Simulation& simulation, Painter& painter, const RunOptions& options, Tally& tally) {
   if (tally.intersections)
     if (Result<void> counted = count(simulation, *tally.intersections); !counted) return counted;
   const std::uint32_t frame = tally.frames - 1;
@@ -149,28 +154,28 @@ Result<void> tend(Simulation& simulation, Painter& painter, const RunOptions& op
   return write_checkpoint(checkpoint_file(simulation.scene(), options), simulation, tally);
 }
 
-Result<void> go_through(Simulation& simulation, Painter& painter, const RunOptions& options, Passage& passage) {
+Result<void> simulate(Simulation& simulation, Painter& painter, const RunOptions& options, RunState& state) {
   const Scene& scene = simulation.scene();
-  passage.timed_from = std::max(passage.tally.frames, scene.frames > kMostTimed ? (scene.frames - kMostTimed) / 2 : 0);
+  state.timed_from = std::max(state.tally.frames, scene.frames > kMostTimed ? (scene.frames - kMostTimed) / 2 : 0);
   Progress progress("simulating " + scene.name, scene.frames);
-  progress.step(passage.tally.frames);
-  while (passage.tally.frames < scene.frames && !interrupted()) {
-    if (passage.tally.frames == passage.timed_from && passage.timed_from > 0) {
+  progress.step(state.tally.frames);
+  while (state.tally.frames < scene.frames && !interrupted()) {
+    if (state.tally.frames == state.timed_from && state.timed_from > 0) {
       Result<Snapshot> middle = simulation.save();
       if (!middle) return middle.take_error();
-      passage.middle = std::move(*middle);
+      state.middle = std::move(*middle);
     }
-    const bool last = passage.tally.frames + 1 == scene.frames;
-    if (Result<void> done = last ? advance_and_time_particles(simulation, passage) : advance(simulation, passage); !done) return done;
-    if (Result<void> done = tend(simulation, painter, options, passage.tally); !done) return done;
+    const bool last = state.tally.frames + 1 == scene.frames;
+    if (Result<void> done = last ? advance_and_time_particles(simulation, state) : advance(simulation, state); !done) return done;
+    if (Result<void> done = after_frame(simulation, painter, options, state.tally); !done) return done;
     progress.step();
   }
-  if (options.checkpoint == 0 || passage.tally.frames == 0 || !interrupted()) return {};
-  return write_checkpoint(checkpoint_file(scene, options), simulation, passage.tally);
+  if (options.checkpoint == 0 || state.tally.frames == 0 || !interrupted()) return {};
+  return write_checkpoint(checkpoint_file(scene, options), simulation, state.tally);
 }
 
-// Where the run begins: at the scene's start, or where one that was ended left it.
-Exit begin(Simulation& simulation, const RunOptions& options, Passage& passage) {
+// Where the run begins: at the scene's start, or at the checkpoint of an earlier run.
+Exit begin(Simulation& simulation, const RunOptions& options, RunState& state) {
   const std::filesystem::path file = checkpoint_file(simulation.scene(), options);
   if (options.checkpoint > 0 && !options.fresh && is_there(file)) {
     const Result<Checkpoint> left = load_checkpoint(file, simulation, options.check);
@@ -180,12 +185,13 @@ Exit begin(Simulation& simulation, const RunOptions& options, Passage& passage) 
     }
     const Tally& tally = left->tally;
     if (tally.frames > simulation.scene().frames) {
-      complain(file.string() + ": is of frame " + std::to_string(tally.frames) + ", and the run has " + std::to_string(simulation.scene().frames));
+      complain(file.string() + ": is of frame " + std::to_string(tally.frames) + ", and the run has " +
+               std::to_string(simulation.scene().frames));
       return kBadInput;
     }
     if (const Result<void> restored = simulation.restore(left->snapshot); !restored) return failed(file.string() + ": " + restored.error());
-    passage.tally = tally;
-    passage.resumed_at = tally.frames;
+    state.tally = tally;
+    state.resumed_at = tally.frames;
     std::printf("Going on after frame %u, where %s was left\n", tally.frames, file.string().c_str());
     return kDone;
   }
@@ -194,12 +200,12 @@ Exit begin(Simulation& simulation, const RunOptions& options, Passage& passage) 
     if (const Result<Advance> none = simulation.advance(0); !none) return failed(none.error());
   // The pose the simulation starts from counts too, and is the final one of a scene of no frames.
   if (options.check)
-    if (const Result<void> counted = count(simulation, passage.tally.intersections.emplace()); !counted) return failed(counted.error());
+    if (const Result<void> counted = count(simulation, state.tally.intersections.emplace()); !counted) return failed(counted.error());
   return kDone;
 }
 
 // Pictures, the final mesh, and all figures but those of passes.
-Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& figures, Passage& passage) {
+Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& figures, RunState& state) {
   const auto device = open_device(options.device, options.picture);
   if (!device) return failed(device.error());
   const Started started = start(**device, scene, false);
@@ -210,43 +216,46 @@ Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& f
     if (const Exit exit = painter.create(**device, simulation, kPictureSize); exit != kDone) return exit;
 
   const CookedFabric& fabric = simulation.fabric();
-  std::printf("%s: %zu particles, %zu edges, %zu bends, %llu tethers on %s\n", scene.name.c_str(), std::size_t(cloth_particles(fabric)), fabric.links.size(),
-              fabric.bends.size() + fabric.hinges.size(), static_cast<unsigned long long>(fabric.tether_count), (*device)->name().c_str());
+  std::printf("%s: %zu particles, %zu edges, %zu bends, %llu tethers on %s\n", scene.name.c_str(), std::size_t(cloth_particles(fabric)),
+              fabric.links.size(), fabric.bends.size() + fabric.hinges.size(), static_cast<unsigned long long>(fabric.tether_count),
+              (*device)->name().c_str());
   const std::size_t notes_before = fabric.notes.size();
   for (const std::string& note : fabric.notes) std::printf("note: %s\n", note.c_str());
-  if (const Exit exit = begin(simulation, options, passage); exit != kDone) return exit;
+  if (const Exit exit = begin(simulation, options, state); exit != kDone) return exit;
   std::fflush(stdout);
-  if (const Result<void> gone = go_through(simulation, painter, options, passage); !gone) return failed(gone.error());
+  if (const Result<void> done = simulate(simulation, painter, options, state); !done) return failed(done.error());
   for (const std::string& note : std::span(fabric.notes).subspan(notes_before)) std::printf("note: %s\n", note.c_str());
 
-  if (const Result<void> drawn = painter.draw(simulation, options.out / (file_name(scene.name) + ".png")); !drawn) return failed(drawn.error());
+  if (const Result<void> drawn = painter.draw(simulation, options.out / (file_name(scene.name) + ".png")); !drawn)
+    return failed(drawn.error());
   if (const Result<void> written = write_mesh(simulation, options.out / "final.ply"); !written) return failed(written.error());
   Result<Figures> measured = figures_of(simulation);
   if (!measured) return failed(measured.error());
   figures = std::move(*measured);
-  figures.frames = passage.tally.frames;
-  figures.resumed_at = passage.resumed_at;
-  figures.clamped_seconds = passage.tally.clamped;
-  figures.intersections = passage.tally.intersections;
-  figures.speed = passage.speed;
-  if (!passage.milliseconds.empty()) figures.frame = spread_of(passage.milliseconds);
+  figures.frames = state.tally.frames;
+  figures.resumed_at = state.resumed_at;
+  figures.clamped_seconds = state.tally.clamped;
+  figures.intersections = state.tally.intersections;
+  figures.speed = state.speed;
+  if (!state.milliseconds.empty()) figures.frame = spread_of(state.milliseconds);
   return kDone;
 }
 
-Exit time_passes(const Scene& scene, const RunOptions& options, const Passage& passage, Figures& figures, PassTimes& times) {
+Exit time_passes(const Scene& scene, const RunOptions& options, const RunState& state, Figures& figures, PassTimes& times) {
   const auto device = open_device(options.device, false);
   if (!device) return failed(device.error());
   const Started started = start(**device, scene, true);
   if (!started.simulation) return started.exit;
   Simulation& simulation = *started.simulation;
-  times = PassTimes(simulation.passes(), passage.timed_from);
+  times = PassTimes(simulation.passes(), state.timed_from);
   figures.timed_on_cpu = simulation.timed_on_cpu();
-  if (passage.middle)
-    if (const Result<void> restored = simulation.restore(*passage.middle); !restored) return failed(restored.error());
-  const std::uint32_t frames = std::min(kMostTimed, scene.frames - std::min(scene.frames, passage.timed_from));
-  Passage timed;
+  if (state.middle)
+    if (const Result<void> restored = simulation.restore(*state.middle); !restored) return failed(restored.error());
+  const std::uint32_t frames = std::min(kMostTimed, scene.frames - std::min(scene.frames, state.timed_from));
+  RunState timed;
   Progress progress("timing passes", frames);
-  for (const Clock::time_point start = Clock::now(); timed.tally.frames < frames && milliseconds_since(start) < 1000 * kLongestTimed && !interrupted();) {
+  for (const Clock::time_point start = Clock::now();
+       timed.tally.frames < frames && milliseconds_since(start) < 1000 * kLongestTimed && !interrupted();) {
     if (const Result<void> done = advance(simulation, timed); !done) return failed(done.error());
     times.add_frame(simulation.timings());
     progress.step();
@@ -270,20 +279,21 @@ Exit run(const RunOptions& options) {
 
   Figures figures;
   PassTimes times({});
-  Passage passage;
-  if (const Exit exit = simulate_and_draw(*scene, options, figures, passage); exit != kDone) return exit;
-  if (const Exit exit = time_passes(*scene, options, passage, figures, times); exit != kDone) return exit;
+  RunState state;
+  if (const Exit exit = simulate_and_draw(*scene, options, figures, state); exit != kDone) return exit;
+  if (const Exit exit = time_passes(*scene, options, state, figures, times); exit != kDone) return exit;
 
   figures.interrupted = interrupted();
   if (const Result<void> written = write_text(options.out / "timings.csv", times.csv()); !written) return failed(written.error());
-  if (const Result<void> written = write_text(options.out / "report.json", report_json(figures, times)); !written) return failed(written.error());
+  if (const Result<void> written = write_text(options.out / "report.json", report_json(figures, times)); !written)
+    return failed(written.error());
   print(figures, scene->solver.rate);
   std::printf("Written: %stimings.csv, report.json, final.ply in %s\n", options.picture ? (file_name(scene->name) + ".png, ").c_str() : "",
               options.out.string().c_str());
   if (!interrupted()) {
     // A run that is over is not gone on with.
-    std::error_code nobody_minds;
-    if (options.checkpoint > 0) std::filesystem::remove(checkpoint_file(*scene, options), nobody_minds);
+    std::error_code ignored;
+    if (options.checkpoint > 0) std::filesystem::remove(checkpoint_file(*scene, options), ignored);
     return kDone;
   }
   complain("Interrupted after " + std::to_string(figures.frames) + " of " + std::to_string(scene->frames) + " frames, " +

@@ -46,7 +46,8 @@ std::vector<std::string> file_faults(const Scene& scene) {
         {{"albedo", &looks.albedo}, {"normal", &looks.normal}, {"roughness", &looks.roughness}, {"occlusion", &looks.occlusion}}};
     for (const auto& [key, name] : maps) {
       if (name->empty()) continue;
-      if (const Result<Image> image = read_image(scene.folder / *name); !image) faults.push_back(path + "appearance." + key + ": " + image.error());
+      if (const Result<Image> image = read_image(scene.folder / *name); !image)
+        faults.push_back(path + "appearance." + key + ": " + image.error());
     }
   }
   for (const std::uint32_t i : mesh_colliders(scene))

@@ -21,7 +21,7 @@ constexpr std::size_t kMostTraced = 100;  // frames: a trace of more is too larg
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// Calls `each` after every frame that counts, with the frame's wall time in milliseconds. The seconds that were not simulated are returned.
+// Calls `each` after every frame that counts, with its wall time in milliseconds. Returns the seconds that were not simulated.
 template <class F>
 Result<double> advance_frames(Simulation& simulation, const TimeOptions& options, const char* what, F&& each) {
   double clamped = 0;
@@ -29,7 +29,7 @@ Result<double> advance_frames(Simulation& simulation, const TimeOptions& options
   for (std::uint32_t frame = 0; frame < options.warm_up + options.frames && !interrupted(); ++frame) {
     const Clock::time_point start = Clock::now();
     const Result<Advance> advance = simulation.advance(1 / simulation.scene().solver.rate);
-    if (!advance) return fail("frame ", frame, ": ", advance.error());
+    if (!advance) return fail("frame ", frame, ": ", advance.why());
     clamped += advance->clamped;
     if (frame >= options.warm_up) each(1000 * seconds_since(start));
     progress.step();
@@ -54,11 +54,12 @@ void print_frame(const Figures& figures, const Spread& frame, double create_seco
   for (const BufferUse& buffer : figures.buffers) bytes += buffer.bytes;
   const auto particles = static_cast<double>(figures.particles);
   std::printf("%-24s %10s %12.4f %12.4f   wall clock, without timestamps\n", "whole frame", "", frame.median, frame.p95);
-  std::printf("%zu particles: %.4g us and %.4g bytes each; cooked and created in %.3g s\n", figures.particles, 1000 * frame.median / particles,
-              static_cast<double>(bytes) / particles, create_seconds);
+  std::printf("%zu particles: %.4g us and %.4g bytes each; cooked and created in %.3g s\n", figures.particles,
+              1000 * frame.median / particles, static_cast<double>(bytes) / particles, create_seconds);
   std::printf("strain: mean %.4g %%, rms %.4g %%, max %.4g %%; not finite: %u\n", 100 * figures.strain.mean, 100 * figures.strain.rms,
               100 * figures.strain.max, figures.counts.non_finite);
-  if (figures.clamped_seconds > 0) std::printf("%.3g s were not simulated: solver.longest_advance is shorter than a frame\n", figures.clamped_seconds);
+  if (figures.clamped_seconds > 0)
+    std::printf("%.3g s were not simulated: solver.longest_advance is shorter than a frame\n", figures.clamped_seconds);
   if (figures.timed_on_cpu) std::printf("This device has no timestamps: passes were timed on the CPU\n");
 }
 
@@ -115,7 +116,8 @@ Exit time(const TimeOptions& options) {
     if (const Result<void> written = write_text(options.out / name, text); !written) return failed(written.error());
   std::printf("Written: timings.csv, trace.json (for ui.perfetto.dev), report.json in %s\n", options.out.string().c_str());
   if (!interrupted()) return kDone;
-  complain("Interrupted after " + std::to_string(times.frames()) + " of " + std::to_string(options.frames) + " frames: what is written is of these");
+  complain("Interrupted after " + std::to_string(times.frames()) + " of " + std::to_string(options.frames) +
+           " frames: what is written is of these");
   return kInterrupted;
 }
 

@@ -1,10 +1,10 @@
-// anchor: tells every held particle where it belongs at the substep's end, on the straight way from where it was at the
-// frame's start to where the scene or the host wants it at the frame's end. Without contacts it is recorded only in frames in which
-// targets move. At the frame's end the target is taken as it is, so that it is exact to the bit; an anchor that does not move stays so.
+// anchor: the targets of kinematic particles at the substep's end, on the straight line from where they were at the frame's start to where
+// the scene or the host wants them at the frame's end. Without contacts it is recorded only in frames in which targets move. At the frame's
+// end the target is taken as it is, so that it is exact to the bit; so does an anchor that does not move.
 //
-// With contacts cloth in the way may have held it back (contact_limit). Then it goes after its target, and makes good no more of its lag
-// in a substep than contacts make good of a distance that is too small: what comes at cloth with all its lag at once takes all the
-// room in front of it, is stopped again, and lags more. Also watches whether it strays (leash.glsl).
+// With contacts cloth in the way may have held an anchor back (contact_limit). It then catches up with its target, in a substep by no more
+// than contacts recover of a separation: an anchor that made good its whole tracking error at once would take all the slack in front of it,
+// be stopped again, and fall further behind. Also watches whether it leaves its displacement bound (displacement_bound.glsl).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -16,35 +16,36 @@ GATHER(velocities)
 GATHER(materials)
 READ_WRITE(Detection, detection)
 READ_WRITE(Counters, counters)
-#include "contact/leash.glsl"
+#include "contact/displacement_bound.glsl"
 
-// Where it belongs when so much of the frame is over.
+// Its target when this fraction of the frame is over.
 vec3 place_at(Anchor anchor, float fraction) { return fraction == 1 ? anchor.to : anchor.from + fraction * (anchor.to - anchor.from); }
 
-const float kLeast = 0.08;               // of its thickness: what it makes good where contacts make good nothing
-const float kRounding = 1.0 / 1048576;   // 2^-20, of a place
+const float kLeast = 0.08;               // relative to its thickness: what it recovers in a substep at least
+const float kRounding = 1.0 / 1048576;   // 2^-20, relative to the largest coordinate
 
-// What it is away from where it should have been by now (m).
-void count_lag(vec3 x, Anchor anchor) {
-  const float behind = length(place_at(anchor, push.fraction_from) - x);
+// Records the tracking error: the distance from where it should be at the substep's start (m).
+void count_tracking_error(vec3 x, Anchor anchor) {
+  const float error = length(place_at(anchor, push.fraction_from) - x);
   const vec3 size = abs(x);
-  if (behind > kRounding * max(size.x, max(size.y, size.z))) atomicMax(counters[0].lag, floatBitsToUint(behind));   // floats above 0 are ordered as their bits are
+  // Positive floats are ordered like their bits.
+  if (error > kRounding * max(size.x, max(size.y, size.z))) atomicMax(counters[0].tracking_error, floatBitsToUint(error));
 }
 
-// Beyond its patience (contact_limit) it does not wait any longer.
-vec3 after(vec3 target, vec3 x, Anchor anchor) {
+// Where it goes from x in this substep. Beyond its kinematic lag limit (contact_limit) it goes to its target at once.
+vec3 next_place(vec3 target, vec3 x, Anchor anchor) {
   const float thickness = FETCH(materials, floatBitsToUint(FETCH(velocities, anchor.particle).w)).z;
-  const float lag = length(target - x), follows = (push.fraction_to - push.fraction_from) * length(anchor.to - anchor.from);
-  const float step = follows + max(contact_settings.recover, kLeast * thickness);
-  return lag > step && lag <= contact_settings.patience * thickness ? x + (step / lag) * (target - x) : target;
+  const float error = length(target - x), motion_of_target = (push.fraction_to - push.fraction_from) * length(anchor.to - anchor.from);
+  const float step = motion_of_target + max(contact_settings.recover, kLeast * thickness);
+  return error > step && error <= contact_settings.kinematic_lag_limit * thickness ? x + (step / error) * (target - x) : target;
 }
 
-// Where cloth lets it go, and whether that strays.
+// Where it goes among contacts; asks for a detection if that is about to leave its displacement bound.
 vec3 among_contacts(vec3 target, Anchor anchor) {
   const vec3 x = FETCH(positions, anchor.particle).xyz;
-  count_lag(x, anchor);
-  const vec3 next = after(target, x, anchor);
-  if (strays(next, expected_at(anchor.particle, detection[0].age + 2), detection[0].reach)) detection[0].due = 1;
+  count_tracking_error(x, anchor);
+  const vec3 next = next_place(target, x, anchor);
+  if (strays(next, expected_at(anchor.particle, detection[0].steps + 2), detection[0].margin)) detection[0].needs_detection = 1;
   return next;
 }
 

@@ -2,9 +2,9 @@
 //
 // A stencil's constraint l = sum K_j p_j = 0 is linear, and with one visit a substep its multiplier starts at zero, so the
 // Jacobi step with masses split is a constant sparse matrix: dp_i = -omega w_i sum_e (K_i / D_e) l_e = -omega sum_j M_ij (p_j - p_i)
-// with D_e = sum_j n_j w_j K_j^2 + omega alpha/h^2 (engine/cook/cook.cpp says why omega). Cooking sums the stencils up (fabric), the
-// pass multiplies. Because every row of M sums to zero only differences enter, wherever the cloth is. Scenes with more
-// iterations use bend_lambda and bend_gather.
+// with D_e = sum_j n_j w_j K_j^2 + omega alpha/h^2 (engine/cook/cook.cpp says why omega). The matrix is summed when cooking;
+// the pass multiplies. Because every row of M sums to zero only differences enter, so that the distance from the origin costs no precision.
+// Scenes with more iterations use bend_lambda and bend_gather.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -12,7 +12,7 @@
 GATHER(predicted)
 GATHER_UINT2(bend_rows)
 GATHER_UINT4(bend_entries)
-WRITE(vec4, relaxed)
+WRITE(vec4, next_iterate)
 READ_WRITE(Counters, counters)
 
 #include "motion/finalize.glsl"
@@ -32,7 +32,7 @@ void main() {
     const uvec4 pair = FETCH(bend_entries, k);
     sum += share(p.xyz, pair.xy) + share(p.xyz, pair.zw);
   }
-  // A lost neighbour must not take this particle along.
+  // A neighbour that is not finite must not spoil this particle.
   const bool usable = dot(sum, sum) < 1e20;
   const vec4 next = vec4(usable ? p.xyz - motion.relaxation * sum : p.xyz, p.w);
   leave(i, next);

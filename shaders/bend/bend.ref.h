@@ -55,8 +55,8 @@ struct Bend {
 
 /// One iteration. `lambda`: one vector a stencil, renewed.
 inline Points relax_bend(std::span<const Bend> bends, const Points& p, std::span<const double> inverse_masses, std::span<Vector> lambda,
-                         double h, double omega, Meeting meeting) {
-  Copies copies(inverse_masses, meeting);
+                         double h, double omega, Averaged averaging) {
+  Copies copies(inverse_masses, averaging);
   for (const Bend& bend : bends)
     for (const std::uint32_t i : bend.particle) copies.use(i);
   for (std::size_t e = 0; e < bends.size(); ++e) {
@@ -68,7 +68,7 @@ inline Points relax_bend(std::span<const Bend> bends, const Points& p, std::span
     lambda[e] += change;
     for (int j = 0; j < 4; ++j) copies.push(bend.particle[j], bend.k[j] * change);
   }
-  return copies.meet(p);
+  return copies.averaged(p);
 }
 
 }  // namespace weft::reference

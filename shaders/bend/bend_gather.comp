@@ -1,4 +1,4 @@
-// bend_gather: every particle sums what its bending stencils ask of it: dp_i = sum_e w_i K_i dlambda_e (bend/gather.glsl).
+// bend_gather: every particle sums the impulses of its bending stencils: dp_i = sum_e w_i K_i dlambda_e (bend/gather.glsl).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -7,7 +7,7 @@ GATHER(predicted)
 GATHER(bend_impulses)
 GATHER_UINT2(bend_use_rows)
 GATHER_UINT4(bend_uses)
-WRITE(vec4, relaxed)
+WRITE(vec4, next_iterate)
 READ_WRITE(Counters, counters)
 
 #define IMPULSE(k) FETCH(bend_impulses, k)

@@ -1,6 +1,6 @@
 // bend_lambda: the multiplier of every bending stencil, for scenes with more than one iteration a substep.
 // XPBD on the linear constraint l = sum K_j p_j = 0 (Bergou et al. 2006; Macklin et al. 2016, eq. 18):
-// dlambda = -(l + alpha lambda / h^2) / (sum n_j w_j K_j^2 / omega + alpha / h^2). bend_gather hands it out.
+// dlambda = -(l + alpha lambda / h^2) / (sum n_j w_j K_j^2 / omega + alpha / h^2). bend_gather sums the impulses by particle.
 //
 //        2
 //       / \       The edge (0, 1) and its opposite vertices. K_0 + K_1 + K_2 + K_3 = 0, so l needs only differences.
@@ -18,7 +18,7 @@ WRITE(vec4, bend_impulses)
 
 READ_WRITE(vec4, bend_steps)
 READ(Acceleration, acceleration)
-#include "chebyshev/accelerate.glsl"
+#include "chebyshev/chebyshev.glsl"
 
 vec3 change_of_lambda(Bend bend, vec3 lambda) {
   const vec3 origin = FETCH(predicted, bend.particle[0]).xyz;

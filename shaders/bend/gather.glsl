@@ -1,5 +1,5 @@
-// gather: every particle sums what its stencils ask of it, dp_i = sum_e w_i g_i(e) dlambda_e, from the impulses that a pass before has left.
-// The multipliers have been over-relaxed already, so that a converged substep solves what its compliances say.
+// gather: every particle sums the impulses of its stencils, dp_i = sum_e w_i g_i(e) dlambda_e, which the pass before has written. The
+// multipliers have been over-relaxed already, so that a converged substep solves what its compliances say.
 //
 // Needs IMPULSE(k), of which xyz is g dlambda or dlambda; ROW(i), the particle's first pair of uses and their number; and USES(k), a pair
 // of (impulse, factor as float bits).

@@ -1,1 +1,1 @@
-weft_passes(accelerate)
+weft_passes(chebyshev)

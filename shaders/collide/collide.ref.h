@@ -1,11 +1,12 @@
-// Twin of the colliders in settle: bodies as signed distances, C(p) = distance(p) - thickness >= 0, and Coulomb friction.
+// Twin of the colliders in finalize: bodies as signed distances, C(p) = distance(p) - thickness >= 0, and Coulomb friction.
 //
-// Push-out: a point with C < 0 goes along the distance's gradient until C = 0, whatever its history. A point that starts and
-// ends outside a sphere but passed through it on its straight way, seen from the moving sphere, is put out where it was
-// deepest. Capsules and boxes are convex, so a point that entered one, seen from the body, is held by the tangent plane at the
-// place of entry if it came out again or if the nearest way out leads on, not back. Friction (Mueller, Heidelberger, Hennix, Ratcliff 2007; Macklin et al. 2014, "Unified particle physics", eq. 24
-// with one coefficient): the normal correction of depth d stands for the normal impulse, so the tangential motion relative
-// to the body's surface is taken back by at most mu d. A tangential motion shorter than that is taken back whole: it sticks.
+// Projection: a point with C < 0 moves along the distance's gradient until C = 0, whatever its history. A point that starts and
+// ends outside a sphere but passed through it, on a straight line relative to the moving sphere, is put out where it was
+// deepest. Capsules and boxes are convex, so a point that entered one, relative to the body, is held by the tangent plane at the
+// place of entry if it came out again or if the nearest way out leads on, not back. Friction (Mueller, Heidelberger, Hennix,
+// Ratcliff 2007; Macklin et al. 2014, "Unified particle physics", eq. 24 with one coefficient): the normal correction of depth d
+// stands for the normal impulse, so the tangential motion relative to the body's surface is reduced by at most mu d. A
+// tangential motion shorter than that is taken back whole: static friction.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -55,7 +56,7 @@ inline Vector own_gradient(const Body& body, const Vector& p) {
   return (p[face] < 0 ? -1.0 : 1.0) * Vector::Unit(face);
 }
 
-/// Where the straight way from a, outside, to b first meets the body: the fraction, or 2 for never. The body is convex, so
+/// The fraction at which the segment from a, outside, to b enters the body; 2 for never. The body is convex, so
 /// its distance falls to one minimum and rises again; the entry lies between the start and the minimum.
 inline double own_entry(const Body& body, const Vector& a, const Vector& b) {
   const auto distance = [&](double t) { return own_distance(body, a + t * (b - a)); };
@@ -99,7 +100,7 @@ inline Vector rub(const Body& body, const Vector& x, const Vector& to, const Vec
   return slip.norm() > 1e-12 ? Vector(to - taken_back * slip.normalized()) : to;
 }
 
-/// As out_of_body, for a body with axes whose way in the particle may have to be held at.
+/// As out_of_body, for a body with axes, where the point may have to stay in front of its entry.
 inline Vector out_of_convex(const Body& body, const Vector& x, const Vector& p, double thickness) {
   const Vector a = body.own_before(x), b = body.own_after(p);
   double distance = own_distance(body, b);
@@ -123,11 +124,11 @@ inline Vector out_of_body(const Body& body, const Vector& x, const Vector& p, do
   if (signed_distance(body, p) >= thickness) {
     if (body.shape == Shape::plane) return p;   // a half-space keeps no one who has passed through
     // In the sphere's frame the point moved from `start` to `end`; its nearest approach lies at t.
-    const Vector start = x - body.centre_before, end = p - body.centre_after, way = end - start;
-    if (start.norm() < body.radius + thickness || way.norm() == 0) return p;
-    const double t = -start.dot(way) / way.squaredNorm();
+    const Vector start = x - body.centre_before, end = p - body.centre_after, segment = end - start;
+    if (start.norm() < body.radius + thickness || segment.norm() == 0) return p;
+    const double t = -start.dot(segment) / segment.squaredNorm();
     if (t <= 0 || t >= 1) return p;
-    deepest = body.centre_after + start + t * way;
+    deepest = body.centre_after + start + t * segment;
     if (signed_distance(body, deepest) >= thickness) return p;
   }
   const double depth = thickness - signed_distance(body, deepest);

@@ -6,14 +6,14 @@
 //        / : \                       |
 //       1--2--3                   2 ------ 3       side B
 //
-// Of the largest coordinate: what the heights of two particles lose at most when their places are rounded, four times over. Sides closer
-// than that are never passed over.
+// Relative to the largest coordinate: four times what rounding of positions can change the heights of two particles by. A pair that is
+// closer than that always counts as unsafe.
 const float kFloor = 1.0 / 1048576;   // 2^-20
-// Of the distance to keep. That much remains at a substep's end, or all that there is if it is less: a part of the gap would shrink
-// from substep to substep, until rounding has the rest.
+// Relative to the separation: the gap that contact_limit leaves at a substep's end, or the whole gap if it is less. A share of the gap
+// instead would shrink from substep to substep, down to the size of rounding errors.
 const float kMargin = 0.1;
 
-// Four values of the particles, one each, are a vec4; their places are a matrix of four columns, relative to particle 0's place
+// Four values of the particles, one each, are a vec4; their positions are a matrix of four columns, relative to particle 0
 // at the substep's start, so that the distance from the origin costs no precision.
 
 // 1 for the particles of side A, -1 for those of side B.
@@ -24,8 +24,8 @@ vec2 least_of_sides(vec4 values, bool edges) {
   return edges ? vec2(min(values.x, values.y), min(values.z, values.w)) : vec2(values.x, min(values.y, min(values.z, values.w)));
 }
 
-// How far apart two planes across n are of which each touches one side (m): at most the distance of the sides, and that if n is
-// its direction; below 0 they overlap.
+// The gap along n: the distance (m) of two planes across n that touch one side each. It is at most the distance of the sides, and equal
+// to it where n is the direction of the shortest connection; below 0 the projections overlap.
 float separation(vec3 n, mat4x3 x, bool edges) {
   const vec2 least = least_of_sides(signs(edges) * (n * x), edges);
   return least.x + least.y;

@@ -1,6 +1,6 @@
-// contact_apply: takes each particle where its contacts together want it [and out of colliders], then
-// holds it on its leash, on which detection relies (leash.glsl). A leash of no length means that a pair of this particle found no
-// place among the candidates: it stays where the substep began.
+// contact_apply: moves each particle by the sum of its contacts' corrections [and out of colliders]. The last iteration also keeps it
+// within its displacement bound, on which detection relies (displacement_bound.glsl). A bound of 0 means that a candidate of this particle
+// has overflowed: it stays where the substep began.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -9,16 +9,16 @@ GATHER(positions)
 GATHER_WRITE(predicted)
 READ(Detection, detection)
 READ_WRITE(ivec4, contact_sums)
-READ_WRITE(uint, contact_lacks)
+READ_WRITE(uint, contact_penetrations)
 READ_WRITE(Counters, counters)
 
 GATHER(velocities)
 GATHER(materials)
 #include "collide/colliders.glsl"
-#include "contact/leash.glsl"
+#include "contact/displacement_bound.glsl"
 
 vec3 moved_by_contacts(uint i, vec3 p) {
-  if (contact_lacks[i] != 0) contact_lacks[i] = 0;
+  if (contact_penetrations[i] != 0) contact_penetrations[i] = 0;
   const ivec3 sum = contact_sums[i].xyz;
   if (sum == ivec3(0)) return p;
   contact_sums[i].xyz = ivec3(0);
@@ -33,7 +33,7 @@ void main() {
   vec3 p = moved_by_contacts(i, before.xyz);
   if (has_colliders) p = out_of_colliders(FETCH(positions, i).xyz, p, FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)));
   if ((push.flags & WEFT_LAST_ITERATION) != 0) {
-    const vec3 end = held(i, FETCH(positions, i).xyz, p, detection[0].age);
+    const vec3 end = held(i, FETCH(positions, i).xyz, p, detection[0].steps);
     if (end != p) atomicAdd(counters[0].truncated, 1);
     p = end;
   }

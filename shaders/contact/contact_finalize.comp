@@ -1,74 +1,75 @@
-// contact_finalize: ends the substep of a scene with contacts. A particle goes the fraction of its way that no candidate's plane forbids
-// (contact_limit), and no further than its leash lets it; then velocity, position and prediction as without contacts.
+// contact_finalize: ends the substep of a scene with contacts. A particle takes the fraction of its step that the planes of its candidates
+// allow (contact_limit), and stays within its displacement bound; then velocity, position and prediction as without contacts.
 //
-// Also watches: where a particle is not where its reference path wants it, or is about to stray, the next substep
-// begins with a detection. Where an anchor goes the anchor pass alone knows, and watches.
+// It also watches the displacement bounds: where a particle is off its predicted trajectory, or its prediction is about to leave it, the
+// next substep begins with a detection. The predictions of anchors are known to the anchor pass alone, which watches them.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 
 GATHER_WRITE(predicted)
-READ_WRITE(uvec4, fractions)
+READ_WRITE(uvec4, step_fractions)
 READ_WRITE(uint, contact_counts)
 READ_WRITE(Detection, detection)
 READ_WRITE(Counters, counters)
 
 #include "motion/update_velocity.glsl"
-#include "contact/leash.glsl"
+#include "contact/displacement_bound.glsl"
 
-const uint kWhole = 0x3f800000u;   // 1.0
+const uint kOne = 0x3f800000u;   // 1.0
 
-// Of its way that particle i may go. Its entries are made ready for the next substep.
+// The step fraction of particle i: the least of all passes', and the fallback's where it applies. Resets its entries for the next substep.
 float fraction_of(uint i) {
-  const uint fours = WEFT_ROUNDS / 4;
-  uint least = kWhole, fixed_planes = kWhole;
+  const uint fours = WEFT_LIMIT_PASSES / 4;
+  uint least = kOne, fallback = kOne;
   for (uint k = 0; k < fours; ++k) {
-    uvec4 rounds = fractions[fours * i + k];
-    if (rounds == uvec4(kWhole)) continue;
-    fractions[fours * i + k] = uvec4(kWhole);
+    uvec4 fractions = step_fractions[fours * i + k];
+    if (fractions == uvec4(kOne)) continue;
+    step_fractions[fours * i + k] = uvec4(kOne);
     if (k + 1 == fours) {
-      fixed_planes = rounds.w;
-      rounds.w = kWhole;
+      fallback = fractions.w;
+      fractions.w = kOne;
     }
-    least = min(least, min(min(rounds.x, rounds.y), min(rounds.z, rounds.w)));
+    least = min(least, min(min(fractions.x, fractions.y), min(fractions.z, fractions.w)));
   }
-  if (detection[0].unsafe != 0) least = min(least, fixed_planes);
+  if (detection[0].falls_back != 0) least = min(least, fallback);
   if (contact_counts[i] != 0) contact_counts[i] = 0;
   return uintBitsToFloat(least);
 }
 
-// Where the substep really takes the particle from x when the constraints took it to p.
+// Where the substep's step from x to p, the last iterate, ends.
 vec3 allowed(uint i, vec3 x, vec3 p) {
-  // With candidates at hand contact_apply has put it on its leash, before the planes were asked.
+  // Where there are candidates contact_apply has kept p within the displacement bound already, before contact_limit.
   const bool contacts = detection[0].touched.x > 0;
   const float fraction = contacts ? fraction_of(i) : 1;
-  const vec3 end = contacts ? p : held(i, x, p, detection[0].age);
+  const vec3 end = contacts ? p : held(i, x, p, detection[0].steps);
   if (fraction < 1 || end != p) atomicAdd(counters[0].truncated, 1);
   return fraction < 1 ? x + fraction * (end - x) : end;
 }
 
-bool strays_from(vec3 end, vec3 expected, float reach) {
+bool is_off(vec3 end, vec3 expected, float margin) {
   const vec3 off = end - expected;
-  return !(dot(off, off) <= reach * reach);
+  return !(dot(off, off) <= margin * margin);
 }
 
-// A particle that is held, its leash 0, waits for the next detection. At a frame's end there is no prediction yet: the next frame
-// watches its own (predict.comp).
-void watch(uint i, vec3 end, vec3 expected, vec3 prediction) {
-  const float reach = detection[0].reach;
-  const bool leaves = (push.flags & WEFT_LAST_SUBSTEP) == 0 && strays(prediction, expected_at(i, detection[0].age + 2), reach);
-  if (leaves || leashes[i] == 0 || strays_from(end, expected, reach)) detection[0].due = 1;
+// A displacement bound of 0, of a particle with an overflowed candidate, asks for the next detection at once. At a frame's end there is no
+// prediction yet: the next frame's is watched by predict.comp.
+void watch_bound(uint i, vec3 end, vec3 expected, vec3 prediction) {
+  const float margin = detection[0].margin;
+  const bool predicts = (push.flags & WEFT_LAST_SUBSTEP) == 0;
+  const bool will_leave = predicts && strays(prediction, expected_at(i, detection[0].steps + 2), margin);
+  if (will_leave || displacement_bounds[i] == 0 || is_off(end, expected, margin)) detection[0].needs_detection = 1;
 }
 
-// A particle that is led goes to its target, or as far as contact_limit lets it: then it goes on from there in the next substep.
-void lead(uint i, vec3 target, vec3 expected) {
+// A kinematic particle goes to its target, or as far as contact_limit lets it: then it goes on from there in the next substep.
+void move_kinematic(uint i, vec3 target, vec3 expected) {
   vec3 end = target;
   const float fraction = detection[0].touched.x > 0 ? fraction_of(i) : 1;
   if (fraction < 1) {
     const vec3 x = FETCH(positions, i).xyz;
     end = x + fraction * (target - x);
     atomicAdd(counters[0].truncated, 1);
-    if (strays_from(end, expected, detection[0].reach)) detection[0].due = 1;
+    if (is_off(end, expected, detection[0].margin)) detection[0].needs_detection = 1;
   }
   positions[i].xyz = end;
 }
@@ -77,9 +78,9 @@ void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.count) return;
   vec4 p = FETCH(predicted, i);
-  const vec3 expected = expected_at(i, detection[0].age + 1);
+  const vec3 expected = expected_at(i, detection[0].steps + 1);
   if (p.w == 0) {
-    lead(i, p.xyz, expected);
+    move_kinematic(i, p.xyz, expected);
     return;
   }
   const vec3 x = FETCH(positions, i).xyz;
@@ -87,6 +88,6 @@ void main() {
   p.xyz = allowed(i, x, p.xyz);
   const vec3 end = p.xyz;
   p = update_velocity(i, x, p, v.xyz, FETCH(materials, floatBitsToUint(v.w)).x);
-  watch(i, end, expected, p.xyz);
+  watch_bound(i, end, expected, p.xyz);
   predicted[i] = p;
 }

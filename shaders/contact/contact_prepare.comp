@@ -1,11 +1,11 @@
-// contact_prepare: what a candidate is in this substep: the direction between its sides, how each particle moves their closest
-// points, and the distance to keep. All of it is taken from the pose that the substep began with, in which the sides are known
-// to be apart, so that the direction points to the right side however far the prediction runs through
+// contact_prepare: a candidate's normal, barycentric weights and separation for this substep. All of it is taken from the pose in which the
+// substep began, where the sides are known to be apart, so that the normal points to the right side however far the prediction penetrates
 // (Lewin 2018, "Cloth self collision with predictive contacts").
 //
-// A pair that is closer than it should be is taken apart at a bounded speed: a substep asks for no more than what there was
-// and contact_settings.recover on top. A pair that does not come near in this substep is no contact (w < 0) and weighs on nobody's share.
-// One whose sides meet has no direction: its normal is 0, and contact_limit holds its particles.
+// A pair that is closer than its separation is parted at a bounded speed: a substep asks for at most contact_settings.recover more than
+// its present gap. A pair that does not come near in this substep is not active: it gets no share of its particles' masses, and its
+// contact_normals.w is -height, the negative height of particle 0 over the middle of the gap (contact_unsafe), instead of the separation.
+// A pair whose sides touch or overlap has no direction: its normal is 0, and contact_limit holds its particles.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -22,9 +22,9 @@ READ_WRITE(uint, contact_counts)
 #include "contact/contact.glsl"
 #include "contact/contact_list.glsl"
 
-// m. Rounding of an offset between features a few centimetres long: what is shorter points nowhere.
+// m. Rounding error of an offset between features a few centimetres long: what is shorter has no direction.
 const float kNoDistance = 1e-9;
-// m. Of a mesh that fits into this, no two points are further apart.
+// m. No two points of a mesh that is finite are further apart.
 const float kNoMesh = 1e9;
 
 // The directions in which the features extend that the closest points lie on; 0 where there are fewer than two.
@@ -35,9 +35,9 @@ mat2x3 tangents(vec4 weights, mat4x3 x, bool edges) {
   return mat2x3(first, used.y && used.w ? x[3] - x[1] : vec3(0));
 }
 
-// d is the way between the closest points. Its direction loses in precision what it is shorter than the edges, by rounding in
-// the weights; the normal of the features that they lie on does not, unless these are nearly parallel. Of the two the one
-// that keeps the sides further apart is right: no direction does so by more than their distance.
+// The unit normal from side B to side A. d leads from closest point to closest point. Rounding errors in the weights turn it, the more
+// the shorter it is than the edges; the normal of the features that the points lie on has no such error, unless these are nearly parallel.
+// Of the two candidates the one with the larger gap is better: no direction has a gap larger than the sides' distance.
 vec3 direction(vec3 d, vec4 weights, mat4x3 x, bool edges) {
   const mat2x3 along = tangents(weights, x, edges);
   vec3 across = cross(along[0], along[1]);
@@ -48,12 +48,12 @@ vec3 direction(vec3 d, vec4 weights, mat4x3 x, bool edges) {
     across = d - (dot(d, edge) / max(dot(edge, edge), 1e-30)) * edge;
   }
   const vec3 n = d / length(d);
-  const vec3 precisely = across / max(length(across), 1e-30);
-  return separation(precisely, x, edges) > separation(n, x, edges) ? precisely : n;
+  const vec3 of_features = across / max(length(across), 1e-30);
+  return separation(of_features, x, edges) > separation(n, x, edges) ? of_features : n;
 }
 
-// Only who can give way has a share. A large triangle's corner meets thousands, whose pushes its count would shorten
-// (contact_solve), and settle, which clears counts, has nothing to do for it.
+// Counts the contacts of a particle that can move. Kinematic ones are left out: the corner of a large triangle has thousands of contacts,
+// whose impulses its count would scale down (contact_solve), and contact_finalize does not clear its count.
 void count(uint particle, float weight) {
   if (weight != 0 && FETCH(positions, particle).w != 0) atomicAdd(contact_counts[particle], 1);
 }
@@ -75,14 +75,14 @@ void main() {
     return;
   }
   const vec3 n = direction(between, weights, x, pair.edges);
-  const float keep = min(pair.keep, gap + contact_settings.recover);
+  const float separation = min(pair.separation, gap + contact_settings.recover);
   const vec2 least = least_of_sides(signs(pair.edges) * (n * x), pair.edges);
   const float half_gap = 0.5 * (least.x + least.y), height = half_gap - least.x;
-  // Some room for what other contacts and constraints do to the prediction.
-  const bool touches = dot(n, p * weights) < keep + 0.1 * pair.keep || half_gap < kFloor * length(origin);
-  contact_normals[i] = vec4(n, touches ? keep : -height);
-  if (!touches) return;
-  list(WEFT_TOUCHING, i);
+  // The prediction is the first iterate; 0.1 of the separation allows for what other contacts and constraints do to it.
+  const bool is_active = dot(n, p * weights) < separation + 0.1 * pair.separation || half_gap < kFloor * length(origin);
+  contact_normals[i] = vec4(n, is_active ? separation : -height);
+  if (!is_active) return;
+  list(WEFT_ACTIVE, i);
   contact_weights[i] = weights;
   count(a, weights.x);
   count(b, weights.y);

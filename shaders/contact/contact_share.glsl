@@ -1,10 +1,10 @@
-// contact_share: what a contact lacks on the current iterate, and how the contacts of a particle divide its mass.
+// contact_share: the penetration of a contact at the current iterate, and the shares of a particle's mass that its contacts get.
 //
-// Masses are split (Tonge et al. 2012), as in stretch.comp, but not evenly: of a particle's mass a contact has the share
-// s = v / V, where v = |w| depth is what it lacks there and V the sum over the particle's contacts. In a corner or a fold one contact in a
-// dozen carries the load, and the others are satisfied to a hair: split evenly it would make good a dozenth of what it lacks in an
-// iteration, and contact_limit had to hold the cloth. Whatever the shares are, their sum is 1: momentum is kept and no
-// particle is pushed further than its contacts ask for.
+// Mass splitting (Tonge et al. 2012), as in stretch.comp, but weighted: a contact gets the share s = v / V of a particle's mass, where
+// v = |w| depth is its penetration as the particle sees it, and V the sum of v over the particle's contacts. In a corner or a fold one
+// contact in a dozen carries the load, and the others are satisfied up to rounding: with even shares it would correct a twelfth of its
+// penetration in an iteration, and contact_limit would have to hold the cloth. The shares sum to 1 in any case, so momentum is conserved
+// and no particle is moved further than its contacts ask for.
 
 GATHER(positions)
 GATHER(predicted)
@@ -15,34 +15,35 @@ GATHER_UINT(contact_counts)
 GATHER_UINT(contact_list)
 READ(Detection, detection)
 
-struct Touch {
+struct ActiveContact {
   Candidate pair;
   vec4 normal, weights;
   mat4x3 iterate;     // m, relative to the first particle
-  float depth;        // m
-  bool pushes;
+  float depth;        // m, penetration: -C
+  bool penetrates;
 };
 
-Touch touch_at(uint place) {
+ActiveContact active_contact_at(uint place) {
   const uint i = FETCH_UINT(contact_list, place);
-  Touch touch;
-  touch.pair = unpack_candidate(FETCH(candidates, i));
-  touch.normal = FETCH(contact_normals, i);
-  touch.weights = FETCH(contact_weights, i);
-  const vec3 origin = FETCH(predicted, touch.pair.particle[0]).xyz;
-  touch.iterate = mat4x3(vec3(0), FETCH(predicted, touch.pair.particle[1]).xyz - origin, FETCH(predicted, touch.pair.particle[2]).xyz - origin,
-                         FETCH(predicted, touch.pair.particle[3]).xyz - origin);
-  // precise: what is added up and what is taken as a share of the sum must be the same.
-  precise const vec3 between = touch.iterate * touch.weights;
-  precise const float depth = touch.normal.w - dot(touch.normal.xyz, between);
-  touch.depth = depth;
-  touch.pushes = touch.depth > 0 && touch.depth < 1e10;
-  return touch;
+  ActiveContact contact;
+  contact.pair = unpack_candidate(FETCH(candidates, i));
+  contact.normal = FETCH(contact_normals, i);
+  contact.weights = FETCH(contact_weights, i);
+  const vec3 origin = FETCH(predicted, contact.pair.particle[0]).xyz;
+  contact.iterate = mat4x3(vec3(0), FETCH(predicted, contact.pair.particle[1]).xyz - origin,
+                           FETCH(predicted, contact.pair.particle[2]).xyz - origin,
+                           FETCH(predicted, contact.pair.particle[3]).xyz - origin);
+  // precise: contact_penetration and contact_solve must get the same bits, so that shares sum to 1.
+  precise const vec3 between = contact.iterate * contact.weights;
+  precise const float depth = contact.normal.w - dot(contact.normal.xyz, between);
+  contact.depth = depth;
+  contact.penetrates = contact.depth > 0 && contact.depth < 1e10;
+  return contact;
 }
 
-// v in units of `quantum`, at least one, so that no share is zero, and few enough that V does not overflow: of what runs through that far all
-// contacts count alike.
-uint lack_of(float weight, float depth, uint uses) {
+// v in units of `quantum`: at least one, so that no share is zero, and at most so many that V does not overflow. Penetrations beyond that
+// count alike. `uses`: the particle's contacts.
+uint penetration_of(float weight, float depth, uint uses) {
   if (weight == 0) return 0;
   const float most = 2147483648.0 / float(max(uses, 16));
   return uint(clamp(abs(weight) * depth / contact_settings.quantum, 1, most));

@@ -1,42 +1,43 @@
-// grid: where a primitive can get to before the next detection, and a spatial hash of such boxes with a level for every size.
+// grid: the boxes that primitives cannot leave before the next detection, and a spatial hash of them with a level for every size (Teschner
+// et al. 2003, "Optimized spatial hashing", with the levels of a hierarchical grid).
 //
-// A box belongs to the cell that holds its middle, on the first level whose cells are at least as long as it
-// (cell * 2^level). Who looks for neighbours on a level widens his own box by the longest half side there, so one cell a
-// primitive is enough, and on his own level or above that is at most three cells along each axis. Slots are shared by cells
-// of any level that hash alike: an entry counts only in the cell and on the level that are its own.
+// A box belongs to the cell that holds its middle, on the first level whose cells are at least as long as it (cell * 2^level). A search on
+// a level widens its own box by the longest half side there, so that one cell a primitive is enough; on the searching box's level or above
+// that is at most three cells along each axis. Cells of any level that hash alike share a bucket: an entry counts only in the cell and on
+// the level that are its own.
 //
 // Boxes and cells are `precise`: counting, filling and searching must agree to the bit. Needs push and detection.
 
-GATHER(references)
-GATHER(paths)
+GATHER(detected_positions)
+GATHER(trajectories)
 GATHER(rest)
 
-// Four units in the last place of the largest coordinate: what adding paths up and comparing places may lose.
+// Four units in the last place of the largest coordinate: rounding errors of sums of trajectories and of comparisons.
 const float rounding = 4.0 / 8388608.0;
 
-float per_substep() { return 1.0 / float(max(detection[0].horizon, 1)); }
+float per_substep() { return 1.0 / float(max(detection[0].lifetime, 1)); }
 
 const uint of_triangles = 0, of_edges = 1;   // kinds of primitives
 
-// A particle at the last detection, and what it would go from there in the horizon's substeps (m).
+// The position of a particle at the last detection, and its predicted trajectory from there over the candidate lifetime (m).
 struct Track {
-  vec3 at, path;
+  vec3 at, trajectory;
 };
 
-Track track_of(uint i) { return Track(FETCH(references, i).xyz, FETCH(paths, i).xyz); }
+Track track_of(uint i) { return Track(FETCH(detected_positions, i).xyz, FETCH(trajectories, i).xyz); }
 
 struct Sweep {
   vec3 low, high;    // corners of the box that the primitive's surface cannot leave (m)
-  float step;        // what its fastest particle goes in a substep (m)
-  float clearance;   // how far a particle can be from where its path has led so far (m)
+  float step;        // what its fastest particle moves in a substep (m)
+  float clearance;   // how far a particle can be from its place on its trajectory (m)
 };
 
-Sweep sweep_of(vec3 low, vec3 high, float squared_path, float thickness) {
+Sweep sweep_of(vec3 low, vec3 high, float squared_trajectory, float thickness) {
   const vec3 far = max(abs(low), abs(high));
-  precise const float clearance = detection[0].reach + rounding * max(far.x, max(far.y, far.z));
+  precise const float clearance = detection[0].margin + rounding * max(far.x, max(far.y, far.z));
   precise const float margin = clearance + 0.5 * thickness;
   precise const vec3 from = low - margin, to = high + margin;
-  return Sweep(from, to, sqrt(squared_path) * per_substep(), clearance);
+  return Sweep(from, to, sqrt(squared_trajectory) * per_substep(), clearance);
 }
 
 float squared_length(vec3 d) {
@@ -45,25 +46,25 @@ float squared_length(vec3 d) {
 }
 
 vec3 end_of(Track track) {
-  precise const vec3 end = track.at + track.path;
+  precise const vec3 end = track.at + track.trajectory;
   return end;
 }
 
 Sweep sweep_of(Track a, float thickness) {
   const vec3 end = end_of(a);
-  return sweep_of(min(a.at, end), max(a.at, end), squared_length(a.path), thickness);
+  return sweep_of(min(a.at, end), max(a.at, end), squared_length(a.trajectory), thickness);
 }
 
 Sweep sweep_of(Track a, Track b, float thickness) {
   const vec3 c = end_of(a), d = end_of(b);
   return sweep_of(min(min(a.at, b.at), min(c, d)), max(max(a.at, b.at), max(c, d)),
-                  max(squared_length(a.path), squared_length(b.path)), thickness);
+                  max(squared_length(a.trajectory), squared_length(b.trajectory)), thickness);
 }
 
 Sweep sweep_of(Track a, Track b, Track c, float thickness) {
   const vec3 d = end_of(a), e = end_of(b), f = end_of(c);
   return sweep_of(min(min(min(a.at, b.at), c.at), min(min(d, e), f)), max(max(max(a.at, b.at), c.at), max(max(d, e), f)),
-                  max(max(squared_length(a.path), squared_length(b.path)), squared_length(c.path)), thickness);
+                  max(max(squared_length(a.trajectory), squared_length(b.trajectory)), squared_length(c.trajectory)), thickness);
 }
 
 vec3 middle_of(Sweep sweep) {
@@ -89,12 +90,12 @@ ivec3 cell_at(vec3 x, uint level) {
   return ivec3(clamp(floor(scaled), -1e9, 1e9));
 }
 
-// Cells that follow each other along x have slots that do too (the last is followed by the first), so that a row of cells is one
-// run of entries. Rows next to each other must not overlap more often than chance has it, whatever the number of slots.
-uint slot_of(ivec3 cell, uint level, uint kind) {
+// Successive cells along x have successive buckets (the first follows the last), so that a row of cells is one run of entries. The hash
+// mixes its bits, so that neighbouring rows overlap no more often than random ones, whatever the number of buckets.
+uint bucket_of(ivec3 cell, uint level, uint kind) {
   uint hash = uint(cell.y) * 19349663u + uint(cell.z) * 83492791u + (2 * level + kind) * 2654435761u;
   hash = (hash ^ (hash >> 15)) * 739982445u;
-  return ((hash ^ (hash >> 13)) + uint(cell.x)) & (contact_settings.slots - 1);
+  return ((hash ^ (hash >> 13)) + uint(cell.x)) & (contact_settings.buckets - 1);
 }
 
 // An entry's number: the primitive, and its level in the top four bits. Bit 27 is never set, so these are never a NaN's bits.

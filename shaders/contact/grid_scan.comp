@@ -1,5 +1,5 @@
-// grid_scan: the second half: where every slot's entries start. A workgroup adds up the totals of the blocks before its own,
-// then scans its own slots. The place after the last slot holds the number of all entries.
+// grid_scan: second half of the exclusive scan: where every bucket's entries start. A workgroup adds up the totals of the blocks before its
+// own, then scans its own buckets. The place after the last bucket holds the number of all entries.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -17,8 +17,8 @@ uint entries_before_block() {
 }
 
 void main() {
-  const uint first = gl_GlobalInvocationID.x * slots_a_thread;
-  const uint end = min(first + slots_a_thread, contact_settings.slots);
+  const uint first = gl_GlobalInvocationID.x * buckets_per_thread;
+  const uint end = min(first + buckets_per_thread, contact_settings.buckets);
   uint sum = 0;
   for (uint k = first; k < end; ++k) sum += grid_counts[k];
   uint start = entries_before_block() + sum_before_thread(sum);
@@ -26,5 +26,5 @@ void main() {
     grid_starts[k] = start;
     start += grid_counts[k];
   }
-  if (first < end && end == contact_settings.slots) grid_starts[end] = start;
+  if (first < end && end == contact_settings.buckets) grid_starts[end] = start;
 }

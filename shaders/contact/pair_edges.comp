@@ -1,4 +1,4 @@
-// pair_edges: of the edges that are near each other, those that may meet before the next detection (pair.glsl).
+// pair_edges: narrow phase. Of the near edges, those that may meet before the next detection (pair.glsl).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -10,7 +10,7 @@ READ(uvec2, near_edges)
 #include "contact/pair.glsl"
 
 float squared_difference(Track a, Track b) {
-  const vec3 d = a.path - b.path;
+  const vec3 d = a.trajectory - b.trajectory;
   return dot(d, d);
 }
 
@@ -31,6 +31,6 @@ void main() {
   const Sweep sweep = sweep_of(a, b, rest_a.w), its_sweep = sweep_of(c, d, rest_c.w);
   const float spare = spare_distance(distance_of(a.at, b.at, c.at, d.at), largest_difference(a, b, c, d), sweep, its_sweep);
   const float at_rest = distance_of(rest_a.xyz, FETCH(rest, k.y).xyz, rest_c.xyz, FETCH(rest, k.w).xyz);
-  const float keep = distance_to_keep(k.x, k.z, 0.5 * (rest_a.w + rest_c.w), at_rest);
-  if (overlap(sweep, its_sweep) && spare < keep && moves(k)) add_candidate(k, keep, true);
+  const float separation = rest_separation(k.x, k.z, 0.5 * (rest_a.w + rest_c.w), at_rest);
+  if (overlap(sweep, its_sweep) && spare < separation && moves(k)) add_candidate(k, separation, true);
 }

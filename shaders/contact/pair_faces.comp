@@ -1,4 +1,4 @@
-// pair_faces: of the particles and triangles that are near each other, those that may meet before the next detection (pair.glsl).
+// pair_faces: narrow phase. Of the near particles and triangles, those that may meet before the next detection (pair.glsl).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -10,7 +10,8 @@ READ(uvec2, near_faces)
 #include "contact/pair.glsl"
 
 float largest_difference(Track vertex, Track a, Track b, Track c) {
-  const vec3 from_a = vertex.path - a.path, from_b = vertex.path - b.path, from_c = vertex.path - c.path;
+  const vec3 from_a = vertex.trajectory - a.trajectory, from_b = vertex.trajectory - b.trajectory,
+             from_c = vertex.trajectory - c.trajectory;
   return max(max(dot(from_a, from_a), dot(from_b, from_b)), dot(from_c, from_c));
 }
 
@@ -27,6 +28,6 @@ void main() {
   const Sweep sweep = sweep_of(vertex, rest_vertex.w), its_sweep = sweep_of(a, b, c, rest_a.w);
   const float spare = spare_distance(distance_of(vertex.at, a.at, b.at, c.at), largest_difference(vertex, a, b, c), sweep, its_sweep);
   const float at_rest = distance_of(rest_vertex.xyz, rest_a.xyz, FETCH(rest, k.z).xyz, FETCH(rest, k.w).xyz);
-  const float keep = distance_to_keep(k.x, k.y, 0.5 * (rest_vertex.w + rest_a.w), at_rest);
-  if (overlap(sweep, its_sweep) && spare < keep && moves(k)) add_candidate(k, keep, false);
+  const float separation = rest_separation(k.x, k.y, 0.5 * (rest_vertex.w + rest_a.w), at_rest);
+  if (overlap(sweep, its_sweep) && spare < separation && moves(k)) add_candidate(k, separation, false);
 }

@@ -1,10 +1,10 @@
 // proximity: the closest points of a point and a triangle, or of two edges, as signed weights over their four particles:
 // the sum of w_j x_j leads from side B's closest point to side A's.
 //
-// Features are enumerated (Ericson, Real-Time Collision Detection, 2005, 5.1.5 and 5.1.9, tells which there are) and the
-// nearest wins by its measured distance. No region test decides, so slivers, parallel edges and edges or triangles without
-// extent can at worst choose a point that is as near as the right one, up to rounding. Inside a face, and between the insides
-// of two edges, the first weight comes from cross products (|u x v|^2 loses nothing where |u|^2 |v|^2 - (u.v)^2 cancels) and
+// All features are tried (Ericson, Real-Time Collision Detection, 2005, 5.1.5 and 5.1.9, lists them) and the nearest is taken by its
+// measured distance. No region test decides, so that slivers, parallel edges and degenerate edges or triangles can at worst choose a
+// point that is as near as the right one, up to rounding. In the interior of a face, and between the
+// interiors of two edges, the first weight comes from cross products (|u x v|^2 loses nothing where |u|^2 |v|^2 - (u.v)^2 cancels) and
 // the second follows from the first: where both are ill-conditioned, they err together and the distance hardly does.
 //
 // Everything is relative to one of the particles, so the distance from the origin costs no precision, and `precise`, so that

@@ -53,7 +53,9 @@ inline Proximity closest(const Quad& x, int a) {
 }
 
 /// Of p to the triangle a, b, c: weights (1, -u, -v, -w).
-inline Proximity closest_to_triangle(const Vector& p, const Vector& a, const Vector& b, const Vector& c) { return closest({p, a, b, c}, 1); }
+inline Proximity closest_to_triangle(const Vector& p, const Vector& a, const Vector& b, const Vector& c) {
+  return closest({p, a, b, c}, 1);
+}
 
 /// Of the edge a, b to the edge c, d: weights (1-s, s, -(1-t), -t).
 inline Proximity closest_of_edges(const Vector& a, const Vector& b, const Vector& c, const Vector& d) { return closest({a, b, c, d}, 2); }

@@ -1,6 +1,6 @@
 // scan: sums over a workgroup, in shared memory (Hillis and Steele 1986). All of its threads must call these together.
 
-const uint slots_a_thread = 8;
+const uint buckets_per_thread = 8;
 
 shared uint partial[gl_WorkGroupSize.x];
 

@@ -1,5 +1,5 @@
-// search_edges: every edge looks for the edges near it (search.glsl). Of a pair the edge on the lower level finds the other; for two
-// on one level see Search.
+// search_edges: broad phase. Every edge searches for the edges near it (search.glsl). The edge on the lower level finds the other one; for
+// two on one level see Search.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -14,8 +14,8 @@ uint edge;
 uvec2 ends;
 vec3 half_edge;
 
-// Between planes across m there is at least |m| less what both edges extend along it. In a flat sheet that tells all but
-// the nearest apart, which boxes do not.
+// Separating axis m: the gap along m is |m| less the half extents of both edges along it. In a flat sheet that rejects all but the nearest
+// edges, which boxes do not.
 bool may_meet(vec3 m, vec3 its_half, float slack) {
   const float squared = dot(m, m);
   return squared <= abs(dot(m, half_edge)) + abs(dot(m, its_half)) + (1 + rounding) * sqrt(squared) * slack;
@@ -38,7 +38,7 @@ void main() {
   const vec4 outline = FETCH(grid_entries, 3 * i + 1);
   half_edge = outline.xyz;
   away = outline.w;
-  path = FETCH(grid_entries, 3 * i + 2);
+  trajectory = FETCH(grid_entries, 3 * i + 2);
   ends = FETCH_UINT2(edges, edge);
   search(sweep_of(track_of(ends.x), track_of(ends.y), FETCH(rest, ends.x).w), of_edges, primitive);
 }

@@ -1,4 +1,4 @@
-// search_faces: every particle looks for the triangles near it (search.glsl).
+// search_faces: broad phase. Every particle searches for the triangles near it (search.glsl).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -27,7 +27,7 @@ void main() {
   const Track track = track_of(vertex);
   const float thickness = FETCH(rest, vertex).w;
   const Sweep sweep = sweep_of(track, thickness);
-  path = vec4(track.path, sweep.step);
+  trajectory = vec4(track.trajectory, sweep.step);
   away = sweep.clearance + 0.5 * thickness;
   search(sweep, of_triangles, WEFT_NONE);
 }

@@ -1,4 +1,5 @@
-// Twin of hinge and hinge_gather: the energy of a dihedral angle about its rest, E = (phi - phi_rest)^2 / (2 alpha), as a constraint of XPBD.
+// Twin of dihedral and dihedral_gather: the energy of a dihedral angle about its rest angle, E = (phi - phi_rest)^2 / (2 alpha), as
+// an XPBD constraint.
 //
 //        x2         Written with the triangles' normals, n0 = (x1 - x0) x (x2 - x0) and n1 = (x3 - x0) x (x1 - x0), where the shader has
 //       /  \        the arms: phi = atan2(e . (n0 x n1), n0 . n1) and, with the edge's length L (Bridson, Marino, Fedkiw 2003,
@@ -35,19 +36,24 @@ inline HingePose hinge_gradient(const HingePose& x) {
   const double length = (x[1] - x[0]).norm();
   const Vector e = (x[1] - x[0]) / length, n0 = (x[1] - x[0]).cross(x[2] - x[0]), n1 = (x[3] - x[0]).cross(x[1] - x[0]);
   const Vector a = n0 / n0.squaredNorm(), b = n1 / n1.squaredNorm();
-  return {-(x[2] - x[1]).dot(e) * a - (x[3] - x[1]).dot(e) * b, (x[2] - x[0]).dot(e) * a + (x[3] - x[0]).dot(e) * b, -length * a, -length * b};
+  return {-(x[2] - x[1]).dot(e) * a - (x[3] - x[1]).dot(e) * b, (x[2] - x[0]).dot(e) * a + (x[3] - x[0]).dot(e) * b, -length * a,
+          -length * b};
 }
 
-/// Off the rest, between -pi and pi.
-inline double hinge_value(double rest, const HingePose& x) { return std::remainder(hinge_angle(x) - rest, 2 * std::numbers::pi); }
+/// C, between -pi and pi.
+inline double hinge_value(double rest, const HingePose& x) {
+  return std::remainder(hinge_angle(x) - rest, 2 * std::numbers::pi);
+}
 
 /// J
-inline double hinge_energy(const Hinge& hinge, const HingePose& x) { return std::pow(hinge_value(hinge.rest, x), 2) / (2 * hinge.compliance); }
+inline double hinge_energy(const Hinge& hinge, const HingePose& x) {
+  return std::pow(hinge_value(hinge.rest, x), 2) / (2 * hinge.compliance);
+}
 
-/// One iteration. `lambda`: one a hinge, renewed. A hinge of a triangle without a height has no angle and does nothing.
-inline Points relax_hinges(std::span<const Hinge> hinges, const Points& p, std::span<const double> inverse_masses, std::span<double> lambda, double h,
-                           double omega, Meeting meeting) {
-  Copies copies(inverse_masses, meeting);
+/// One iteration. `lambda`: one an element, renewed. An element with a triangle without a height has no angle and does nothing.
+inline Points relax_hinges(std::span<const Hinge> hinges, const Points& p, std::span<const double> inverse_masses,
+                           std::span<double> lambda, double h, double omega, Averaged averaging) {
+  Copies copies(inverse_masses, averaging);
   for (const Hinge& hinge : hinges)
     for (const std::uint32_t i : hinge.particle) copies.use(i);
   for (std::size_t k = 0; k < hinges.size(); ++k) {
@@ -61,7 +67,7 @@ inline Points relax_hinges(std::span<const Hinge> hinges, const Points& p, std::
     lambda[k] += change;
     for (std::size_t j = 0; j < 4; ++j) copies.push(hinge.particle[j], change * gradient[j]);
   }
-  return copies.meet(p);
+  return copies.averaged(p);
 }
 
 }  // namespace weft::reference

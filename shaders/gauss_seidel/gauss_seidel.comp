@@ -2,10 +2,10 @@
 // a dispatch projects the links of one colour, no two of which share a particle, in place, and the next colour sees the result:
 //     dlambda = -(C + a lambda) / ((w_a + w_b) / omega + a),   dp = +- w grad C dlambda,   a = alpha / h^2.
 //
-// A link moves both of its ends by opposite impulses along itself, so that linear and angular momentum are kept to rounding. Colouring
-// particles instead, each moved with its neighbours standing still, needs half of the dispatches and does not: a free, unevenly stretched
-// sheet drifted by 7 cm in a second. Every sweep goes through the colours in the same order: with one sweep a substep, going
-// there and back by turns is a map that changes from substep to substep, and shook a hung sheet to a quarter of strain.
+// A link moves both of its ends by opposite impulses along itself, so that linear and angular momentum are conserved up to rounding.
+// Colouring particles instead, each moved while its neighbours stand still, needs half of the dispatches but does not conserve momentum: a
+// free, unevenly stretched sheet drifted by 7 cm in a second. Every sweep takes the colours in the same order: with one sweep a substep,
+// alternating the order (symmetric Gauss-Seidel) changes the map from substep to substep, and shook a hung sheet to a strain of a quarter.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -34,7 +34,7 @@ void main() {
   const bool together = squared < 1e-20;
   float lambda = 0;
   if (is_iterated && (push.flags & WEFT_FIRST_ITERATION) == 0) lambda = uintBitsToFloat(coloured_lambda[k]);
-  // Ends at one place have no direction: as in stretch.comp. A lost end must not take the other along.
+  // Ends at one place have no direction: as in stretch.comp. An end that is not finite must not spoil the other.
   if (together) {
     atomicAdd(counters[0].coincident, 1);
     d = 1e-10 * vec3(0.36, 0.48, 0.8);

@@ -1,11 +1,11 @@
 // What the passes of an implicit substep share: the block on the diagonal, and sums over all particles.
 //
-// A sum is made in two stages, each in a fixed order, so that it has the same bits every time: every workgroup adds up its own
-// particles and leaves a partial sum, and the workgroup that happens to be the last adds these up. It alone then says how
-// the solve goes on. That costs no dispatch of its own and no atomics but a count.
+// Sums are reductions in two stages, each in a fixed order, so that they have the same bits every time: every workgroup writes a partial
+// sum of its own particles, and the workgroup that finishes last adds these up, and alone decides how the solve goes on. That costs no
+// dispatch of its own and no atomics but a count.
 
-// ---- the block on the diagonal: D = C C^T; `inverses` has the inverse of C, lower triangular, so that D^-1 stays positive
-// whatever rounding does.
+// The diagonal block D = C C^T (Cholesky). `inverses` has the inverse of C, lower triangular, so that D^-1 stays positive definite in spite
+// of rounding.
 
 struct Inverse {
   vec3 diagonal;   // xx, yy, zz
@@ -22,12 +22,10 @@ vec3 preconditioned(Inverse c, vec3 r) {
               c.diagonal.y * half_way.y + c.below.z * half_way.z, c.diagonal.z * half_way.z);
 }
 
-// ---- sums
-
 shared vec4 values[gl_WorkGroupSize.x];
 
-// Of all threads of a workgroup, which must all call it. For the first thread, which adds up alone: a barrier more, for others to help
-// it, costs the software driver more than that.
+// The sum over a workgroup, all of whose threads must call it; valid for the first thread, which adds alone: on the software driver the
+// barriers of a parallel reduction cost more than that.
 vec4 sum_of_group(vec4 value) {
   values[gl_LocalInvocationID.x] = value;
   barrier();

@@ -8,8 +8,8 @@
 //
 // A spring of rest length 0 is linear, of either sign (the bending matrix), and has no direction.
 //
-// Where colliders decide a direction (implicit_wall.glsl) the block on the diagonal is taken apart, S D S + m (I - S), so that its
-// inverse leads from the directions that are left to themselves.
+// Where colliders constrain a direction (implicit_wall.glsl) the diagonal block becomes S D S + m (I - S), so that its inverse maps free
+// directions to free directions.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -24,9 +24,9 @@ GATHER(springs)
 WRITE(vec4, spring_blocks)
 WRITE(vec4, inverses)
 WRITE(vec4, exchanged)
-WRITE(vec4, krylov)
+WRITE(vec4, solve_vectors)
 READ_WRITE(Counters, counters)
-WRITE(vec4, walls)
+WRITE(vec4, collider_filters)
 
 #include "implicit/implicit.glsl"
 #include "implicit/implicit_wall.glsl"
@@ -40,7 +40,7 @@ struct Sums {
   vec3 below;      // kg: yx, zx, zy
 };
 
-// A held particle goes to its target.
+// The velocity of a kinematic particle is the one that takes it to its target.
 vec3 free_flight(uint i, vec4 x) {
   return x.w == 0 ? motion.inverse_h * (FETCH(predicted, i).xyz - x.xyz) : FETCH(velocities, i).xyz;
 }
@@ -54,7 +54,7 @@ void add_spring(uint other, vec4 spring, vec3 x, vec3 v, uint place, inout Sums 
   const float inverse_length = has_direction ? inversesqrt(squared) : 0;
   const vec3 n = inverse_length * d;
   const float excess = 1 - spring.x * inverse_length;
-  // Slack, without a direction, or at a particle that is lost: nothing.
+  // No force where the spring is slack, has no direction, or a particle is not finite.
   const bool acts = (spring.x == 0 || has_direction) && !(spring.w != 0 && excess < 0) && squared < 1e20 && dot(u, u) < 1e20;
   const float k = acts ? spring.y : 0, c = acts && has_direction ? spring.z : 0;
   const float across = k * max(excess, 0), along = k - across;
@@ -78,17 +78,19 @@ Inverse factor_of(Sums s, float mass) {
 }
 
 // The symmetric matrix is written out by its columns.
-Sums taken_apart(Sums s, vec4 open, float mass) {
+Sums filtered_system(Sums s, vec4 directions, float mass) {
   const mat3 d = mat3(s.diagonal.x, s.below.x, s.below.y, s.below.x, s.diagonal.y, s.below.z, s.below.y, s.below.z, s.diagonal.z);
-  const mat3 kept = mat3(opened(open, vec3(1, 0, 0)), opened(open, vec3(0, 1, 0)), opened(open, vec3(0, 0, 1)));
-  const mat3 apart = kept * d * kept + mass * (mat3(1) - kept);
-  return Sums(opened(open, s.impulse), vec3(apart[0].x, apart[1].y, apart[2].z), vec3(apart[0].y, apart[0].z, apart[1].z));
+  const mat3 filter_matrix = mat3(apply_filter(directions, vec3(1, 0, 0)), apply_filter(directions, vec3(0, 1, 0)),
+                                  apply_filter(directions, vec3(0, 0, 1)));
+  const mat3 filtered = filter_matrix * d * filter_matrix + mass * (mat3(1) - filter_matrix);
+  return Sums(apply_filter(directions, s.impulse), vec3(filtered[0].x, filtered[1].y, filtered[2].z),
+              vec3(filtered[0].y, filtered[0].z, filtered[1].z));
 }
 
-// From the free flight back to the velocity before it: where the solve looks first.
+// The first guess of dv: from the free flight back to the velocity before it.
 vec3 guess(uint i, vec3 v) {
-  const float keep = FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)).x;
-  return (1 / max(keep, 1e-6) - 1) * v - motion.h * motion.gravity;
+  const float damping_factor = FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)).x;
+  return (1 / max(damping_factor, 1e-6) - 1) * v - motion.h * motion.gravity;
 }
 
 void main() {
@@ -107,21 +109,22 @@ void main() {
     add_spring(ends.w, FETCH(springs, 4 * q + 3), x.xyz, v, 4 * q + 3, sums);
   }
   if (coincident > 0) atomicAdd(counters[0].coincident, coincident);
-  // The filter: what is held takes no part. Neither does a particle that is lost.
+  // Kinematic particles take no part, nor do particles that are not finite.
   vec3 start = mass > 0 ? guess(i, v) : vec3(0);
   const bool free = mass > 0 && dot(x.xyz, x.xyz) < 1e20 && dot(start, start) < 1e20;
   Inverse inverse = factor_of(sums, mass);
   if (has_colliders) {
-    Wall wall = Wall(vec4(0), vec3(0));
-    if (free) wall = wall_at(x.xyz, v, FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)), preconditioned(inverse, sums.impulse));
-    walls[2 * i] = wall.open;
-    walls[2 * i + 1] = vec4(wall.change, 0);
-    sums = taken_apart(sums, wall.open, mass);
-    start = opened(wall.open, start);
+    ColliderFilter collider = ColliderFilter(vec4(0), vec3(0));
+    if (free)
+      collider = filter_at(x.xyz, v, FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)), preconditioned(inverse, sums.impulse));
+    collider_filters[2 * i] = collider.directions;
+    collider_filters[2 * i + 1] = vec4(collider.change, 0);
+    sums = filtered_system(sums, collider.directions, mass);
+    start = apply_filter(collider.directions, start);
     inverse = factor_of(sums, mass);
   }
   inverses[2 * i] = free ? vec4(inverse.diagonal, mass) : vec4(0);
   inverses[2 * i + 1] = free ? vec4(inverse.below, 0) : vec4(0);
-  krylov[i] = vec4(free ? sums.impulse : vec3(0), 0);
+  solve_vectors[i] = vec4(free ? sums.impulse : vec3(0), 0);
   exchanged[i] = vec4(free ? start : vec3(0), 0);
 }

@@ -1,6 +1,6 @@
-// The filter of an implicit substep, by which colliders take directions out of its solve (implicit_wall.glsl makes it):
-//
-// S v = s v + (1 - 2 s) (n . v) n of a vector n and a number s in one entry of `walls`: all of v (0, 1), all but along a normal n
-// (n, 1), in an edge along n alone (n, 0), in a corner nothing (0, 0), which is also what a held particle has.
+// The collider filter of an implicit substep, S v = s v + (1 - 2 s) (n . v) n, which takes constrained directions out of the solve
+// (implicit_wall.glsl makes it). A vector n and a number s are one entry of `collider_filters`:
+//     (0, 1)   all of v                          (n, 0)   v along n alone, in an edge
+//     (n, 1)   all of v but along a normal n     (0, 0)   nothing, in a corner; kinematic particles have this one too
 
-vec3 opened(vec4 open, vec3 v) { return open.w * v + (1 - 2 * open.w) * dot(open.xyz, v) * open.xyz; }
+vec3 apply_filter(vec4 directions, vec3 v) { return directions.w * v + (1 - 2 * directions.w) * dot(directions.xyz, v) * directions.xyz; }

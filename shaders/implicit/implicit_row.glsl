@@ -1,11 +1,11 @@
-// A particle's row of the matrix without its mass: sum over its springs of B (p_i - p_j), p_j as `exchanged` has it from
-// `first` on, or as OFFERED says, B = u u^T + a I.
+// A particle's row of the matrix, times a vector p, without its mass: the sum over its springs of B (p_i - p_j), B = u u^T + a I. p_j is
+// read from `exchanged`, from `first` on, or as OFFERED says.
 
 #include "implicit/implicit_filter.glsl"
 
-GATHER(walls)
+GATHER(collider_filters)
 
-vec3 filtered(uint i, vec3 v) { return has_colliders ? opened(FETCH(walls, 2 * i), v) : v; }
+vec3 filtered(uint i, vec3 v) { return has_colliders ? apply_filter(FETCH(collider_filters, 2 * i), v) : v; }
 
 #ifndef OFFERED
 #define OFFERED(i) FETCH(exchanged, i).xyz

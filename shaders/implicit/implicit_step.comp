@@ -1,5 +1,5 @@
-// implicit_step: moves on by what was solved, p = x + h (v* + dv), without what it gave to the centre of mass of a free cloth;
-// settle does the rest. Reports how well it was solved.
+// implicit_step: the new position by the solution, p = x + h (v* + dv), less the drift of a free cloth (implicit_drift); finalize does the
+// rest. Reports the residual.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -7,7 +7,7 @@
 GATHER(predicted)
 READ(Linear, linear)
 READ(FreeCloth, free_cloths)
-WRITE(vec4, relaxed)
+WRITE(vec4, next_iterate)
 READ_WRITE(Counters, counters)
 
 #include "motion/finalize.glsl"

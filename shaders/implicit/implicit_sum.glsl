@@ -4,7 +4,7 @@
 
 shared bool last;
 
-// Of all threads of a dispatch, which must all call it. True for one thread, which then has the sum.
+// The sum over all threads of a dispatch, which must all call it. True for one thread, which then has the sum.
 bool sum_of_all(vec4 value, out vec4 sum) {
   const uint thread = gl_LocalInvocationID.x;
   sum = sum_of_group(value);

@@ -1,1 +1,1 @@
-weft_passes(implicit_advance implicit_assemble implicit_drift implicit_meet implicit_multiply implicit_relax implicit_step)
+weft_passes(implicit_advance implicit_assemble implicit_drift implicit_filter implicit_multiply implicit_relax implicit_step)

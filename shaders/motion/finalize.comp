@@ -1,11 +1,11 @@
-// hold: ends an iteration that nothing else ends: one whose last relaxing pass cannot settle its particles, because other threads
-// still read what settling changes (finalize.glsl). It always settles something.
+// finalize: ends an iteration that no other pass can end, because other threads of its last pass still read what the velocity update
+// changes (finalize.glsl).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 
 GATHER(predicted)
-WRITE(vec4, relaxed)
+WRITE(vec4, next_iterate)
 READ_WRITE(Counters, counters)
 
 #include "motion/finalize.glsl"

@@ -1,4 +1,4 @@
-// Twin of predict and of the end of a substep in settle: symplectic Euler around a position-based solve
+// Twin of predict and of the velocity update in finalize: symplectic Euler around a position-based solve
 // (Mueller, Heidelberger, Hennix, Ratcliff 2007, "Position based dynamics", algorithm 1).
 #pragma once
 
@@ -13,7 +13,8 @@ struct Motion {
   Vector velocity;   // m/s
 };
 
-/// v <- exp(-damping h) (v + h g), p = x + h v; what is held stays. The damping is viscous drag, dv/dt = -damping v, solved exactly.
+/// v <- exp(-damping h) (v + h g), p = x + h v; a kinematic particle (`held`) stays. The damping is viscous drag,
+/// dv/dt = -damping v, solved exactly.
 inline Motion predict(const Motion& now, const Vector& gravity, double damping, double h, bool held) {
   if (held) return {now.position, Vector::Zero()};
   const Vector velocity = std::exp(-damping * h) * (now.velocity + h * gravity);

@@ -1,6 +1,7 @@
-// predict: where every particle would go in the frame's first substep if nothing held it (symplectic Euler).
-// The predictions of later substeps are made where the one before ends (update_velocity.glsl). An anchor stays.
-// With contacts it also watches whether a prediction strays (leash.glsl); the anchor pass does so for anchors.
+// predict: symplectic Euler, where every particle would go in the frame's first substep if nothing held it. The predictions of later
+// substeps are made at the end of the one before (update_velocity.glsl). A kinematic particle stays.
+// With contacts it also asks for a detection where a prediction is about to leave its displacement bound (displacement_bound.glsl); the
+// anchor pass does so for anchors.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -12,12 +13,12 @@ GATHER_WRITE(velocities)
 WRITE(vec4, predicted)
 
 READ_WRITE(Detection, detection)
-#include "contact/leash.glsl"
+#include "contact/displacement_bound.glsl"
 
 vec3 free_flight(uint i, vec3 x) {
   const vec4 v = FETCH(velocities, i);
-  const float keep = FETCH(materials, floatBitsToUint(v.w)).x;
-  const vec3 driven = driven_velocity(v.xyz, motion.gravity, keep, motion.h);
+  const float damping_factor = FETCH(materials, floatBitsToUint(v.w)).x;
+  const vec3 driven = driven_velocity(v.xyz, motion.gravity, damping_factor, motion.h);
   velocities[i].xyz = driven;
   return predicted_position(x, driven, motion.h);
 }
@@ -29,5 +30,5 @@ void main() {
   if (x.w == 0) return;
   const vec3 p = free_flight(i, x.xyz);
   predicted[i].xyz = p;
-  if (has_contacts && strays(p, expected_at(i, detection[0].age + 2), detection[0].reach)) detection[0].due = 1;
+  if (has_contacts && strays(p, expected_at(i, detection[0].steps + 2), detection[0].margin)) detection[0].needs_detection = 1;
 }

@@ -1,8 +1,8 @@
 // How much of the sky the surroundings of each pixel hide, found from the depth of the picture.
 //
 // McGuire, Mara and Luebke, "Scalable ambient obscurance" (2012): points on a disc around the pixel are turned back into
-// places in the world; each that rises above the tangent plane and is near hides a little. Every pixel of a 4 by 4 block
-// turns the disc by another angle, and smooth.frag averages over such a block.
+// places in the world; each that is near and above the tangent plane occludes a little. Every pixel of a 4 by 4 block
+// rotates the disc by another angle, and smooth.frag averages over such a block.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "sky.glsl"
@@ -42,7 +42,7 @@ void main() {
   float pixels = r * depth / frame.near_plane * 0.5 * frame.size.y / length(frame.ray_y.xyz);
   if (pixels < 1.0) return;
   pixels = min(pixels, 0.25 * frame.size.y);
-  // An ordered pattern of 16 turns: neighbours differ much, and each block of 4 by 4 has all of them.
+  // An ordered pattern of 16 rotations: neighbours differ much, and each block of 4 by 4 has all of them.
   int turn = ((pixel.x & 3) * 4 + (pixel.y & 3)) * 7 & 15;
   float angle = float(turn) * (2.0 * kPi / 16.0);
   // What is flat must not hide itself through the coarseness of depth.

@@ -1,10 +1,11 @@
-// spring: the forces of springs, gathered, and what they make of the prediction. Mass-spring cloth (Provot 1995) by symplectic Euler:
+// spring: mass-spring cloth (Provot 1995) by symplectic Euler, forces gathered:
 //     v' = v + h (g + w f(x, v)),   x' = x + h v'.
 // The prediction has v + h g in it already, so that forces add h^2 w f to it; the velocity follows from where the particle ends
-// (update_velocity.glsl), as with constraints. Verlet's x(t + h) = 2 x(t) - x(t - h) + h^2 w f is the same with v = (x(t) - x(t - h)) / h: one shader.
+// (update_velocity.glsl), as with constraints. Verlet's x(t + h) = 2 x(t) - x(t - h) + h^2 w f is the same with
+// v = (x(t) - x(t - h)) / h: one shader.
 //
-// Forces are taken at the substep's start, so h has a limit, which the cook works out (engine/effects/spring/longest_step.cpp). Damping goes along
-// the spring, with the velocities that gravity and drag have driven on already; an anchor's counts as 0.
+// Forces are taken at the substep's start, so h has a limit, which is computed when cooking (engine/effects/spring/longest_step.cpp).
+// Damping acts along the spring, on velocities that include this substep's gravity and drag; an anchor's counts as 0.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -15,15 +16,15 @@ GATHER(predicted)
 GATHER_UINT2(spring_rows)
 GATHER_UINT4(spring_ends)
 GATHER(springs)
-WRITE(vec4, relaxed)
+WRITE(vec4, next_iterate)
 READ_WRITE(Counters, counters)
 
 uint coincident = 0;
 
-// As links do (stretch.comp): ends at one place go apart along a line that is askew to all axes.
+// Ends at one place are parted along a line that is oblique to all axes, as in stretch.comp.
 const vec3 kApart = 1e-10 * vec3(0.36, 0.48, 0.8);
 
-// On the particle at x with the velocity v (N).
+// The force (N) of a spring on the particle at x with velocity v.
 vec3 force(vec3 x, vec3 v, uint other, vec4 spring) {
   vec3 d = x - FETCH(positions, other).xyz;
   const float squared = dot(d, d);
@@ -52,7 +53,7 @@ void main() {
     sum += force(x.xyz, v, ends.w, FETCH(springs, 4 * q + 3));
   }
   if (coincident > 0) atomicAdd(counters[0].coincident, coincident);
-  // A neighbour that is lost must not take this particle along.
+  // A neighbour that is not finite must not spoil this particle.
   if (!(dot(sum, sum) < 1e20)) sum = vec3(0);
-  relaxed[i] = vec4(p.xyz + (motion.h * motion.h * x.w) * sum, p.w);
+  next_iterate[i] = vec4(p.xyz + (motion.h * motion.h * x.w) * sum, p.w);
 }

@@ -13,8 +13,9 @@ struct DampedSpring {
   bool only_pulls;
 };
 
-/// Of the spring on its end a, N; on b it is the opposite. Ends at one place have no velocity along it.
-inline Vector spring_force(const DampedSpring& spring, const Vector& a, const Vector& b, const Vector& velocity_a, const Vector& velocity_b) {
+/// The force (N) of a spring on its end a; on b it is the opposite. Ends at one place have no velocity along it.
+inline Vector spring_force(const DampedSpring& spring, const Vector& a, const Vector& b, const Vector& velocity_a,
+                           const Vector& velocity_b) {
   const Vector d = a - b;
   const double length = d.norm();
   if (spring.only_pulls && length < spring.rest) return Vector::Zero();
@@ -24,8 +25,8 @@ inline Vector spring_force(const DampedSpring& spring, const Vector& a, const Ve
 }
 
 /// Predictions `p` (from positions x with velocities v) after the impulses of all springs.
-inline Points push_springs(std::span<const DampedSpring> springs, Points p, const Points& x, const Points& v, std::span<const double> inverse_masses,
-                           double h) {
+inline Points push_springs(std::span<const DampedSpring> springs, Points p, const Points& x, const Points& v,
+                           std::span<const double> inverse_masses, double h) {
   for (const DampedSpring& spring : springs) {
     const Vector force = spring_force(spring, x[spring.a], x[spring.b], v[spring.a], v[spring.b]);
     p[spring.a] += h * h * inverse_masses[spring.a] * force;

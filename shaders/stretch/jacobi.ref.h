@@ -1,12 +1,12 @@
-// What the Jacobi twins share, in double precision and written from the papers: XPBD's step for one constraint, and how
-// several constraints agree about one particle. The twins loop over constraints and scatter into all their particles; the
-// shaders gather, so that an error in one is not an error in the other.
+// What the Jacobi twins share, in double precision and written from the papers: XPBD's step for one constraint, and the averaging
+// of several constraints on one particle. The twins loop over constraints and scatter into all their particles; the shaders
+// gather, so that an error in one is not an error in the other.
 //
 // This work is based on: Macklin, Mueller, Chentanez 2016, "XPBD", eq. 18; Tonge, Benevolenski, Voroshilov 2012, "Mass
 // splitting for jitter-free parallel rigid body simulation". A particle in n constraints is cut into n copies of mass m / n,
 // each constraint moves its own copies, and the particle goes to the mean of its copies. Count-averaging lets every
-// constraint move a copy of the full mass instead, so what one end gains the other does not lose. Over-relaxation is for
-// the masses that are split: copies show a constraint 1 / omega of their inverse mass, and the constraint's compliance stays what it is.
+// constraint move a copy of the full mass instead, and does not conserve momentum. Over-relaxation applies to the split masses:
+// copies show a constraint 1 / omega of their inverse mass, and the constraint's compliance is unchanged.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,7 +19,7 @@ namespace weft::reference {
 using Vector = Eigen::Vector3d;
 using Points = std::vector<Vector>;
 
-enum class Meeting { mass_split, count };   // of several constraints on one particle
+enum class Averaged { mass_split, count };   // of several constraints on one particle
 
 /// XPBD, eq. 18: the change of a multiplier. `weight` is sum W |grad C|^2, `compliance` is not yet divided by h^2.
 /// A constraint that nothing can give way to (weight and compliance 0) does nothing. C and lambda: a number or a vector.
@@ -33,18 +33,21 @@ Value change_of_multiplier(const Value& c, const Value& lambda, double weight, d
 /// One Jacobi iteration over one kind of constraint: count every use first, then move copies, then take the mean.
 class Copies {
  public:
-  Copies(std::span<const double> inverse_masses, Meeting meeting)
-      : inverse_masses_(inverse_masses), meeting_(meeting), uses_(inverse_masses.size()), moved_(inverse_masses.size(), Vector::Zero()) {}
+  Copies(std::span<const double> inverse_masses, Averaged averaging)
+      : inverse_masses_(inverse_masses),
+        averaging_(averaging),
+        uses_(inverse_masses.size()),
+        moved_(inverse_masses.size(), Vector::Zero()) {}
 
   void use(std::uint32_t particle) { ++uses_[particle]; }
   /// Inverse mass of one copy.
   double weight(std::uint32_t particle) const {
-    return inverse_masses_[particle] * (meeting_ == Meeting::mass_split ? uses_[particle] : 1);
+    return inverse_masses_[particle] * (averaging_ == Averaged::mass_split ? uses_[particle] : 1);
   }
   /// A constraint's impulse (gradient times change of multiplier) on its copy of a particle.
   void push(std::uint32_t particle, const Vector& impulse) { moved_[particle] += weight(particle) * impulse; }
   /// Every particle at the mean of its copies.
-  Points meet(const Points& from) const {
+  Points averaged(const Points& from) const {
     Points to = from;
     for (std::size_t i = 0; i < to.size(); ++i)
       if (uses_[i] > 0) to[i] += 1.0 / uses_[i] * moved_[i];
@@ -53,7 +56,7 @@ class Copies {
 
  private:
   std::span<const double> inverse_masses_;
-  Meeting meeting_;
+  Averaged averaging_;
   std::vector<std::uint32_t> uses_;
   Points moved_;
 };

@@ -10,7 +10,7 @@ namespace weft::reference {
 
 struct Stretch {
   std::uint32_t a, b;
-  double rest;         // m
+  double rest;         // m, rest length
   double compliance;   // m/N
   bool only_pulls;
 };
@@ -30,8 +30,8 @@ inline Vector apart() { return {0.36, 0.48, 0.8}; }
 
 /// One iteration. `lambda`: one a link, renewed. `coincident` receives the number of links whose ends were at one place.
 inline Points relax_stretch(std::span<const Stretch> links, const Points& p, std::span<const double> inverse_masses,
-                            std::span<double> lambda, double h, double omega, Meeting meeting, std::uint32_t& coincident) {
-  Copies copies(inverse_masses, meeting);
+                            std::span<double> lambda, double h, double omega, Averaged averaging, std::uint32_t& coincident) {
+  Copies copies(inverse_masses, averaging);
   for (const Stretch& link : links) {
     copies.use(link.a);
     copies.use(link.b);
@@ -43,25 +43,27 @@ inline Points relax_stretch(std::span<const Stretch> links, const Points& p, std
     coincident += together;
     const Vector gradient = together ? (link.a < link.b ? apart() : Vector(-apart())) : stretch_gradient(p[link.a], p[link.b]);
     const double weight = copies.weight(link.a) + copies.weight(link.b);   // gradients are of unit length
-    double next = lambda[e] + change_of_multiplier(stretch_value(link, p[link.a], p[link.b]), lambda[e], weight / omega, link.compliance, h);
+    double next = lambda[e] + change_of_multiplier(stretch_value(link, p[link.a], p[link.b]), lambda[e], weight / omega,
+                                                   link.compliance, h);
     if (link.only_pulls) next = std::min(next, 0.0);
     const double change = next - lambda[e];
     lambda[e] = next;
     copies.push(link.a, change * gradient);
     copies.push(link.b, -change * gradient);
   }
-  return copies.meet(p);
+  return copies.averaged(p);
 }
 
 /// A sweep of Gauss-Seidel: one link after another, in their order, moves its ends. `lambda`: one a link, renewed.
-inline void sweep_stretch(std::span<const Stretch> links, Points& p, std::span<const double> inverse_masses, std::span<double> lambda, double h,
-                          double omega) {
+inline void sweep_stretch(std::span<const Stretch> links, Points& p, std::span<const double> inverse_masses,
+                          std::span<double> lambda, double h, double omega) {
   for (std::size_t e = 0; e < links.size(); ++e) {
     const Stretch& link = links[e];
     const double weight_a = inverse_masses[link.a], weight_b = inverse_masses[link.b];
     const bool together = (p[link.a] - p[link.b]).norm() <= kCoincident;
     const Vector gradient = together ? apart() : stretch_gradient(p[link.a], p[link.b]);
-    double next = lambda[e] + change_of_multiplier(stretch_value(link, p[link.a], p[link.b]), lambda[e], (weight_a + weight_b) / omega, link.compliance, h);
+    double next = lambda[e] + change_of_multiplier(stretch_value(link, p[link.a], p[link.b]), lambda[e],
+                                                   (weight_a + weight_b) / omega, link.compliance, h);
     if (link.only_pulls) next = std::min(next, 0.0);
     p[link.a] += weight_a * (next - lambda[e]) * gradient;
     p[link.b] -= weight_b * (next - lambda[e]) * gradient;

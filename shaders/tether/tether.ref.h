@@ -1,6 +1,6 @@
-// Twin of the tethers in settle: long-range attachment (Kim, Chentanez, Mueller 2012, "Long range attachments: a method to
-// simulate inextensible clothing in computer games"). C(p) = |p - a| - reach <= 0, one-sided; the anchor has no inverse mass,
-// so the constraint is met by moving the particle alone: dp = -C grad C.
+// Twin of the tethers in finalize: long-range attachment (Kim, Chentanez, Mueller 2012, "Long range attachments: a method to
+// simulate inextensible clothing in computer games"). C(p) = |p - a| - max_distance <= 0, one-sided; the anchor is kinematic
+// (inverse mass 0), so the constraint is satisfied by moving the particle alone: dp = -C grad C.
 #pragma once
 
 #include <algorithm>
@@ -11,11 +11,11 @@
 namespace weft::reference {
 
 struct Tether {
-  Vector anchor;   // m, where it is now
-  double reach;    // m
+  Vector anchor;          // m, its position now
+  double max_distance;    // m
 };
 
-inline double tether_value(const Tether& tether, const Vector& p) { return (p - tether.anchor).norm() - tether.reach; }
+inline double tether_value(const Tether& tether, const Vector& p) { return (p - tether.anchor).norm() - tether.max_distance; }
 inline Vector tether_gradient(const Tether& tether, const Vector& p) { return (p - tether.anchor).normalized(); }
 
 inline Vector within_tether(const Tether& tether, const Vector& p) {
@@ -23,17 +23,17 @@ inline Vector within_tether(const Tether& tether, const Vector& p) {
   return c > 0 ? Vector(p - c * tether_gradient(tether, p)) : p;
 }
 
-/// As near to the axis through both anchors as the lens that both balls share is wide, where its middle lies between them. In the
-/// triangle of the anchors' distance and both reaches the lens' half width is the height (Heron's formula); angles there
-/// below 90 degrees put its foot between them. Where there is no triangle, or one that single precision could not tell from none: onto
-/// the axis.
+/// Brings p as near to the axis through both anchors as the lens in which their balls intersect is wide, where its middle lies
+/// between them. In the triangle of the anchors' distance and both max distances the lens' half width is the height (Heron's
+/// formula); angles at the anchors below 90 degrees put its foot between them. Where there is no triangle, or none that single
+/// precision could resolve: onto the axis.
 inline Vector within_lens(const Tether& a, const Tether& b, const Vector& p) {
-  const double base = (b.anchor - a.anchor).norm(), half = (base + a.reach + b.reach) / 2;
-  const double a2 = a.reach * a.reach, b2 = b.reach * b.reach, base2 = base * base;
+  const double base = (b.anchor - a.anchor).norm(), half = (base + a.max_distance + b.max_distance) / 2;
+  const double a2 = a.max_distance * a.max_distance, b2 = b.max_distance * b.max_distance, base2 = base * base;
   if (a2 + base2 <= b2 || b2 + base2 <= a2) return p;
-  constexpr double touching = 2.5e-7;   // of a squared reach
-  const double squared_area = half * (half - base) * (half - a.reach) * (half - b.reach);
-  const double width = std::sqrt(std::max(0.0, 4 * squared_area / base2 - touching * a2));
+  constexpr double rounding = 2.5e-7;   // relative to a squared max distance
+  const double squared_area = half * (half - base) * (half - a.max_distance) * (half - b.max_distance);
+  const double width = std::sqrt(std::max(0.0, 4 * squared_area / base2 - rounding * a2));
   const Vector axis = (b.anchor - a.anchor) / base, off = axis.cross(p - a.anchor).cross(axis);
   return off.norm() > width ? Vector(p + (width - off.norm()) * off.normalized()) : p;
 }

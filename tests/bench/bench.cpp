@@ -73,7 +73,8 @@ void stretch_pass(benchmark::State& state) {
   Solver solver = need(Solver::create(device(), cache, scene, fabric, {.gather_storage = state.range(1) != 0}));
   const FrameInput input{1, scene.gravity, false, {}, {}};
   const auto steps = solver.frame(input);
-  const auto stretch = std::find_if(steps.begin(), steps.end(), [&](const Solver::Step& s) { return solver.plan().passes[s.pass].label == "stretch"; });
+  const auto stretch =
+      std::find_if(steps.begin(), steps.end(), [&](const Solver::Step& s) { return solver.plan().passes[s.pass].label == "stretch"; });
   const auto run = [&] {
     const auto recorded = compute::run_once(device(), "stretch", [&](VkCommandBuffer commands) {
       compute::Recorder recorder(device(), commands);

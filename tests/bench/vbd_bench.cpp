@@ -69,8 +69,10 @@ void vbd(benchmark::State& state) {
   const reference::Trajectory& exact = reference_of(sheet, substeps, scene, fabric);
   reference::Trajectory run;
   for ([[maybe_unused]] auto _ : state)
-    run = state.range(2) == kGaussSeidel ? run_on_device(scene)
-                                         : need(reference::integrate_vbd(scene, fabric, kFrames, {.sweeps = sweeps, .augmented = state.range(2) == kAugmented})).trajectory;
+    run = state.range(2) == kGaussSeidel
+              ? run_on_device(scene)
+              : need(reference::integrate_vbd(scene, fabric, kFrames, {.sweeps = sweeps, .augmented = state.range(2) == kAugmented}))
+                    .trajectory;
   // Strain over the second half, in which it hangs and swings.
   double squares = 0, most = 0;
   for (std::size_t k = kFrames / 2; k < kFrames; ++k) {

@@ -49,7 +49,8 @@ Csr csr_of(const CookedFabric& fabric) {
   return csr;
 }
 
-double run_yardstick(const Csr& csr, std::vector<gpu::vec4>& from, std::vector<gpu::vec4>& to, float inverse_h2, float relaxation, int passes) {
+double run_yardstick(const Csr& csr, std::vector<gpu::vec4>& from, std::vector<gpu::vec4>& to, float inverse_h2, float relaxation,
+                     int passes) {
   const std::size_t half = from.size() / 2;
   std::barrier meet(2);
   const auto work = [&](std::size_t begin, std::size_t end) {

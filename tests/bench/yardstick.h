@@ -18,6 +18,7 @@ struct Csr {
 Csr csr_of(const CookedFabric& fabric);
 
 /// `passes` Jacobi passes, both threads meeting after each; returns seconds for all of them.
-double run_yardstick(const Csr& csr, std::vector<gpu::vec4>& from, std::vector<gpu::vec4>& to, float inverse_h2, float relaxation, int passes);
+double run_yardstick(const Csr& csr, std::vector<gpu::vec4>& from, std::vector<gpu::vec4>& to, float inverse_h2, float relaxation,
+                     int passes);
 
 }  // namespace weft::bench

@@ -42,7 +42,7 @@ const std::vector<DeviceDescription> kMachine = {
     described(0, "Soft Pipe", "software"), described(1, "Small Graphics", "integrated"),
     described(2, "Big Graphics", "discrete"), described(3, "Old Graphics", "discrete", "it has Vulkan 1.1.0")};
 
-TEST(Choice, without_a_wish_the_discrete_device_is_taken_then_the_integrated_then_software) {
+TEST(Choice, unless_one_is_named_the_discrete_device_is_taken_then_the_integrated_then_software) {
   EXPECT_EQ(*choose_device(kMachine, "", false), 2u);
   EXPECT_EQ(*choose_device(std::span(kMachine).first(2), "", false), 1u);
   EXPECT_EQ(*choose_device(std::span(kMachine).first(1), "", false), 0u);
@@ -112,9 +112,9 @@ TEST(Inventory, a_missing_extension_is_named) {
 }
 
 TEST_F(OnDevice, a_device_is_found_again_by_its_index_and_its_name) {
-  for (const std::string& wish : {std::to_string(device().description().index), device().name()}) {
+  for (const std::string& name : {std::to_string(device().description().index), device().name()}) {
     DeviceChoice choice;
-    choice.name = wish;
+    choice.name = name;
     const Result<std::unique_ptr<Device>> again = Device::create(choice);
     ASSERT_TRUE(again) << again.error();
     EXPECT_EQ((*again)->name(), device().name());

@@ -85,7 +85,8 @@ TEST(File, a_program_that_is_killed_while_it_writes_leaves_what_was_there_and_th
 
 TEST(File, a_folder_in_which_nothing_can_be_made_is_a_sentence) {
   const Folder folder;
-  EXPECT_EQ(write(folder / "missing/text", "x").error(), (folder / "missing/text").string() + " cannot be written: No such file or directory");
+  EXPECT_EQ(write(folder / "missing/text", "x").error(),
+            (folder / "missing/text").string() + " cannot be written: No such file or directory");
   EXPECT_FALSE(write("/proc/weft", "x")) << "which holds for root too";
 }
 

@@ -163,7 +163,8 @@ TEST(Fabric, inner_edges_bend_and_boundary_edges_do_not) {
   for (const Topology topology : {Topology::diagonal, Topology::centre}) {
     const Scene scene = hung(7, topology);
     const auto meshes = make_meshes(scene);
-    const auto inner = std::count_if((*meshes)[0].edges.begin(), (*meshes)[0].edges.end(), [](const WingedEdge& e) { return e.triangle[1] != kNone && e.triangle[0] != kNone; });
+    const auto inner = std::count_if((*meshes)[0].edges.begin(), (*meshes)[0].edges.end(),
+                                     [](const WingedEdge& e) { return e.triangle[1] != kNone && e.triangle[0] != kNone; });
     EXPECT_EQ(static_cast<long>(cooked(scene).bends.size()), static_cast<long>(inner));
   }
 }
@@ -199,8 +200,9 @@ BendSheet bend_sheet(Averaging averaging) {
       for (int j = 0; j < 4; ++j) {
         const std::uint32_t p = bend.particle[i];
         const double mean = averaging == Averaging::mass_split ? 1 : uses[p];
-        sheet.from_stencils[p][bend.particle[j]] += double(bend.k[i]) * sheet.fabric.positions[p].w / mean * bend.k[j] /
-                                                    (bend.split_weight + relaxation_of(scene.solver) * bend.compliance / (sheet.fabric.h * sheet.fabric.h));
+        sheet.from_stencils[p][bend.particle[j]] +=
+            double(bend.k[i]) * sheet.fabric.positions[p].w / mean * bend.k[j] /
+            (bend.split_weight + relaxation_of(scene.solver) * bend.compliance / (sheet.fabric.h * sheet.fabric.h));
       }
   return sheet;
 }
@@ -250,7 +252,7 @@ TEST(Fabric, tethers_are_as_long_as_the_way_plus_slack_and_anchors_have_none) {
       }
       const gpu::vec4 &a = fabric.positions[tether.anchor], &p = fabric.positions[i];
       EXPECT_EQ(a.w, 0);
-      EXPECT_NEAR(tether.reach, 1.1 * std::hypot(double(a.x) - p.x, double(a.y) - p.y), 1e-6);
+      EXPECT_NEAR(tether.max_distance, 1.1 * std::hypot(double(a.x) - p.x, double(a.y) - p.y), 1e-6);
     }
 }
 
@@ -286,7 +288,8 @@ TEST(Fabric, a_link_answers_with_its_gain_in_one_iteration_and_with_its_complian
   const CookedFabric fabric = cooked(scene);
   for (const StretchLink& link : fabric.links) {
     const double weight = double(fabric.split_weights[link.a]) + fabric.split_weights[link.b];
-    EXPECT_NEAR(link.gain * (weight + relaxation_of(scene.solver) * link.compliance / (fabric.h * fabric.h)), 1, 0.004);   // 7 bits of mantissa, rounded: 2^-8
+    // 7 bits of mantissa, rounded: 2^-8.
+    EXPECT_NEAR(link.gain * (weight + relaxation_of(scene.solver) * link.compliance / (fabric.h * fabric.h)), 1, 0.004);
   }
   scene.solver.iterations = 2;
   const CookedFabric iterated = cooked(scene);
@@ -328,7 +331,8 @@ TEST(Fabric, cooking_twice_gives_the_same_bits) {
     Scene scene = hung(24, Topology::centre);
     scene.solver.iterations = iterations;
     const CookedFabric a = cooked(scene), b = cooked(scene);
-    EXPECT_TRUE(same_bits(a.positions, b.positions) && same_bits(a.velocities, b.velocities) && same_bits(a.split_weights, b.split_weights));
+    EXPECT_TRUE(same_bits(a.positions, b.positions) && same_bits(a.velocities, b.velocities) &&
+                same_bits(a.split_weights, b.split_weights));
     for (const auto rows : {&CookedFabric::stretch, &CookedFabric::bend, &CookedFabric::bend_uses})
       EXPECT_TRUE(same_bits((a.*rows).rows, (b.*rows).rows) && same_bits((a.*rows).pairs, (b.*rows).pairs));
     EXPECT_TRUE(same_bits(a.bends, b.bends) && same_bits(a.tethers, b.tethers) && same_bits(a.materials, b.materials));

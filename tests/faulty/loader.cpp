@@ -1,5 +1,5 @@
-// A Vulkan loader with a fault, for programs that open libvulkan.so.1: it is found first through LD_LIBRARY_PATH and hands everything on to
-// the real one, through vulkan.h.
+// A Vulkan loader with a fault, for programs that open libvulkan.so.1: it is found first through LD_LIBRARY_PATH and passes everything
+// on to the real one, through vulkan.h.
 //
 //   WEFT_FAULT=memory@17   the 17th call that may fail, from 0, has no memory      WEFT_FAULT=old       devices know Vulkan 1.2
 //   WEFT_FAULT=lost@3      the device is lost at the 3rd submit or wait            WEFT_FAULT=lacking   devices lack timeline semaphores
@@ -67,4 +67,6 @@ struct Session {
 
 }  // namespace
 
-extern "C" VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL vkGetInstanceProcAddr(VkInstance instance, const char* name) { return function(instance, name); }
+extern "C" VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL vkGetInstanceProcAddr(VkInstance instance, const char* name) {
+  return function(instance, name);
+}

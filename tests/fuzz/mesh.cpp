@@ -19,7 +19,8 @@ class File {
   explicit File(std::string_view content) {
     const char* kind = content.starts_with("glTF") ? ".glb" : content.starts_with("{") ? ".gltf" : ".obj";
     const std::filesystem::path memory = "/dev/shm";
-    path_ = (std::filesystem::is_directory(memory) ? memory : std::filesystem::temp_directory_path()) / ("weft_fuzz_" + std::to_string(getpid()) + kind);
+    path_ = (std::filesystem::is_directory(memory) ? memory : std::filesystem::temp_directory_path()) /
+            ("weft_fuzz_" + std::to_string(getpid()) + kind);
     std::ofstream(path_, std::ios::binary).write(content.data(), static_cast<std::streamsize>(content.size()));
   }
   ~File() { std::filesystem::remove(path_); }

@@ -66,19 +66,22 @@ TEST(Choice, a_budget_that_nothing_fits_gets_the_cheapest_and_says_so) {
 }
 
 TEST(Choice, a_scene_gets_what_its_budget_buys_and_keeps_its_rate) {
-  auto scene = parse_scene(R"({"solver": {"method": "auto", "budget_ms": 5, "rate": 30}, "cloths": [{"grid": {}, "anchors": [{"top": 0}]}]})", {});
+  auto scene = parse_scene(R"({"solver": {"method": "auto", "budget_ms": 5, "rate": 30}, )"
+                           R"("cloths": [{"grid": {}, "anchors": [{"top": 0}]}]})",
+                           {});
   ASSERT_TRUE(scene) << scene.error();
   Curve count = curve();
   for (CurvePoint& p : count.points) p.assignments = "solver.averaging=mass_split solver.relaxation=1";
   std::string note;
-  const auto settled = with_choice(*scene, 10'000, count, note);
-  ASSERT_TRUE(settled) << settled.error();
-  EXPECT_EQ(settled->solver.method, Method::jacobi);
-  EXPECT_EQ(settled->solver.substeps, 4u);
-  EXPECT_EQ(settled->solver.relaxation, 1);
-  EXPECT_EQ(settled->solver.rate, 30);
-  EXPECT_EQ(note, "solver: jacobi, 4 substeps x 1 iterations: 4 ms and 2.5 % rms strain expected for 10000 particles by the curve of hung on device of "
-                  "2026-11-21T12:00Z.");
+  const auto chosen = with_choice(*scene, 10'000, count, note);
+  ASSERT_TRUE(chosen) << chosen.error();
+  EXPECT_EQ(chosen->solver.method, Method::jacobi);
+  EXPECT_EQ(chosen->solver.substeps, 4u);
+  EXPECT_EQ(chosen->solver.relaxation, 1);
+  EXPECT_EQ(chosen->solver.rate, 30);
+  EXPECT_EQ(note,
+            "solver: jacobi, 4 substeps x 1 iterations: 4 ms and 2.5 % rms strain expected for 10000 particles "
+            "by the curve of hung on device of 2026-11-21T12:00Z.");
   count.points[0].assignments = count.points[2].assignments = count.points[4].assignments = "solver.bogus=1";
   EXPECT_FALSE(with_choice(*scene, 10'000, count, note));
 }

@@ -23,7 +23,8 @@ CurvePoint point(double ms, double error, std::uint32_t substeps = 1) {
 using Indices = std::vector<std::size_t>;
 
 TEST(Curve, a_front_keeps_what_no_other_point_beats_in_both) {
-  const std::vector<CurvePoint> points = {point(4, 0.1), point(1, 0.5), point(2, 0.6), point(2, 0.2), point(8, 0.1), point(0.5, 0.9), point(2, 0.2)};
+  const std::vector<CurvePoint> points = {point(4, 0.1), point(1, 0.5), point(2, 0.6), point(2, 0.2),
+                                          point(8, 0.1), point(0.5, 0.9), point(2, 0.2)};
   EXPECT_EQ(front(points, &CurvePoint::strain_rms), (Indices{5, 1, 3, 0}));
   EXPECT_TRUE(front({}, &CurvePoint::strain_rms).empty());
 }
@@ -45,7 +46,8 @@ TEST(Curve, the_best_for_a_budget_is_the_last_of_the_front_that_fits) {
 bool same(const CurvePoint& a, const CurvePoint& b) { return curve_csv({"", "", "", "", 0, {a}}) == curve_csv({"", "", "", "", 0, {b}}); }
 
 TEST(Curve, text_brings_back_every_bit) {
-  Curve curve{"llvmpipe (LLVM 15.0.6, 256 bits)", "hung", "2026-11-21T16:00Z", "0123456789abcdef", 60, {point(0.1 + 0.2, 1.0 / 3), point(1e-17, 2)}};
+  Curve curve{"llvmpipe (LLVM 15.0.6, 256 bits)", "hung", "2026-11-21T16:00Z", "0123456789abcdef", 60,
+              {point(0.1 + 0.2, 1.0 / 3), point(1e-17, 2)}};
   curve.points[0].assignments = "solver.relaxation=1 solver.averaging=count";
   curve.points[0].passes = "predict=0.1 stretch=2";
   curve.points[0].tethers = true;

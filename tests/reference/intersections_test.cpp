@@ -132,7 +132,8 @@ TEST(Intersections, random_soups_have_the_crossings_that_integers_find) {
 
 TEST(Intersections, coplanar_and_degenerate_triangles_are_as_integers_find) {
   for (unsigned seed = 0; seed < 6; ++seed)
-    for (const auto& [x, y, z] : {std::array{9, 9, 0}, std::array{0, 9, 9}, std::array{9, 0, 9}, std::array{1, 1, 1}, std::array{9, 0, 0}}) {
+    for (const auto& [x, y, z] :
+         {std::array{9, 9, 0}, std::array{0, 9, 9}, std::array{9, 0, 9}, std::array{1, 1, 1}, std::array{9, 0, 0}}) {
       const Soup soup = random_soup(seed, x, y, z, 60, 100);
       EXPECT_EQ(all_of(soup), brute_force(soup)) << "seed " << seed << ", ranges " << x << ' ' << y << ' ' << z;
     }

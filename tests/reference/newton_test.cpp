@@ -45,9 +45,9 @@ TEST(Reference, what_it_has_no_energy_for_is_refused_with_a_sentence) {
   folded.cloths[0].bend_rest = BendRest::mesh;
   const auto hinged = integrate_newton(folded, cooked(folded), 1, {.h = fabric.h});
   EXPECT_EQ(hinged ? "taken" : hinged.error(), "bend_rest: the reference has none");
-  Scene touching = scene;
-  touching.contacts.enabled = true;
-  const auto with_contacts = integrate_newton(touching, cooked(touching), 1, {.h = fabric.h});
+  Scene contact_scene = scene;
+  contact_scene.contacts.enabled = true;
+  const auto with_contacts = integrate_newton(contact_scene, cooked(contact_scene), 1, {.h = fabric.h});
   EXPECT_EQ(with_contacts ? "taken" : with_contacts.error(), "contacts: the reference has none");
   scene.colliders.emplace_back();
   EXPECT_EQ(refusal(fabric.h), "colliders: the reference has none");

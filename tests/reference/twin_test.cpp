@@ -60,11 +60,11 @@ Tangle tangle(Random& random, std::uint32_t particles, std::size_t links) {
 }
 
 // |sum m dp| after three iterations, relative to sum m |dp|.
-double momentum_drift(const Tangle& t, Meeting meeting) {
+double momentum_drift(const Tangle& t, Averaged averaging) {
   Points p = t.positions;
   std::vector<double> lambda(t.links.size());
   std::uint32_t skipped = 0;
-  for (int k = 0; k < 3; ++k) p = relax_stretch(t.links, p, t.inverse_masses, lambda, 1e-3, 1, meeting, skipped);
+  for (int k = 0; k < 3; ++k) p = relax_stretch(t.links, p, t.inverse_masses, lambda, 1e-3, 1, averaging, skipped);
   Vector sum = Vector::Zero();
   double size = 0;
   for (std::size_t i = 0; i < p.size(); ++i) {
@@ -76,13 +76,13 @@ double momentum_drift(const Tangle& t, Meeting meeting) {
 
 TEST(StretchTwin, split_masses_conserve_momentum) {
   Random random(3);
-  for (int trial = 0; trial < 20; ++trial) EXPECT_LT(momentum_drift(tangle(random, 60, 240), Meeting::mass_split), 1e-12);
+  for (int trial = 0; trial < 20; ++trial) EXPECT_LT(momentum_drift(tangle(random, 60, 240), Averaged::mass_split), 1e-12);
 }
 
 // Failure F5 of the earlier systems, shown on the same tangles.
 TEST(StretchTwin, count_averaging_does_not_conserve_momentum) {
   Random random(3);
-  for (int trial = 0; trial < 20; ++trial) EXPECT_GT(momentum_drift(tangle(random, 60, 240), Meeting::count), 1e-3);
+  for (int trial = 0; trial < 20; ++trial) EXPECT_GT(momentum_drift(tangle(random, 60, 240), Averaged::count), 1e-3);
 }
 
 TEST(StretchTwin, a_lone_rigid_link_is_exact_after_one_iteration) {
@@ -91,7 +91,7 @@ TEST(StretchTwin, a_lone_rigid_link_is_exact_after_one_iteration) {
   const std::vector<double> w{1, 3};
   std::vector<double> lambda(1);
   std::uint32_t skipped = 0;
-  const Points q = relax_stretch(links, p, w, lambda, 1e-3, 1, Meeting::mass_split, skipped);
+  const Points q = relax_stretch(links, p, w, lambda, 1e-3, 1, Averaged::mass_split, skipped);
   EXPECT_NEAR((q[0] - q[1]).norm(), 0.5, 1e-15);
   EXPECT_NEAR(q[0].x(), 0.1, 1e-15);   // a quarter of 0.4 by inverse mass
 }
@@ -105,7 +105,7 @@ TEST(StretchTwin, a_soft_link_converges_to_implicit_euler) {
   const std::vector<double> masses{0, w};
   std::vector<double> lambda(1);
   std::uint32_t skipped = 0;
-  for (int k = 0; k < 10; ++k) p = relax_stretch(links, p, masses, lambda, h, 1, Meeting::mass_split, skipped);
+  for (int k = 0; k < 10; ++k) p = relax_stretch(links, p, masses, lambda, h, 1, Averaged::mass_split, skipped);
   EXPECT_NEAR(p[1].x() - rest, (y - rest) / (1 + w * h * h / alpha), 1e-14);
 }
 
@@ -115,7 +115,7 @@ TEST(StretchTwin, links_that_only_pull_leave_slack_alone_and_coincident_ends_are
   const std::vector<double> w{1, 1, 1, 1};
   std::vector<double> lambda(2);
   std::uint32_t skipped = 0;
-  const Points q = relax_stretch(links, p, w, lambda, 1e-3, 1, Meeting::mass_split, skipped);
+  const Points q = relax_stretch(links, p, w, lambda, 1e-3, 1, Averaged::mass_split, skipped);
   EXPECT_EQ(skipped, 1u);
   for (const std::size_t i : {0u, 1u}) EXPECT_EQ(q[i], p[i]);
   EXPECT_LT((q[2] - p[2] - 0.5 * apart()).norm(), 1e-15);
@@ -187,7 +187,7 @@ TEST(ColliderTwin, a_point_that_a_fast_sphere_ran_over_is_caught_on_the_way) {
   const Vector p(0.2, 0.05, 0);
   const Vector q = out_of_body(body, p, p, 0);
   EXPECT_NEAR(signed_distance(body, q), 0, 1e-12);
-  EXPECT_EQ(out_of_body(body, Vector(0, 0.2, 0), Vector(0, 0.2, 0), 0), Vector(0, 0.2, 0));   // beside its path
+  EXPECT_EQ(out_of_body(body, Vector(0, 0.2, 0), Vector(0, 0.2, 0), 0), Vector(0, 0.2, 0));   // beside its way
 }
 
 TEST(ColliderTwin, a_thin_box_that_ran_past_holds_the_point_before_the_face_that_met_it) {
@@ -196,7 +196,7 @@ TEST(ColliderTwin, a_thin_box_that_ran_past_holds_the_point_before_the_face_that
   body.centre_after = {2, 0, 0};
   const Vector p(0.2, 0.05, 0), q = out_of_body(body, p, p, 0.002);
   EXPECT_LT((q - Vector(2.012, 0.05, 0)).norm(), 1e-9);
-  EXPECT_EQ(out_of_body(body, Vector(0.2, 1.1, 0), Vector(0.2, 1.1, 0), 0.002), Vector(0.2, 1.1, 0));   // beside its path
+  EXPECT_EQ(out_of_body(body, Vector(0.2, 1.1, 0), Vector(0.2, 1.1, 0), 0.002), Vector(0.2, 1.1, 0));   // beside its way
 }
 
 TEST(ColliderTwin, a_point_that_ends_nearer_the_far_face_goes_back_the_way_it_came) {
@@ -243,11 +243,11 @@ TEST(MotionTwin, damped_fall_follows_its_closed_form_as_the_step_shrinks) {
     for (int k = 0; k < steps; ++k) now = predict(now, gravity, damping, 1.0 / steps, false);
     return now;
   };
-  const double kept = std::exp(-damping);
+  const double damping_factor = std::exp(-damping);
   const Motion fine = fallen(4000);
-  EXPECT_NEAR(fine.velocity.y(), -9.81 / damping * (1 - kept), 2e-3);   // first order: 9.81 / 4000
-  EXPECT_NEAR(fine.velocity.x(), kept, 1e-12);
-  EXPECT_NEAR(fine.position.x(), (1 - kept) / damping, 1e-4);
+  EXPECT_NEAR(fine.velocity.y(), -9.81 / damping * (1 - damping_factor), 2e-3);   // first order: 9.81 / 4000
+  EXPECT_NEAR(fine.velocity.x(), damping_factor, 1e-12);
+  EXPECT_NEAR(fine.position.x(), (1 - damping_factor) / damping, 1e-4);
   EXPECT_EQ(predict({Vector(1, 2, 3), Vector(4, 5, 6)}, gravity, damping, 0.1, true).position, Vector(1, 2, 3));
   EXPECT_LT((velocity(Vector(1, 0, 0), Vector(1.5, 0, 0), 0.25) - Vector(2, 0, 0)).norm(), 1e-15);
 }
@@ -259,7 +259,7 @@ TEST(AnchorTwin, it_starts_and_ends_where_it_is_told) {
   EXPECT_LT((anchor_at(from, to, 0.25) - Vector(1.75, 2.75, 0.75)).norm(), 1e-15);
 }
 
-TEST(AnchorTwin, it_makes_good_a_lag_little_by_little_while_its_patience_lasts) {
+TEST(AnchorTwin, it_reduces_its_tracking_error_gradually_up_to_the_kinematic_lag_limit) {
   const Vector x(1, 2, 3), target = x + Vector(0, 0.3, -0.4);
   EXPECT_LT((anchor_after(target, x, 0.1, 0.05, 0.1, 10) - (x + Vector(0, 0.09, -0.12))).norm(), 1e-15);
   EXPECT_EQ(anchor_after(target, x, 0.5, 0.05, 0.1, 10), target);

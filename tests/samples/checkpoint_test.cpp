@@ -31,7 +31,7 @@ TEST_F(Checkpoint, a_run_that_was_killed_goes_on_from_its_last_checkpoint_to_the
   ASSERT_TRUE(fs::exists(checkpoint));
   ASSERT_FALSE(fs::exists(folder / "killed/report.json"));
 
-  // Neither another scene nor half of a file is gone on with, and both stay where they are.
+  // A checkpoint of another scene, or half of one, is refused, and stays where it is.
   const Outcome other = weft(call("killed", {"--checkpoint", "20", "--set", "gravity=[0,-5,0]"}));
   EXPECT_EQ(other.exit, 2);
   EXPECT_NE(other.error.find("another scene"), std::string::npos) << other.error;
@@ -41,7 +41,7 @@ TEST_F(Checkpoint, a_run_that_was_killed_goes_on_from_its_last_checkpoint_to_the
   EXPECT_EQ(cut.exit, 2);
   EXPECT_NE(cut.error.find("is cut"), std::string::npos) << cut.error;
   std::ofstream(checkpoint, std::ios::binary) << whole;
-  // What a kill in the middle of a write leaves beside it (file_test.cpp kills there) is in nobody's way.
+  // What a kill in the middle of a write leaves beside it (file_test.cpp kills there) is in no run's way.
   std::ofstream(folder / "killed/falling.snapshot.1.part", std::ios::binary) << whole.substr(0, whole.size() / 2);
 
   const Outcome resumed = weft(call("killed", {"--checkpoint", "20"}));
@@ -49,7 +49,8 @@ TEST_F(Checkpoint, a_run_that_was_killed_goes_on_from_its_last_checkpoint_to_the
   EXPECT_NE(resumed.out.find("Going on after frame "), std::string::npos) << resumed.out;
   EXPECT_FALSE(fs::exists(checkpoint)) << "the run is over";
   ASSERT_EQ(weft(call("whole")).exit, 0);
-  const json a = json::parse(read(folder / "killed/report.json"), nullptr, false), b = json::parse(read(folder / "whole/report.json"), nullptr, false);
+  const json a = json::parse(read(folder / "killed/report.json"), nullptr, false),
+             b = json::parse(read(folder / "whole/report.json"), nullptr, false);
   ASSERT_TRUE(a.is_object() && b.is_object());
   for (const char* key : {"hash", "frames", "contacts", "non_finite", "intersections", "strain", "speed"}) EXPECT_EQ(a[key], b[key]) << key;
   EXPECT_GE(a["resumed_at"], 20);
@@ -65,7 +66,8 @@ TEST_F(Checkpoint, a_run_that_was_killed_goes_on_from_its_last_checkpoint_to_the
 }
 
 TEST_F(Checkpoint, a_run_that_was_interrupted_leaves_one_of_its_last_frame) {
-  const std::vector<std::string> call = {"run", write("falling.json", kFalling), "--frames", "1000000", "--no-picture", "--out", out(), "--checkpoint", "1000000"};
+  const std::vector<std::string> call = {
+      "run", write("falling.json", kFalling), "--frames", "1000000", "--no-picture", "--out", out(), "--checkpoint", "1000000"};
   const pid_t child = spawn(call);
   for (int tries = 0; tries < 300 && read(folder / "stdout").empty(); ++tries) std::this_thread::sleep_for(std::chrono::milliseconds(100));
   std::this_thread::sleep_for(std::chrono::milliseconds(200));

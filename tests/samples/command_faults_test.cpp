@@ -1,5 +1,5 @@
-// The program `weft` when its machine fails it: no Vulkan, an old or a lost device, no memory, no disk, ctrl-C. Always a sentence, the exit code
-// that README.md states, everything that was made in Vulkan destroyed, and no file half-written.
+// The program `weft` on a machine that fails: no Vulkan, an old or a lost device, no memory, no disk, ctrl-C. Always a sentence, the
+// exit code that README.md states, everything that was made in Vulkan destroyed, and no file half-written.
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -78,7 +78,7 @@ TEST_F(CommandFaults, a_run_that_finds_no_memory_ends_with_a_sentence_and_frees_
     inject("memory@" + std::to_string(at));
     const Outcome outcome = weft(call);
     const std::string where = std::to_string(at) + ", " + reported("failed");
-    // Lists of what is optional may be empty, and who cannot wait waits again.
+    // Lists of what is optional may be empty, and a wait that fails is repeated.
     const bool optional = where.find("ExtensionProperties") != std::string::npos || where.find("vkWait") != std::string::npos;
     EXPECT_EQ(outcome.exit, optional ? 0 : 1) << where;
     EXPECT_EQ(outcome.error.find("VK_ERROR_OUT_OF_HOST_MEMORY") == std::string::npos, optional) << where << ": " << outcome.error;
@@ -87,9 +87,10 @@ TEST_F(CommandFaults, a_run_that_finds_no_memory_ends_with_a_sentence_and_frees_
   }
 }
 
-// A checkpoint that fits and cannot be put back is no fault of who gave it.
+// A checkpoint that fits and cannot be restored is not the caller's fault.
 TEST_F(CommandFaults, a_checkpoint_for_which_there_is_no_memory_is_a_failure_and_no_bad_input) {
-  std::vector<std::string> call = {"run", write("sheet.json", kSheet), "--frames", "1000000", "--no-picture", "--out", out(), "--checkpoint", "1"};
+  std::vector<std::string> call = {
+      "run", write("sheet.json", kSheet), "--frames", "1000000", "--no-picture", "--out", out(), "--checkpoint", "1"};
   const pid_t child = spawn(call);
   const auto file = [&] {
     std::error_code none;
@@ -119,7 +120,7 @@ TEST_F(CommandFaults, a_device_that_is_lost_after_the_last_frame_is_told_too) {
   const std::vector<std::string> call = {"run", write("sheet.json", kSheet), "--frames", "2", "--no-picture", "--out", out()};
   inject("lost");
   ASSERT_EQ(weft(call).exit, 0);
-  // What notices a loss, from the end on: the simulation's end waits once more and has nobody to tell.
+  // What notices a loss, from the end on: the simulation's destructor waits once more and cannot report.
   bool read = false;
   for (long at = calls() - 1; at >= calls() - 4 && !read; --at) {
     inject("lost@" + std::to_string(at));

@@ -46,7 +46,8 @@ Scene scene() {
 class Host : public compute::OnDevice {
  protected:
   compute::BorrowedDevice loan() const {
-    return {device().vk().vkGetInstanceProcAddr, device().instance(), device().physical(), device().handle(), device().queue(), device().queue_family()};
+    const Device& d = device();
+    return {d.vk().vkGetInstanceProcAddr, d.instance(), d.physical(), d.handle(), d.queue(), d.queue_family()};
   }
   std::unique_ptr<Device> borrow() const {
     auto borrowed = Device::borrow(loan());
@@ -113,7 +114,7 @@ TEST_F(Host, recording_leaves_the_queue_to_the_host) {
   auto simulation = simulate(**borrowed);
   ASSERT_TRUE(simulation);
   watch.submits = 0;
-  auto ran = compute::run_once(device(), "host frame", [&](VkCommandBuffer commands) { EXPECT_TRUE(simulation->record(commands, kFrame)); });
+  auto ran = compute::run_once(device(), "host frame", [&](VkCommandBuffer c) { EXPECT_TRUE(simulation->record(c, kFrame)); });
   EXPECT_TRUE(ran);
   EXPECT_EQ(watch.submits, 0);   // the host's own submit goes past the ear
 }
@@ -154,7 +155,7 @@ TEST_F(Host, record_submit_and_advance_end_in_the_same_bits) {
   const auto expected = advanced(*by_advance);
   EXPECT_EQ(film(*by_submit, [&] { EXPECT_TRUE(by_submit->submit(kFrame)); }), expected);
   const auto record = [&] {
-    auto ran = compute::run_once(device(), "host frame", [&](VkCommandBuffer commands) { EXPECT_TRUE(by_record->record(commands, kFrame)); });
+    auto ran = compute::run_once(device(), "host frame", [&](VkCommandBuffer c) { EXPECT_TRUE(by_record->record(c, kFrame)); });
     EXPECT_TRUE(ran) << ran.error();
   };
   EXPECT_EQ(film(*by_record, record), expected);
@@ -167,11 +168,13 @@ TEST_F(Host, the_three_ways_can_take_turns) {
   auto alone = simulate(*borrowed), mixed = simulate(*borrowed);
   ASSERT_TRUE(alone && mixed);
   const auto expected = advanced(*alone);
-  int turn = 0;
+  int frame = 0;
   const auto next = [&] {
-    switch (turn++ % 3) {
+    switch (frame++ % 3) {
       case 0: EXPECT_TRUE(mixed->submit(kFrame)); break;
-      case 1: EXPECT_TRUE(compute::run_once(device(), "host frame", [&](VkCommandBuffer commands) { EXPECT_TRUE(mixed->record(commands, kFrame)); })); break;
+      case 1:
+        EXPECT_TRUE(compute::run_once(device(), "host frame", [&](VkCommandBuffer c) { EXPECT_TRUE(mixed->record(c, kFrame)); }));
+        break;
       default: EXPECT_TRUE(mixed->advance(kFrame));
     }
   };
@@ -197,7 +200,8 @@ TEST_F(Host, semaphores_alone_keep_a_frame_and_its_reader_apart) {
   auto copied = compute::create_timeline(device(), "copied");
   ASSERT_TRUE(pool && copied);
   for (std::uint32_t k = 0; k < kFrames; ++k) {
-    const VkSemaphoreSubmitInfo earlier{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, copied->get(), k, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
+    const VkSemaphoreSubmitInfo earlier{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, copied->get(), k,
+                                        VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
     ASSERT_TRUE(simulation->submit(kFrame, {&earlier, 1}));
     auto commands = pool->allocate("host frame");
     ASSERT_TRUE(commands);
@@ -211,9 +215,10 @@ TEST_F(Host, semaphores_alone_keep_a_frame_and_its_reader_apart) {
       recorder.finish();
     }
     device().vk().vkEndCommandBuffer(*commands);
-    const VkSemaphoreSubmitInfo ready{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, simulation->ready_semaphore(), simulation->ready_value(),
-                                      VK_PIPELINE_STAGE_2_COPY_BIT, 0};
-    const VkSemaphoreSubmitInfo done{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, copied->get(), k + 1, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
+    const VkSemaphoreSubmitInfo ready{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, simulation->ready_semaphore(),
+                                      simulation->ready_value(), VK_PIPELINE_STAGE_2_COPY_BIT, 0};
+    const VkSemaphoreSubmitInfo done{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, copied->get(), k + 1,
+                                     VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
     const VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO, nullptr, *commands, 0};
     const VkSubmitInfo2 work{VK_STRUCTURE_TYPE_SUBMIT_INFO_2, nullptr, 0, 1, &ready, 1, &buffer, 1, &done};
     ASSERT_TRUE(borrowed->submit(work));
@@ -235,7 +240,8 @@ TEST_F(Host, a_submitted_frame_waits_for_what_the_host_names) {
   auto simulation = simulate(*borrowed);
   auto drawn = compute::create_timeline(device(), "drawn");
   ASSERT_TRUE(simulation && drawn);
-  const VkSemaphoreSubmitInfo wait{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, drawn->get(), 1, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
+  const VkSemaphoreSubmitInfo wait{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, drawn->get(), 1,
+                                   VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
   ASSERT_TRUE(simulation->submit(kFrame, {&wait, 1}));
   std::this_thread::sleep_for(std::chrono::milliseconds(50));   // far longer than the frame would take
   std::uint64_t reached = 0;

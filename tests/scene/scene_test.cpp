@@ -114,8 +114,8 @@ TEST(Scene, contacts_are_off_until_asked_for_in_any_of_three_ways) {
   EXPECT_EQ(contacts_of("{}"), (Contacts{true, 0.25, 0, 0, 0}));
   EXPECT_EQ(contacts_of(R"({"enabled": false, "cell": 0.5})"), (Contacts{false, 0.25, 0, 0.5, 0}));
   EXPECT_EQ(contacts_of("", {{"contacts", "true"}}), (Contacts{true, 0.25, 0, 0, 0}));
-  EXPECT_EQ(contacts_of("", {{"contacts.reach", "0.01"}}), (Contacts{true, 0.25, 0, 0, 0.01}));
-  EXPECT_EQ(contacts_of("false", {{"contacts.reach", "0.01"}}), (Contacts{false, 0.25, 0, 0, 0.01}));
+  EXPECT_EQ(contacts_of("", {{"contacts.detection_margin", "0.01"}}), (Contacts{true, 0.25, 0, 0, 0.01}));
+  EXPECT_EQ(contacts_of("false", {{"contacts.detection_margin", "0.01"}}), (Contacts{false, 0.25, 0, 0, 0.01}));
   EXPECT_EQ(contacts_of("true", {{"contacts", "false"}}), Contacts{});
 }
 

@@ -37,14 +37,14 @@ class Faults : public GpuTest {
     GpuTest::TearDown();
   }
   void lend() {
-    const Device& own = GpuTest::device();
-    lent_ = must(Device::borrow({faulty::instance_function, own.instance(), own.physical(), own.handle(), own.queue(), own.queue_family()}));
+    const Device& d = GpuTest::device();
+    lent_ = must(Device::borrow({faulty::instance_function, d.instance(), d.physical(), d.handle(), d.queue(), d.queue_family()}));
   }
   Device& device() { return *lent_; }
 
-  // Works once without a fault, to learn the calls that could have it; then again and again, with the fault at each of them in turn, which
-  // `work` must tell of. Of the calls of one function at most `most` from the front and from the back are tried: they are alike, and time is short.
-  // Before each `prepare` makes what `work` gets; `after`, without a fault again, has it last.
+  // Works once without a fault, to learn the calls that could fail; then once for each of them, with the fault there, which `work` must
+  // report. Of the calls of one function only the first and the last `most` are tried: they are alike, and time is short. Before each,
+  // `prepare` makes what `work` gets; `after`, without a fault again, has it last.
   template <class Prepare, class Work, class After>
   void at_every_call(VkResult fault, long most, Prepare&& prepare, Work&& work, After&& after) {
     const std::string before = faults.left();
@@ -62,7 +62,10 @@ class Faults : public GpuTest {
         // What could not be waited for at first, and then could, has happened.
         const bool happened = fault != VK_ERROR_DEVICE_LOST && failed.starts_with("vkWait");
         EXPECT_EQ(bool(done), happened) << where << (happened ? "was not waited for again" : "failed without a word");
-        if (!done) { EXPECT_NE(done.error().find(compute::result_name(fault)), std::string::npos) << where << done.error(); }
+        if (!done) {
+          EXPECT_NE(done.error().find(compute::result_name(fault)), std::string::npos) << where << done.error();
+          EXPECT_EQ(done.kind(), fault == VK_ERROR_DEVICE_LOST ? ErrorKind::device_lost : ErrorKind::memory) << where << done.error();
+        }
       }
       if (fault != VK_ERROR_DEVICE_LOST) faults.plan(-1, fault);
       after(prepared);
@@ -85,6 +88,8 @@ class Faults : public GpuTest {
   std::unique_ptr<Device> lent_;
 };
 
+constexpr VkResult kNoMemory = VK_ERROR_OUT_OF_DEVICE_MEMORY, kNoHostMemory = VK_ERROR_OUT_OF_HOST_MEMORY;
+using Made = std::unique_ptr<Simulation>;
 struct Nothing {};
 constexpr auto nothing = [] { return Nothing(); };
 constexpr auto no_more = [](auto&) {};
@@ -101,7 +106,7 @@ Scene hung_sheet() {
   return scene;
 }
 
-// With colliders and contacts: more buffers, three times the passes, and room that grows.
+// With colliders and contacts: more buffers, three times the passes, and a capacity that grows.
 Scene folding_sheet() {
   Scene scene = hung_sheet();
   scene.colliders.push_back(sphere({0, -0.5f, 0}, 0.4));
@@ -109,7 +114,7 @@ Scene folding_sheet() {
   return scene;
 }
 
-// So close that the first search finds more pairs than there is room for.
+// So close that the first search finds more pairs than the capacity.
 Scene close_sheets() {
   Scene scene = sheet(4);
   scene.cloths.push_back(scene.cloths[0]);
@@ -128,24 +133,23 @@ Result<void> draw(Device& device, const Simulation& simulation, std::unique_ptr<
 }
 
 TEST_F(Faults, memory_that_runs_out_while_a_simulation_is_made_is_a_sentence_and_leaves_nothing) {
-  at_every_call(VK_ERROR_OUT_OF_DEVICE_MEMORY, kAll, nothing, [&](Nothing) { return plain(Simulation::create(device(), hung_sheet())); }, no_more);
+  at_every_call(kNoMemory, kAll, nothing, [&](Nothing) { return plain(Simulation::create(device(), hung_sheet())); }, no_more);
 }
 
 TEST_F(Faults, memory_that_runs_out_while_contacts_are_made_is_a_sentence_and_leaves_nothing) {
-  at_every_call(VK_ERROR_OUT_OF_DEVICE_MEMORY, 1, nothing, [&](Nothing) { return plain(Simulation::create(device(), folding_sheet())); }, no_more);
+  at_every_call(kNoMemory, 1, nothing, [&](Nothing) { return plain(Simulation::create(device(), folding_sheet())); }, no_more);
 }
 
 TEST_F(Faults, memory_that_runs_out_while_a_picture_is_drawn_is_a_sentence_and_leaves_nothing) {
   const auto simulation = must(Simulation::create(device(), hung_sheet()));
-  at_every_call(
-      VK_ERROR_OUT_OF_DEVICE_MEMORY, 2, [] { return std::unique_ptr<Shading>(); },
-      [&](std::unique_ptr<Shading>& shading) { return draw(device(), *simulation, shading); }, no_more);
+  const auto work = [&](std::unique_ptr<Shading>& shading) { return draw(device(), *simulation, shading); };
+  at_every_call(kNoMemory, 2, [] { return std::unique_ptr<Shading>(); }, work, no_more);
 }
 
 TEST_F(Faults, memory_that_runs_out_in_a_frame_is_a_sentence_and_the_next_frame_works) {
   at_every_call(
-      VK_ERROR_OUT_OF_HOST_MEMORY, 2, [&] { return must(Simulation::create(device(), hung_sheet())); },
-      [](const std::unique_ptr<Simulation>& simulation) -> Result<void> {
+      kNoHostMemory, 2, [&] { return must(Simulation::create(device(), hung_sheet())); },
+      [](const Made& simulation) -> Result<void> {
         for (int frame = 0; frame < 2; ++frame)
           if (auto done = plain(simulation->advance(1.0 / 60)); !done) return done;
         for (int frame = 0; frame < 3; ++frame)   // the third waits for the first
@@ -153,7 +157,7 @@ TEST_F(Faults, memory_that_runs_out_in_a_frame_is_a_sentence_and_the_next_frame_
         auto positions = simulation->read_positions();
         return positions ? simulation->write_positions(*positions) : positions.take_error();
       },
-      [](const std::unique_ptr<Simulation>& simulation) {
+      [](const Made& simulation) {
         must(simulation->advance(1.0 / 60));
         EXPECT_EQ(simulation->counts().non_finite, 0u);
       });
@@ -168,8 +172,8 @@ TEST_F(Faults, a_frame_whose_passes_are_timed_one_by_one_happens_whole_or_not_at
   must(unharmed->advance(1.0 / 60));
   const std::uint64_t after = hash_of(*unharmed);
   at_every_call(
-      VK_ERROR_OUT_OF_HOST_MEMORY, 3, create, [](const std::unique_ptr<Simulation>& simulation) { return plain(simulation->advance(1.0 / 60)); },
-      [&](const std::unique_ptr<Simulation>& simulation) {
+      kNoHostMemory, 3, create, [](const Made& simulation) { return plain(simulation->advance(1.0 / 60)); },
+      [&](const Made& simulation) {
         if (hash_of(*simulation) == after) return;
         EXPECT_EQ(hash_of(*simulation), before) << "a part of a frame's substeps";
         must(simulation->advance(1.0 / 60));
@@ -189,17 +193,17 @@ TEST_F(Faults, a_frame_with_contacts_that_is_broken_off_between_two_passes_leave
   const auto simulation = must(Simulation::create(device(), scene, one_by_one));
   for (int frame = 0; frame < 3; ++frame) must(simulation->advance(1.0 / 60));
   const Snapshot snapshot = must(simulation->save());
-  faults.plan(-1, VK_ERROR_OUT_OF_HOST_MEMORY);
+  faults.plan(-1, kNoHostMemory);
   must(simulation->advance(1.0 / 60));
   const auto calls = static_cast<long>(faults.counted.size());
   const std::uint64_t expected = hash_of(*simulation);
   EXPECT_GT(simulation->counts().contacts_most, 100u);
   for (long call = 1; call < calls; call += std::max(1L, calls / 60)) {
     must(simulation->restore(snapshot));
-    faults.plan(call, VK_ERROR_OUT_OF_HOST_MEMORY);
+    faults.plan(call, kNoHostMemory);
     const auto done = simulation->advance(1.0 / 60);
     const std::string failed = faults.failed;
-    faults.plan(-1, VK_ERROR_OUT_OF_HOST_MEMORY);
+    faults.plan(-1, kNoHostMemory);
     EXPECT_EQ(bool(done), failed.starts_with("vkWait")) << "call " << call << " of " << calls << ", " << failed;
     must(simulation->restore(snapshot));
     must(simulation->advance(1.0 / 60));
@@ -207,13 +211,13 @@ TEST_F(Faults, a_frame_with_contacts_that_is_broken_off_between_two_passes_leave
   }
 }
 
-// Half a pose among the paths of another would be torn back.
+// Half a pose on the trajectories of another would be torn back.
 TEST_F(Faults, a_pose_is_written_whole_or_not_at_all) {
   Scene scene = close_sheets();
   scene.cloths[0].anchors.push_back(held_at({Corner::low_high}));
   std::vector<gpu::vec4> before, wanted;
   at_every_call(
-      VK_ERROR_OUT_OF_DEVICE_MEMORY, 1,
+      kNoMemory, 1,
       [&] {
         auto simulation = must(Simulation::create(device(), scene));
         must(simulation->advance(1.0 / 60));
@@ -221,8 +225,8 @@ TEST_F(Faults, a_pose_is_written_whole_or_not_at_all) {
         for (gpu::vec4& p : wanted) p.y += 3;
         return simulation;
       },
-      [&](const std::unique_ptr<Simulation>& simulation) { return simulation->write_positions(wanted); },
-      [&](const std::unique_ptr<Simulation>& simulation) {
+      [&](const Made& simulation) { return simulation->write_positions(wanted); },
+      [&](const Made& simulation) {
         const auto after = must(simulation->read_positions());
         const bool whole = after[0].y == wanted[0].y;
         for (std::size_t i = 0; i < after.size(); ++i) ASSERT_EQ(after[i].y, (whole ? wanted : before)[i].y) << i;
@@ -246,22 +250,22 @@ TEST_F(Faults, a_mesh_collider_is_placed_whole_or_not_at_all) {
   ColliderPose pose;
   pose.centre = {0, -2, 0};
   at_every_call(
-      VK_ERROR_OUT_OF_DEVICE_MEMORY, 1, [&] { return must(Simulation::create(device(), scene)); },
-      [&](const std::unique_ptr<Simulation>& simulation) { return simulation->place_collider(0, pose); },
-      [](const std::unique_ptr<Simulation>& simulation) {
+      kNoMemory, 1, [&] { return must(Simulation::create(device(), scene)); },
+      [&](const Made& simulation) { return simulation->place_collider(0, pose); },
+      [](const Made& simulation) {
         EXPECT_EQ(must(simulation->read_positions()).back().y, simulation->colliders()[0].centre.y);
         must(simulation->advance(1.0 / 60));
         EXPECT_EQ(must(simulation->read_positions()).back().y, simulation->colliders()[0].centre.y);
       });
 }
 
-// A pin that stands where it was led to stays there, or where the snapshot has it, when another is moved.
+// A pin that stands at its target stays there, or where the snapshot has it, when another is moved.
 TEST_F(Faults, a_state_that_could_not_be_put_back_has_its_own_pins) {
   Scene scene = close_sheets();
   scene.cloths[0].anchors = {held_at({Corner::low_high}), held_at({Corner::high_high})};
   Snapshot snapshot;
   at_every_call(
-      VK_ERROR_OUT_OF_DEVICE_MEMORY, 1,
+      kNoMemory, 1,
       [&] {
         auto simulation = must(Simulation::create(device(), scene));
         snapshot = must(simulation->save());
@@ -271,8 +275,8 @@ TEST_F(Faults, a_state_that_could_not_be_put_back_has_its_own_pins) {
         must(simulation->advance(1.0 / 60));
         return simulation;
       },
-      [&](const std::unique_ptr<Simulation>& simulation) { return simulation->restore(snapshot); },
-      [](const std::unique_ptr<Simulation>& simulation) {
+      [&](const Made& simulation) { return simulation->restore(snapshot); },
+      [](const Made& simulation) {
         const std::uint32_t pin = simulation->fabric().anchors[0].particle;
         const float height = must(simulation->read_positions())[pin].y;
         const Vec3 there = simulation->fabric().anchors[1].rest + Vec3{0, 0.01f, 0};
@@ -285,15 +289,15 @@ TEST_F(Faults, a_state_that_could_not_be_put_back_has_its_own_pins) {
 TEST_F(Faults, pins_that_a_failed_frame_was_to_move_get_there_with_the_next) {
   Vec3 target;
   at_every_call(
-      VK_ERROR_OUT_OF_HOST_MEMORY, 2,
+      kNoHostMemory, 2,
       [&] {
         auto simulation = must(Simulation::create(device(), hung_sheet()));
         target = simulation->fabric().anchors[0].rest + Vec3{0, 0.25f, 0};
         must(simulation->move_anchors(0, {&target, 1}));
         return simulation;
       },
-      [](const std::unique_ptr<Simulation>& simulation) { return plain(simulation->submit(1.0 / 60)); },
-      [&](const std::unique_ptr<Simulation>& simulation) {
+      [](const Made& simulation) { return plain(simulation->submit(1.0 / 60)); },
+      [&](const Made& simulation) {
         must(simulation->advance(0));   // no substep fits
         must(simulation->advance(1.0 / 60));
         const gpu::vec4 p = must(simulation->read_positions())[simulation->fabric().anchors[0].particle];
@@ -301,24 +305,23 @@ TEST_F(Faults, pins_that_a_failed_frame_was_to_move_get_there_with_the_next) {
       });
 }
 
-TEST_F(Faults, memory_that_runs_out_while_contacts_get_more_room_is_told_and_nothing_crosses) {
+TEST_F(Faults, memory_that_runs_out_while_contacts_get_more_capacity_is_told_and_nothing_crosses) {
   at_every_call(
-      VK_ERROR_OUT_OF_DEVICE_MEMORY, 1, [&] { return must(Simulation::create(device(), close_sheets())); },
-      [](const std::unique_ptr<Simulation>& simulation) -> Result<void> {
+      kNoMemory, 1, [&] { return must(Simulation::create(device(), close_sheets())); },
+      [](const Made& simulation) -> Result<void> {
         if (auto done = plain(simulation->advance(1.0 / 60)); !done) return done;
-        // Too little room is no end: less is asked for, what has none is held still, and a note says why.
+        // A capacity that is too small is no end: less is asked for, pairs that overflow hold their particles still, and a note says why.
         const auto& notes = simulation->fabric().notes;
         if (notes.empty()) return {};
-        EXPECT_EQ(simulation->counts().contacts_lost, 0u) << "there was memory for less";
+        EXPECT_EQ(simulation->counts().contacts_overflowed, 0u) << "there was memory for less";
         return fail(notes.back());
       },
-      [](const std::unique_ptr<Simulation>& simulation) {
+      [](const Made& simulation) {
         must(simulation->advance(1.0 / 60));
         EXPECT_GT(simulation->counts().contacts_most, 16u);
-        // A loss that was taken back must not be taken for one of the frame that follows.
-        for (const BufferUse& buffer : simulation->buffers()) {
+        // An overflow that was undone must not count as one of the frame that follows.
+        for (const BufferUse& buffer : simulation->buffers())
           if (buffer.name == "candidates") { EXPECT_LE(buffer.bytes, 4 * sizeof(gpu::uvec4) * simulation->counts().contacts_most); }
-        }
         const auto particles = must(simulation->read_positions());
         std::vector<Vec3> positions;
         for (const gpu::vec4& p : particles) positions.push_back({p.x, p.y, p.z});
@@ -326,16 +329,16 @@ TEST_F(Faults, memory_that_runs_out_while_contacts_get_more_room_is_told_and_not
       });
 }
 
-// Contacts want 1.5 times the room that there is, and twice as much is more than a storage buffer may hold.
-TEST_F(Faults, contacts_get_as_much_room_as_the_device_has_for_them_where_it_has_not_twice_as_much) {
+// Contacts need 1.5 times their capacity, and twice as much is more than a storage buffer may hold.
+TEST_F(Faults, contacts_get_as_much_capacity_as_the_device_allows_where_it_does_not_allow_twice_as_much) {
   Scene scene = close_sheets();
   for (Cloth& cloth : scene.cloths) cloth.grid->cells_x = cloth.grid->cells_y = 24;
   scene.contacts.capacity = 1 << 16;
-  auto roomy = must(Simulation::create(device(), scene));
-  must(roomy->advance(1.0 / 60));
-  const std::uint32_t found = roomy->counts().contacts_most;
-  const std::uint64_t hash = hash_of(*roomy);
-  roomy.reset();
+  auto ample = must(Simulation::create(device(), scene));
+  must(ample->advance(1.0 / 60));
+  const std::uint32_t found = ample->counts().contacts_most;
+  const std::uint64_t hash = hash_of(*ample);
+  ample.reset();
 
   scene.contacts.capacity = found * 2 / 3;
   for (const std::uint32_t spare : {found / 8, found / 64}) {
@@ -343,7 +346,7 @@ TEST_F(Faults, contacts_get_as_much_room_as_the_device_has_for_them_where_it_has
     lend();
     const auto simulation = must(Simulation::create(device(), scene));
     must(simulation->advance(1.0 / 60));
-    EXPECT_EQ(simulation->counts().contacts_lost, 0u) << "room for " << spare << " more";
+    EXPECT_EQ(simulation->counts().contacts_overflowed, 0u) << "capacity for " << spare << " more";
     EXPECT_EQ(hash_of(*simulation), hash);
     ASSERT_FALSE(simulation->fabric().notes.empty());
     EXPECT_NE(simulation->fabric().notes.back().find("maxStorageBufferRange"), std::string::npos) << simulation->fabric().notes.back();
@@ -357,12 +360,12 @@ TEST_F(Faults, memory_that_runs_out_while_a_state_is_put_back_is_a_sentence_and_
   must(first->advance(1.0 / 60));
   const std::uint64_t expected = hash_of(*first);
   at_every_call(
-      VK_ERROR_OUT_OF_DEVICE_MEMORY, 1, [&] { return must(Simulation::create(device(), close_sheets())); },
-      [&](const std::unique_ptr<Simulation>& simulation) -> Result<void> {
+      kNoMemory, 1, [&] { return must(Simulation::create(device(), close_sheets())); },
+      [&](const Made& simulation) -> Result<void> {
         if (auto done = simulation->restore(snapshot); !done) return done;
         return plain(simulation->save());
       },
-      [&](const std::unique_ptr<Simulation>& simulation) {
+      [&](const Made& simulation) {
         must(simulation->restore(snapshot));
         must(simulation->advance(1.0 / 60));
         EXPECT_EQ(hash_of(*simulation), expected);
@@ -371,12 +374,12 @@ TEST_F(Faults, memory_that_runs_out_while_a_state_is_put_back_is_a_sentence_and_
 
 TEST_F(Faults, a_device_that_is_lost_is_a_sentence_wherever_it_happens_and_nothing_hangs) {
   at_every_call(
-      VK_ERROR_DEVICE_LOST, 3, [] { return std::unique_ptr<Simulation>(); },
-      [&](std::unique_ptr<Simulation>& kept) -> Result<void> {
+      VK_ERROR_DEVICE_LOST, 3, [] { return Made(); },
+      [&](Made& owner) -> Result<void> {
         auto made = Simulation::create(device(), folding_sheet());
         if (!made) return made.take_error();
-        kept = std::move(*made);   // its end, which waits too, has nobody to tell
-        Simulation& simulation = *kept;
+        owner = std::move(*made);   // its destructor, which waits too, cannot report
+        Simulation& simulation = *owner;
         for (int frame = 0; frame < 2; ++frame)
           if (auto done = plain(simulation.advance(1.0 / 60)); !done) return done;
         for (int frame = 0; frame < 3; ++frame)
@@ -389,9 +392,8 @@ TEST_F(Faults, a_device_that_is_lost_is_a_sentence_wherever_it_happens_and_nothi
 
 TEST_F(Faults, a_device_that_is_lost_while_a_picture_is_drawn_is_a_sentence) {
   const auto simulation = must(Simulation::create(device(), hung_sheet()));
-  at_every_call(
-      VK_ERROR_DEVICE_LOST, kAll, [] { return std::unique_ptr<Shading>(); },
-      [&](std::unique_ptr<Shading>& shading) { return draw(device(), *simulation, shading); }, no_more);
+  const auto work = [&](std::unique_ptr<Shading>& shading) { return draw(device(), *simulation, shading); };
+  at_every_call(VK_ERROR_DEVICE_LOST, kAll, [] { return std::unique_ptr<Shading>(); }, work, no_more);
 }
 
 }  // namespace

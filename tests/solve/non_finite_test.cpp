@@ -1,4 +1,4 @@
-// What is not finite, put in at every door: it is refused or restored, counted, and the rest of the cloth does not feel it.
+// Values that are not finite, through every entry: refused, or restored and counted, and the rest of the cloth does not feel them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ void expect_same(const Simulation& a, const Simulation& b) {
   for (std::size_t i = 0; i < x.size(); ++i) ASSERT_TRUE(same_bits(x[i], y[i]) && same_bits(u[i], v[i])) << "particle " << i;
 }
 
-TEST_F(NonFinite, places_and_velocities_that_a_host_writes_are_mended_and_counted_and_nobody_else_feels_them) {
+TEST_F(NonFinite, positions_and_velocities_that_a_host_writes_are_sanitized_and_counted_and_no_other_particle_feels_them) {
   for (const Subject& subject : subjects()) {
     SCOPED_TRACE(subject.name);
     const auto good = must(Simulation::create(device(), subject.scene)), bad = must(Simulation::create(device(), subject.scene));
@@ -69,7 +69,8 @@ TEST_F(NonFinite, a_lost_particle_goes_along_where_its_cloth_is_carried_off) {
   EXPECT_EQ(simulation->counts().non_finite, 15u);
   std::vector<gpu::vec4> nothing(pose.size(), {kNan, kNan, kNan, 0});
   must(simulation->write_positions(nothing));
-  EXPECT_EQ(std::memcmp(must(simulation->read_positions()).data(), after.data(), after.size() * sizeof after[0]), 0) << "nobody knows better";
+  EXPECT_EQ(std::memcmp(must(simulation->read_positions()).data(), after.data(), after.size() * sizeof after[0]), 0)
+      << "no host knows a better one";
 }
 
 // Runs one substep, and reads places, velocities and counters.
@@ -99,12 +100,12 @@ Substep substep(const compute::Device& device, const Scene& scene, const CookedF
   return end;
 }
 
-// The shaders alone, which nobody can hand such a thing through the API: a prediction that is not finite.
+// The shaders alone, since the API lets none through: a prediction that is not finite.
 TEST_F(NonFinite, a_particle_that_turns_non_finite_in_a_substep_is_put_back_at_rest_and_those_out_of_reach_do_not_feel_it) {
   for (Subject& subject : subjects()) {
     SCOPED_TRACE(subject.name);
     Scene& scene = subject.scene;
-    scene.colliders.clear();   // without them a particle hears of others through constraints alone
+    scene.colliders.clear();   // without them only constraints connect a particle with others
     for (Anchor& anchor : scene.cloths[0].anchors) anchor.keys.clear();
     const std::uint32_t cells = 40;
     scene.cloths[0].grid = Grid{{2, 2}, cells, cells, Topology::diagonal, false};
@@ -123,7 +124,7 @@ TEST_F(NonFinite, a_particle_that_turns_non_finite_in_a_substep_is_put_back_at_r
     EXPECT_TRUE(same_bits(bad.positions[lost], fabric.positions[lost]));
     EXPECT_TRUE(same_bits(bad.velocities[lost], {0, 0, 0, fabric.velocities[lost].w}));
     const gpu::vec4& x = fabric.positions[lost];
-    // Far links reach eight edges an iteration; from colour to colour, or in a linear solve, everybody hears of everybody.
+    // Far links reach eight edges an iteration; from colour to colour, or in a linear solve, every particle reaches all others.
     const double reach = (8 * scene.solver.iterations + 2) * 2.0 / cells;
     const bool local = scene.solver.method != Method::implicit && scene.solver.method != Method::gauss_seidel;
     int beyond = 0;

@@ -1,5 +1,5 @@
 // Simulation as physics: falls, rests, slides and strains that are known beforehand, and the failures of earlier systems
-// (F1 ... F17, each told beside its test). The API's promises are in simulation_test.cpp.
+// (F1 ... F17, each named beside its test). The API's promises are in simulation_test.cpp.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -56,8 +56,9 @@ TEST_F(SimulationPhysics, a_free_stretched_sheet_keeps_its_centre_of_mass) {
 }
 
 // Rest lengths are stored with a relative error of up to 2^-19, different for links of different lengths. Let go, a sheet swings
-// about the shape they agree on, in stretch and in shear, by twice its distance from it: 4 x 2^-19 of a side of 1 m. Places, rounded to
-// 2^-26 m in each of a thousand substeps, add what they walk until links bring them back, 2^-18. The slowest wave, of shear, runs at sqrt(45 / 0.12) = 19 m/s, so it turns with 61 rad/s.
+// about the shape they agree on, in stretch and in shear, by twice its distance from it: 4 x 2^-19 of a side of 1 m. Positions, rounded
+// to 2^-26 m in each of a thousand substeps, add what they walk until links bring them back, 2^-18. The slowest wave, of shear, runs
+// at sqrt(45 / 0.12) = 19 m/s, so it turns with 61 rad/s.
 TEST_F(SimulationPhysics, a_sheet_at_rest_does_not_move) {
   constexpr double kOff = 4 * 0x1p-19 + 0x1p-18;
   Scene scene = sheet(24);
@@ -82,14 +83,14 @@ TEST_F(SimulationPhysics, anchors_are_exact_to_the_bit) {
   scene.cloths[0].anchors.push_back(held_at({Corner::low_low, Corner::high_low, Corner::high_high}));
   const auto simulation = must(Simulation::create(device(), scene));
   const auto& anchors = simulation->fabric().anchors;
-  Vec3 led = anchors[1].rest;
+  Vec3 target = anchors[1].rest;
   for (int k = 0; k < 40; ++k) {
-    led = {led.x + 0.0123f, led.y + 0.0071f, led.z - 0.0037f};
-    must(simulation->move_anchors(1, std::span(&led, 1)));
+    target = {target.x + 0.0123f, target.y + 0.0071f, target.z - 0.0037f};
+    must(simulation->move_anchors(1, std::span(&target, 1)));
     must(simulation->advance(kFrame));
     const auto positions = must(simulation->read_positions());
     for (const std::size_t a : {0u, 1u, 2u}) {
-      const Vec3 wanted = a == 1 ? led : anchors[a].rest;
+      const Vec3 wanted = a == 1 ? target : anchors[a].rest;
       ASSERT_EQ(std::memcmp(&positions[anchors[a].particle], &wanted, sizeof wanted), 0) << "anchor " << a << ", frame " << k;
     }
   }
@@ -109,7 +110,7 @@ TEST_F(SimulationPhysics, anchors_inside_a_collider_stay) {
   EXPECT_EQ(simulation->counts().non_finite, 0u);
 }
 
-// F14: bending lost its digits 1000 m from the origin. Told from an origin near by, a scene far away is the same to the bit.
+// F14: bending lost its digits 1000 m from the origin. Relative to an origin near by, a scene far away is the same to the bit.
 TEST_F(SimulationPhysics, a_sheet_10_km_away_hangs_as_it_does_here_to_the_bit) {
   constexpr Vec3 kAway{9984, -48, -10000};   // whole steps of origins; floats there have a thousandth of a metre, 2^-10
   std::uint64_t hashes[2];

@@ -157,7 +157,7 @@ TEST(Plan, its_buffers_are_what_its_passes_touch) {
 
 TEST(Plan, whatever_a_pass_writes_for_others_is_read) {
   // For the renderer and the host alone; the other iterate is read in the next pass, under the other name.
-  const std::set<const Buffer*> outputs = {&buffers::vertex_positions, &buffers::vertex_normals, &buffers::counters, &buffers::relaxed};
+  const std::set<const Buffer*> outputs = {&buffers::vertex_positions, &buffers::vertex_normals, &buffers::counters, &buffers::next_iterate};
   for_every_plan([&](const Plan& plan, const Calls&, bool) {
     compute::IndexSet reads;
     for (const PlannedPass& planned : plan.passes) reads.insert(planned.reads);
@@ -243,18 +243,18 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(calls.has(Id::stretch) && calls.iterated, {&b::stretch_lambda});
     expect(coloured, {&b::coloured_links});
     expect(coloured && calls.iterated, {&b::coloured_lambda});
-    expect(accelerated, {&b::stretch_steps, &b::iterates, &b::acceleration});
+    expect(accelerated, {&b::stretch_steps, &b::chebyshev_iterates, &b::acceleration});
     expect(accelerated && bending, {&b::bend_steps});
     expect(bending && !calls.iterated, {&b::bend_rows, &b::bend_entries});
     expect(bending && calls.iterated, {&b::bends, &b::bend_lambda, &b::bend_impulses, &b::bend_uses, &b::bend_use_rows});
     expect(calls.has(Id::dihedral), {&b::hinges, &b::hinge_impulses, &b::hinge_uses, &b::hinge_use_rows});
     expect(calls.has(Id::spring), {&b::spring_rows, &b::spring_ends, &b::springs});
-    expect(implicit, {&b::spring_blocks, &b::inverses, &b::exchanged, &b::krylov, &b::partial_sums, &b::linear, &b::free_cloths});
-    expect(implicit && calls.has(Id::collide), {&b::walls});
-    expect(calls.has(Id::contact), {&b::triangles, &b::edges, &b::rest, &b::references, &b::paths, &b::leashes, &b::grid_counts, &b::grid_starts, &b::grid_totals,
+    expect(implicit, {&b::spring_blocks, &b::inverses, &b::exchanged, &b::solve_vectors, &b::partial_sums, &b::linear, &b::free_cloths});
+    expect(implicit && calls.has(Id::collide), {&b::collider_filters});
+    expect(calls.has(Id::contact), {&b::triangles, &b::edges, &b::rest, &b::detected_positions, &b::trajectories, &b::displacement_bounds, &b::grid_counts, &b::grid_starts, &b::grid_totals,
                                     &b::grid_entries, &b::detection, &b::candidates, &b::contact_normals, &b::contact_weights, &b::contact_counts, &b::contact_sums,
-                                    &b::contact_lacks, &b::fractions, &b::contact_list});
-    expect(true, {&b::positions, &b::velocities, &b::predicted, &b::relaxed, &b::materials, &b::surface_rows, &b::corners, &b::vertex_positions, &b::vertex_normals,
+                                    &b::contact_penetrations, &b::step_fractions, &b::contact_list});
+    expect(true, {&b::positions, &b::velocities, &b::predicted, &b::next_iterate, &b::materials, &b::surface_rows, &b::corners, &b::vertex_positions, &b::vertex_normals,
                   &b::counters});
   });
 }
@@ -278,7 +278,7 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   EXPECT_EQ(labels({{Id::spring, Id::implicit, Id::tether}}),
             (Labels{"predict", "implicit_assemble", "implicit_multiply", "implicit_advance", "implicit_drift", "implicit_step+tether+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::spring, Id::implicit}, false, true}), (Labels{"predict", "implicit_assemble", "implicit_relax", "implicit_drift", "implicit_step+finalize", "surface"}));
-  EXPECT_EQ(labels({{Id::spring, Id::implicit, Id::collide}}), (Labels{"predict", "implicit_assemble", "implicit_meet", "implicit_multiply", "implicit_advance",
+  EXPECT_EQ(labels({{Id::spring, Id::implicit, Id::collide}}), (Labels{"predict", "implicit_assemble", "implicit_filter", "implicit_multiply", "implicit_advance",
                                                                        "implicit_drift", "implicit_step+collide+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::stretch, Id::collide}, true}), (Labels{"predict", "stretch+collide+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::spring, Id::tether}}), (Labels{"predict", "spring", "finalize+tether", "surface"}));
@@ -288,15 +288,15 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   EXPECT_EQ(labels({{Id::stretch, Id::dihedral, Id::bend}}), (Labels{"predict", "stretch", "bend", "dihedral", "dihedral_gather+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::gauss_seidel, Id::dihedral}}), (Labels{"predict", "gauss_seidel", "dihedral", "dihedral_gather+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::stretch, Id::chebyshev, Id::bend, Id::collide}, true}),
-            (Labels{"predict", "stretch", "bend_lambda", "bend_gather", "accelerate+collide+finalize", "surface"}));
+            (Labels{"predict", "stretch", "bend_lambda", "bend_gather", "chebyshev+collide+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::stretch, Id::contact}}),
-            (Labels{"predict+watch", "detect_arm", "detect_path", "grid_count", "grid_total", "grid_scan", "grid_fill", "search_faces", "search_edges", "search_arm",
-                    "pair_faces", "pair_edges", "contact_arm", "contact_prepare", "stretch", "contact_weigh", "contact_solve", "contact_apply", "contact_open",
+            (Labels{"predict+watch", "detect_arguments", "detect_trajectory", "grid_count", "grid_total", "grid_scan", "grid_fill", "search_faces", "search_edges", "search_arguments",
+                    "pair_faces", "pair_edges", "contact_arguments", "contact_prepare", "stretch", "contact_penetration", "contact_solve", "contact_apply", "contact_unsafe",
                     "contact_limit", "contact_finalize", "surface"}));
   EXPECT_EQ(labels(with(all, {Id::contact})),
-            (Labels{"predict+watch", "anchor+watch", "detect_arm", "detect_path", "grid_count", "grid_total", "grid_scan", "grid_fill", "search_faces", "search_edges",
-                    "search_arm", "pair_faces", "pair_edges", "contact_arm", "contact_prepare", "stretch", "bend+tether+collide", "contact_weigh", "contact_solve",
-                    "contact_apply+collide", "contact_open", "contact_limit", "contact_finalize", "surface"}));
+            (Labels{"predict+watch", "anchor+watch", "detect_arguments", "detect_trajectory", "grid_count", "grid_total", "grid_scan", "grid_fill", "search_faces", "search_edges",
+                    "search_arguments", "pair_faces", "pair_edges", "contact_arguments", "contact_prepare", "stretch", "bend+tether+collide", "contact_penetration", "contact_solve",
+                    "contact_apply+collide", "contact_unsafe", "contact_limit", "contact_finalize", "surface"}));
 }
 
 TEST(Buffers, names_are_one_row_each_and_every_row_is_one_that_passes_touch) {
@@ -417,8 +417,8 @@ TEST(Passes, threads_are_counted_from_what_was_cooked) {
   EXPECT_EQ(threads["anchor"], 6u);
   EXPECT_EQ(threads["bend_lambda"], sheet.fabric.bends.size());
   EXPECT_EQ(threads["surface"], 30u);
-  EXPECT_EQ(threads["contact_arm"], 30u);
-  EXPECT_EQ(dispatches["contact_limit"], std::size_t(WEFT_ROUNDS));
+  EXPECT_EQ(threads["contact_arguments"], 30u);
+  EXPECT_EQ(dispatches["contact_limit"], std::size_t(WEFT_LIMIT_PASSES));
   const Sheet coloured = sheet_for({{Id::gauss_seidel}});
   for (const Pass& pass : effect(Id::gauss_seidel).passes) EXPECT_EQ(ranges_of(pass, coloured.subject()).size(), coloured.fabric.colour_ends.size());
 }

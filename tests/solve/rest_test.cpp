@@ -1,7 +1,7 @@
 // Cloth that rests is at rest: it neither creeps nor shivers.
 //
-// A speed is taken over a frame, as it is seen. The velocities that substeps work with also have the rounding of places in them, which is a
-// place's last bit in each substep, up to 1e-3 m/s some metres from the origin, and goes nowhere.
+// A speed is taken over a frame, as it is seen. The velocities of substeps also have the rounding of positions, a last bit in each
+// substep: up to 1e-3 m/s some metres from the origin, which adds up to no motion.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,7 +22,8 @@ double seen_speed(Simulation& simulation) {
   const auto after = must(simulation.read_positions());
   double fastest = 0;
   for (std::size_t i = 0; i < before.size(); ++i)
-    fastest = std::max(fastest, std::hypot(double(after[i].x) - before[i].x, double(after[i].y) - before[i].y, double(after[i].z) - before[i].z) / kFrame);
+    fastest = std::max(fastest, std::hypot(double(after[i].x) - before[i].x, double(after[i].y) - before[i].y,
+                                           double(after[i].z) - before[i].z) / kFrame);
   return fastest;
 }
 

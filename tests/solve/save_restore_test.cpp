@@ -27,23 +27,27 @@ void frame(Simulation& simulation, int k) {
 }
 
 void expect_same(const Simulation& a, const Simulation& b) {
-  const auto bits = [](const std::vector<gpu::vec4>& values) { return std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(gpu::vec4)); };
+  const auto bits = [](const std::vector<gpu::vec4>& values) {
+    return std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(gpu::vec4));
+  };
   EXPECT_EQ(hash_of(a), hash_of(b));
   EXPECT_TRUE(bits(must(a.read_velocities())) == bits(must(b.read_velocities())));
   EXPECT_EQ(must(a.read_vertex_normals()), must(b.read_vertex_normals()));
   EXPECT_EQ(a.time(), b.time());
   const Counts x = a.counts(), y = b.counts();
-  EXPECT_EQ(std::memcmp(&x, &y, sizeof x), 0) << "contacts " << x.contacts_most << " and " << y.contacts_most << ", detections " << x.detections << " and " << y.detections;
+  EXPECT_EQ(std::memcmp(&x, &y, sizeof x), 0) << "contacts " << x.contacts_most << " and " << y.contacts_most << ", detections "
+                                              << x.detections << " and " << y.detections;
 }
 
-// Goes on until a frame ends with candidates that the next one uses again: where it searches first a snapshot has none.
+// Goes on until a frame ends with candidates that the next one uses again: a frame that begins with a detection needs none.
 Snapshot with_candidates(Simulation& simulation, int& frames) {
   for (; frames < 60; ++frames) {
     frame(simulation, frames);
     const Snapshot snapshot = must(simulation.save());
-    if (std::ranges::find(snapshot.contents, "candidates", &Snapshot::Content::name)->bytes.size() > 16 * sizeof(gpu::uvec4)) return ++frames, snapshot;
+    if (std::ranges::find(snapshot.contents, "candidates", &Snapshot::Content::name)->bytes.size() > 16 * sizeof(gpu::uvec4))
+      return ++frames, snapshot;
   }
-  ADD_FAILURE() << "every frame ended with a search due";
+  ADD_FAILURE() << "every frame ended with a detection needed";
   return must(simulation.save());
 }
 
@@ -77,15 +81,16 @@ TEST_F(SimulationSnapshot, going_on_from_a_snapshot_is_bitwise_the_same_as_never
     for (std::size_t k = 0; k < one.contents.size(); ++k) {
       const auto& [name, bytes] = one.contents[k];
       EXPECT_TRUE(bytes == other.contents[k].bytes) << name;
-      if (name == "leashes") {   // no memory beyond the last particle that nobody ever wrote
+      if (name == "displacement_bounds") {   // nothing beyond the last particle, which no pass ever wrote
         EXPECT_EQ(bytes.size(), 4 * whole->fabric().positions.size());
       }
     }
-    EXPECT_TRUE(snapshot_bytes(one) == snapshot_bytes(other)) << "room for " << one.capacity << " and " << other.capacity << " candidates";
+    EXPECT_TRUE(snapshot_bytes(one) == snapshot_bytes(other))
+        << "capacity for " << one.capacity << " and " << other.capacity << " candidates";
   }
 }
 
-// In which order threads find candidates nobody knows: turned round they lead to the same bits, and a snapshot of the same state is the same file.
+// Threads find candidates in any order: reversed, they lead to the same bits, and a snapshot of the same state is the same file.
 TEST_F(SimulationSnapshot, the_order_of_candidates_reaches_neither_frames_nor_files) {
   const Scene scene = subjects().back().scene;
   const auto whole = must(Simulation::create(device(), scene));
@@ -108,7 +113,7 @@ TEST_F(SimulationSnapshot, the_order_of_candidates_reaches_neither_frames_nor_fi
   expect_same(*whole, *other);
 }
 
-// Particles are about an origin of their own there, mesh colliders' too, and frames that nobody waits for leave the same behind.
+// Particles, those of mesh colliders too, have an origin of their own there; frames that the host does not wait for end the same.
 TEST_F(SimulationSnapshot, cloth_on_a_mesh_collider_10_km_away_goes_on_the_same_after_frames_of_submit_and_record) {
   const test::Folder folder;
   folder.write("floor.obj", "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 4 3 2\n");
@@ -146,7 +151,7 @@ Anchor held_everywhere() {
   return anchor;
 }
 
-// Its place does not tell where it is led.
+// Its position does not tell its target.
 TEST_F(SimulationSnapshot, an_anchor_that_waits_for_cloth_goes_on_waiting_and_on_its_way) {
   Scene scene = sheet(8);
   scene.contacts.enabled = true;
@@ -167,17 +172,17 @@ TEST_F(SimulationSnapshot, an_anchor_that_waits_for_cloth_goes_on_waiting_and_on
     for (int k = 0; k < 5; ++k) must(simulation.advance(1.0 / 60));
     return must(simulation.read_positions())[whole->fabric().anchors[pin].particle].y - target.y;
   };
-  EXPECT_EQ(whole->counts().lag, 0);
+  EXPECT_EQ(whole->counts().tracking_error, 0);
   const float off = lead(*whole, -0.022f);
   EXPECT_GT(off, 0.002f) << "the sheet between is in the way";
-  EXPECT_GT(whole->counts().lag, 0.99f * off);
+  EXPECT_GT(whole->counts().tracking_error, 0.99f * off);
   const auto resumed = must(Simulation::create(device(), scene));
   must(resumed->restore(must(whole->save())));
   for (Simulation* simulation : {whole.get(), resumed.get()})
     for (int k = 0; k < 5; ++k) must(simulation->advance(1.0 / 60));
   expect_same(*whole, *resumed);
   EXPECT_EQ(lead(*resumed, 0.01f), 0) << "the way is free";
-  EXPECT_LT(resumed->counts().lag, 0.022f) << "the way that it was led";
+  EXPECT_LT(resumed->counts().tracking_error, 0.022f) << "less than its target was moved by";
 }
 
 TEST_F(SimulationSnapshot, a_snapshot_that_does_not_fit_is_refused_and_changes_nothing) {
@@ -197,24 +202,26 @@ TEST_F(SimulationSnapshot, a_snapshot_that_does_not_fit_is_refused_and_changes_n
   refuse("another scene", [&](Snapshot& s) { s = must(other->save()); });
   // What no simulation writes, but a program that makes up a digest could.
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  const auto poke = [](Snapshot& s, std::size_t content, std::size_t at, float value) { std::memcpy(s.contents[content].bytes.data() + at, &value, sizeof value); };
+  const auto poke = [](Snapshot& s, std::size_t content, std::size_t at, float value) {
+    std::memcpy(s.contents[content].bytes.data() + at, &value, sizeof value);
+  };
   refuse("particle 2", [&](Snapshot& s) { poke(s, 0, 36, nan); });
   refuse("velocities of particle 0", [&](Snapshot& s) { poke(s, 1, 12, 1e9f); });
   refuse("buffer positions has 16", [](Snapshot& s) { s.contents[0].bytes.resize(16); });
   refuse("buffer positions has 0", [](Snapshot& s) { s.contents[0].name = "place"; });
-  refuse("anchors", [&](Snapshot& s) { poke(s, s.contents.size() - 1, 16, nan); });   // where the first is led to
+  refuse("anchors", [&](Snapshot& s) { poke(s, s.contents.size() - 1, 16, nan); });   // the first one's target
   refuse("anchors", [](Snapshot& s) { s.contents.back().bytes.resize(sizeof(gpu::Anchor)); });
   refuse("buffers instead of", [](Snapshot& s) { s.contents.pop_back(); });
   refuse("left over", [](Snapshot& s) { s.left_over = std::numeric_limits<double>::quiet_NaN(); });
   refuse("gravity", [&](Snapshot& s) { s.gravity.z = nan; });
-  refuse("turn", [](Snapshot& s) { s.turn = 3; });
+  refuse("phase", [](Snapshot& s) { s.phase = 3; });
   refuse("leads anchor 2", [](Snapshot& s) { s.anchors[0].anchor = 2; });
   refuse("colliders instead of 3", [](Snapshot& s) { s.colliders.clear(); });
   refuse("collider 1", [&](Snapshot& s) { s.colliders[1].wish.rotation.x = nan; });
 
-  Scene touching = moving(6);
-  touching.contacts.enabled = true;
-  const auto contacts = must(Simulation::create(device(), touching));
+  Scene contact_scene = moving(6);
+  contact_scene.contacts.enabled = true;
+  const auto contacts = must(Simulation::create(device(), contact_scene));
   for (int k = 0; k < 30; ++k) must(contacts->advance(1.0 / 60));
   int frames = 0;
   const Snapshot found = with_candidates(*contacts, frames);
@@ -226,15 +233,20 @@ TEST_F(SimulationSnapshot, a_snapshot_that_does_not_fit_is_refused_and_changes_n
     EXPECT_NE(restored.error().find(word), std::string::npos) << restored.error();
     EXPECT_FALSE(contacts->fits(bad));
   };
-  const auto content = [](Snapshot& s, const char* name) { return std::find_if(s.contents.begin(), s.contents.end(), [&](const auto& c) { return c.name == name; })->bytes.data(); };
+  const auto content = [](Snapshot& s, const char* name) {
+    return std::find_if(s.contents.begin(), s.contents.end(), [&](const auto& c) { return c.name == name; })->bytes.data();
+  };
   refused("a candidate has particle", [&](Snapshot& s) { std::memset(content(s, "candidates"), 0xff, 3); });
-  refused("references leads to a place that is none", [&](Snapshot& s) { std::memcpy(content(s, "references") + 16, &nan, 4); });
-  refused("paths leads to a place that is none", [&](Snapshot& s) { std::memcpy(content(s, "paths") + 4, &nan, 4); });
-  refused("leashes has one of nan m", [&](Snapshot& s) { std::memcpy(content(s, "leashes") + 8, &nan, 4); });
-  refused("its leashes have no length", [&](Snapshot& s) { std::memcpy(content(s, "detection") + offsetof(gpu::Detection, reach), &nan, 4); });
+  refused("detected_positions leads to a place that is none",
+          [&](Snapshot& s) { std::memcpy(content(s, "detected_positions") + 16, &nan, 4); });
+  refused("trajectories leads to a place that is none", [&](Snapshot& s) { std::memcpy(content(s, "trajectories") + 4, &nan, 4); });
+  refused("displacement_bounds has one of nan m", [&](Snapshot& s) { std::memcpy(content(s, "displacement_bounds") + 8, &nan, 4); });
+  refused("its displacement bounds have no length",
+          [&](Snapshot& s) { std::memcpy(content(s, "detection") + offsetof(gpu::Detection, margin), &nan, 4); });
   const std::uint32_t long_ago = 11;
-  refused("its last detection is 11 substeps ago", [&](Snapshot& s) { std::memcpy(content(s, "detection") + offsetof(gpu::Detection, age), &long_ago, 4); });
-  // 49 particles of 72 triangles, 120 edges: no file may ask for gigabytes of room for the pairs of these.
+  refused("its last detection is 11 substeps ago",
+          [&](Snapshot& s) { std::memcpy(content(s, "detection") + offsetof(gpu::Detection, steps), &long_ago, 4); });
+  // 49 particles of 72 triangles, 120 edges: no file may ask for a capacity of gigabytes for the pairs of these.
   refused("more than this scene can take", [](Snapshot& s) { s.capacity = 1u << 26; });
   EXPECT_TRUE(contacts->fits(found));
 }

@@ -148,7 +148,7 @@ TEST_F(SimulationApi, no_second_is_lost_without_a_word_however_uneven_the_frames
     Advance done;
     if (k % 3 == 0) done = must(simulation->advance(seconds));
     else if (k % 3 == 1) done = must(simulation->submit(seconds));
-    else must(compute::run_once(device(), "the host's", [&](VkCommandBuffer commands) { done = must(simulation->record(commands, seconds)); }));
+    else must(compute::run_once(device(), "the host's", [&](VkCommandBuffer c) { done = must(simulation->record(c, seconds)); }));
     EXPECT_NEAR(done.clamped, std::max(0.0, seconds - 0.05), 1e-12);
     EXPECT_NEAR(done.simulated, done.substeps * h, 1e-12);
     given += seconds, simulated += done.simulated, clamped += done.clamped, substeps += done.substeps;

@@ -21,7 +21,7 @@ Snapshot example() {
   s.substeps = 4711;
   s.left_over = 0.001;
   s.gravity = {1, -2, 3};
-  s.turn = 2;
+  s.phase = 2;
   s.capacity = 4096;
   s.losses_seen = 5;
   s.anchors = {{7, true, {1, 2, 3}}, {9, false, {}}};
@@ -54,7 +54,7 @@ TEST(Snapshots, what_is_written_is_read_back) {
   EXPECT_EQ(read->substeps, s.substeps);
   EXPECT_EQ(read->left_over, s.left_over);
   EXPECT_EQ(read->gravity, s.gravity);
-  EXPECT_EQ(read->turn, s.turn);
+  EXPECT_EQ(read->phase, s.phase);
   EXPECT_EQ(read->capacity, s.capacity);
   EXPECT_EQ(read->losses_seen, s.losses_seen);
   EXPECT_EQ(read->anchors.at(0).target, s.anchors[0].target);
@@ -92,7 +92,7 @@ TEST(Snapshots, foreign_and_oversized_files_are_refused_with_a_sentence_that_say
 
 TEST(Snapshots, lengths_that_cannot_be_are_refused_before_anything_is_allocated) {
   const auto good = snapshot_bytes(example());
-  // Every place where a length could stand, behind the head of 20 bytes: most are none and harm nobody.
+  // Every offset at which a length could stand, behind the head of 20 bytes: most hold none, and a change is harmless.
   for (std::size_t at = 20; at + 16 <= good.size(); ++at) {
     auto bytes = good;
     std::memset(bytes.data() + at, 0xff, 8);
@@ -130,7 +130,8 @@ TEST(Snapshots, a_file_appears_whole_or_not_at_all) {
   auto bytes = snapshot_bytes(example());
   const std::uint64_t length = std::uint64_t(1) << 40;
   std::memcpy(bytes.data() + 12, &length, sizeof length);
-  std::ofstream(file, std::ios::binary | std::ios::trunc).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  std::ofstream(file, std::ios::binary | std::ios::trunc)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   std::filesystem::resize_file(file, length);
   const auto endless = load_snapshot(file);
   ASSERT_FALSE(endless);
@@ -159,9 +160,10 @@ TEST(Snapshots, the_digest_knows_what_a_simulation_depends_on_and_nothing_else) 
   looks.cloths[0].appearance.metallic = 1;
   looks.colliders[0].colour = {1, 0, 0};
   EXPECT_EQ(digest(looks), before);
-  for (const auto change : {+[](Scene& s) { s.gravity.y = -1; }, +[](Scene& s) { s.solver.substeps = 11; }, +[](Scene& s) { s.cloths[0].grid->cells_x = 5; },
-                            +[](Scene& s) { s.cloths[0].fabric.bend = 1; }, +[](Scene& s) { s.colliders[0].centre.y = -3; },
-                            +[](Scene& s) { s.cloths[0].transform.degrees = 1; }, +[](Scene& s) { s.colliders[0].keys = {{1, {}, {0, 1, 0}, 0}}; }}) {
+  for (const auto change : {+[](Scene& s) { s.gravity.y = -1; }, +[](Scene& s) { s.solver.substeps = 11; },
+                            +[](Scene& s) { s.cloths[0].grid->cells_x = 5; }, +[](Scene& s) { s.cloths[0].fabric.bend = 1; },
+                            +[](Scene& s) { s.colliders[0].centre.y = -3; }, +[](Scene& s) { s.cloths[0].transform.degrees = 1; },
+                            +[](Scene& s) { s.colliders[0].keys = {{1, {}, {0, 1, 0}, 0}}; }}) {
     Scene other = scene;
     change(other);
     EXPECT_NE(digest(other), before);

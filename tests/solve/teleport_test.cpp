@@ -1,5 +1,5 @@
-// A host that sets a scene elsewhere between two frames: cloth and anchors by write_positions, colliders by place_collider. What is at one
-// place before goes on as if it had been at the other all along: nothing is swept over on the way.
+// A host that sets a scene elsewhere between two frames: cloth and anchors by write_positions, colliders by place_collider. The
+// scene goes on as if it had been there all along: nothing is swept over on the way.
 #include <gtest/gtest.h>
 
 #include "engine/reference/intersections.h"
@@ -35,8 +35,8 @@ double farthest(const Simulation& stays, const Simulation& goes, Vec3 by) {
   return most;
 }
 
-// Places some metres further off are rounded by 2.4e-7 m, which is 1.4e-4 m/s in each substep of 1/600 s; ten of them make 1e-5 m of a frame.
-// A swing over a sphere makes a hundred times that of it in the next ten: one vertex slides where it stuck.
+// Positions some metres further off are rounded by 2.4e-7 m, which is 1.4e-4 m/s in each substep of 1/600 s; ten of them make 1e-5 m
+// of a frame. A swing over a sphere makes a hundred times that of it in the next ten: one vertex slides where it stuck.
 constexpr double kAFrame = 1e-4, kTenFrames = 1e-2;
 
 TEST_F(Teleport, cloth_set_elsewhere_with_its_anchors_and_colliders_goes_on_as_if_nothing_had_happened) {
@@ -48,7 +48,7 @@ TEST_F(Teleport, cloth_set_elsewhere_with_its_anchors_and_colliders_goes_on_as_i
   const auto stays = must(Simulation::create(device(), scene)), goes = must(Simulation::create(device(), scene));
   for (Simulation* simulation : {stays.get(), goes.get()}) run(*simulation, 0.5);
   teleport(*goes);
-  // Keys are of the place where the scene was: the host leads what has any.
+  // Keys are relative to the old place: the host drives what has any.
   const auto turning = [&](Simulation& simulation, Vec3 by) {
     const Key key = pose_at(scene.colliders[0].keys, simulation.time() + kFrame);
     must(simulation.move_collider(0, {scene.colliders[0].centre + by, {0, 1, 0}, rotation_about(key.axis, key.degrees)}));
@@ -86,7 +86,10 @@ TEST_F(Teleport, a_mesh_collider_takes_the_cloth_that_lies_on_it_along) {
   const ColliderMesh& mesh = goes->fabric().collider_meshes[0];
   const std::vector<Vec3> points = collider_points(goes->fabric(), mesh, pose.centre, goes->colliders()[0].rotation);
   const auto particles = must(goes->read_positions());
-  for (std::uint32_t k = 0; k < mesh.particles; ++k) EXPECT_EQ((Vec3{particles[mesh.first_particle + k].x, particles[mesh.first_particle + k].y, particles[mesh.first_particle + k].z}), points[k]);
+  for (std::uint32_t k = 0; k < mesh.particles; ++k) {
+    const gpu::vec4& p = particles[mesh.first_particle + k];
+    EXPECT_EQ((Vec3{p.x, p.y, p.z}), points[k]);
+  }
 }
 
 TEST_F(Teleport, keys_take_a_collider_that_was_placed_on_from_there) {

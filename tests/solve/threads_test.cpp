@@ -70,7 +70,7 @@ TEST_F(Threads, a_simulation_goes_from_thread_to_thread) {
         case 1: must(simulation->submit(kFrame)); break;
         default:
           // The host's own command buffer, submitted by Weft's device.
-          must(compute::run_once(device(), "recorded frame", [&](VkCommandBuffer commands) { must(simulation->record(commands, kFrame)); }));
+          must(compute::run_once(device(), "recorded frame", [&](VkCommandBuffer c) { must(simulation->record(c, kFrame)); }));
       }
     }).join();
   EXPECT_EQ(hash_of(*simulation), alone(device(), scene));

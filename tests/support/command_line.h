@@ -79,6 +79,8 @@ class CommandLine : public testing::Test {
   std::string out(const char* name = "out") { return (folder / name).string(); }
 };
 
-inline constexpr const char* kSheet = R"({"name": "sheet", "cloths": [{"grid": {"cells": [8, 8]}, "anchors": [{"corners": ["low_low"]}]}], "colliders": [{"centre": [0, -1, 0]}]})";
+inline constexpr const char* kSheet =
+    R"({"name": "sheet", "cloths": [{"grid": {"cells": [8, 8]}, "anchors": [{"corners": ["low_low"]}]}], )"
+    R"("colliders": [{"centre": [0, -1, 0]}]})";
 
 }  // namespace weft

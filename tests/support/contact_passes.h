@@ -15,7 +15,9 @@ using reference::Tufts;
 inline constexpr float kFriction[] = {0.3f, 0.7f};   // of the particles by turns
 inline constexpr std::uint32_t kNoneHeld = 1000000;
 
-inline gpu::vec4 with(const reference::Vector& v, float w) { return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), w}; }
+inline gpu::vec4 with(const reference::Vector& v, float w) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), w};
+}
 
 inline CookedFabric fabric_of(const Tufts& t, const SolverSettings& solver) {
   Random random(0);
@@ -37,12 +39,12 @@ inline CookedFabric fabric_of(const Tufts& t, const SolverSettings& solver) {
 inline Scene scene_of(const Tufts& t) {
   Scene scene = loose_scene(1);
   scene.contacts.enabled = true;
-  scene.contacts.reach = 0.005;   // m
+  scene.contacts.detection_margin = 0.005;   // m
   scene.contacts.capacity = static_cast<std::uint32_t>(t.pairs.size());
   return scene;
 }
 
-// The passes on a state that detection could have left: every pair a candidate, on leashes of 100 m.
+// The passes on a state that detection could have left: every pair a candidate, on displacement bounds of 100 m.
 class Passes : public SinglePass {
  public:
   Passes(const compute::Device& device, const Scene& scene, const CookedFabric& fabric, const Tufts& t, bool gather_storage)
@@ -51,8 +53,8 @@ class Passes : public SinglePass {
     for (const reference::Vector& at : t.p) p.push_back(with(at, 0));
     put(buffers::velocities, leading_to(p, fabric));
     put_iterate(p);
-    put(buffers::references, fabric.positions);
-    put(buffers::leashes, std::vector<float>(t.x.size(), 100));
+    put(buffers::detected_positions, fabric.positions);
+    put(buffers::displacement_bounds, std::vector<float>(t.x.size(), 100));
     put_pairs(t.pairs);
     begin(frame_of(1));
     recover = static_cast<float>(scene.contacts.recover * fabric.h);
@@ -60,7 +62,8 @@ class Passes : public SinglePass {
   }
   void put_pairs(const std::vector<reference::Pair>& pairs) {
     std::vector<gpu::uvec4> candidates;
-    for (const auto& [i, keep, edges] : pairs) candidates.push_back(gpu::pack_candidate(i[0], i[1], i[2], i[3], static_cast<float>(keep), edges));
+    for (const auto& [i, separation, edges] : pairs)
+      candidates.push_back(gpu::pack_candidate(i[0], i[1], i[2], i[3], static_cast<float>(separation), edges));
     put(buffers::candidates, candidates);
     std::vector<gpu::Detection> detection(1);
     const auto groups = [](std::size_t threads) { return gpu::Groups{static_cast<std::uint32_t>(threads + 63) / 64, 1, 1}; };
@@ -68,12 +71,13 @@ class Passes : public SinglePass {
     detection[0].touched = groups(t_.x.size());
     for (gpu::Groups& listed : detection[0].listed) listed = {0, 1, 1};
     detection[0].candidates = static_cast<std::uint32_t>(pairs.size());
-    detection[0].horizon = WEFT_HORIZON;
+    detection[0].lifetime = WEFT_LONGEST_LIFETIME;
     put(buffers::detection, detection);
   }
   /// What prepare has made of the pairs.
   std::vector<reference::Contact> contacts() const {
-    const auto normals = get<gpu::vec4>(buffers::contact_normals, t_.pairs.size()), weights = get<gpu::vec4>(buffers::contact_weights, t_.pairs.size());
+    const auto normals = get<gpu::vec4>(buffers::contact_normals, t_.pairs.size()),
+               weights = get<gpu::vec4>(buffers::contact_weights, t_.pairs.size());
     std::vector<reference::Contact> contacts;
     for (std::size_t k = 0; k < t_.pairs.size(); ++k) {
       const gpu::vec4 &n = normals[k], &w = weights[k];
@@ -82,16 +86,16 @@ class Passes : public SinglePass {
     return contacts;
   }
   void limit() {
-    run("contact_open");
-    for (int round = 0; round < static_cast<int>(WEFT_ROUNDS); ++round) run("contact_limit", round);
+    run("contact_unsafe");
+    for (int pass = 0; pass < static_cast<int>(WEFT_LIMIT_PASSES); ++pass) run("contact_limit", pass);
   }
   gpu::Detection detection() const { return get<gpu::Detection>(buffers::detection, 1).front(); }
-  /// By the rounds, and by the static planes if those are called for.
-  std::vector<double> fractions() const {
+  /// The least of all limit passes, and that of the static planes where pairs were unsafe.
+  std::vector<double> step_fractions() const {
     std::vector<double> least;
-    const bool unsafe = detection().unsafe != 0;
-    const auto rounds = get<std::array<std::uint32_t, WEFT_ROUNDS>>(buffers::fractions, t_.x.size());
-    for (const auto& f : rounds) least.push_back(std::bit_cast<float>(*std::min_element(f.begin(), f.end() - (unsafe ? 0 : 1))));
+    const bool unsafe = detection().falls_back != 0;
+    const auto passes = get<std::array<std::uint32_t, WEFT_LIMIT_PASSES>>(buffers::step_fractions, t_.x.size());
+    for (const auto& f : passes) least.push_back(std::bit_cast<float>(*std::min_element(f.begin(), f.end() - (unsafe ? 0 : 1))));
     return least;
   }
 
@@ -101,7 +105,7 @@ class Passes : public SinglePass {
   const Tufts& t_;
 };
 
-// Where particles without mass stand still; else nobody could promise anything.
+// Kinematic particles stand still: for cloth between two that close on each other nothing can be promised.
 inline Tufts violent_tufts(std::uint64_t seed, double violence) {
   Random random(seed);
   Tufts t = reference::tufts(random, 40, 12, violence);

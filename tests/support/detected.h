@@ -10,7 +10,7 @@
 
 namespace weft {
 
-inline constexpr double kReach = 0.004;   // m
+inline constexpr double kMargin = 0.004;   // m
 
 struct Soup {
   CookedFabric fabric;
@@ -20,7 +20,7 @@ struct Soup {
 inline gpu::vec4 sum(const gpu::vec4& a, const gpu::vec4& b) { return {a.x + b.x, a.y + b.y, a.z + b.z, a.w}; }
 inline gpu::vec4 times(float s, const gpu::vec4& a) { return {s * a.x, s * a.y, s * a.z, a.w}; }
 
-// What is left of a fabric with contacts when there is nothing but particles and triangles between them.
+// A fabric with contacts that has nothing but particles and triangles.
 inline Soup soup_of(Random& random, std::uint32_t particles) {
   SolverSettings solver;
   solver.substeps = 1;
@@ -43,7 +43,7 @@ inline void add_triangle(Soup& soup, std::uint32_t a, std::uint32_t b, std::uint
 
 // Triangles of three decades in size, three cloths, every third sharing an edge with the one before; one cloth is held, as a
 // mesh collider is. They drift together, by cloth, and each particle goes its own way besides. Rest poses are near the poses
-// at hand, so that the distance a pair keeps is limited for some.
+// at hand, so that they limit the separation of some pairs.
 inline Soup random_soup(Random& random, std::uint32_t triangles) {
   Soup soup = soup_of(random, 3 * triangles);
   const gpu::vec4 drift[] = {anywhere(random, 0.02, 0), {0, 0, 0, 0}, anywhere(random, 0.002, 0)};
@@ -71,11 +71,11 @@ inline Soup random_soup(Random& random, std::uint32_t triangles) {
 struct Setting {
   bool gather_storage = false;
   std::uint32_t workgroup = 64;
-  double cell = 0.05, reach = kReach;
+  double cell = 0.05, margin = kMargin;
   std::uint32_t capacity = 1 << 18;
 };
 
-/// A solver in which one detection has run, but for the passes after `last`.
+/// A solver in which one detection has run, up to and including the pass `last`.
 struct Detected {
   SinglePass passes;
   const Soup& soup;
@@ -85,15 +85,15 @@ struct Detected {
     scene.contacts.enabled = true;
     scene.contacts.capacity = setting.capacity;
     scene.contacts.cell = setting.cell;
-    scene.contacts.reach = setting.reach;
+    scene.contacts.detection_margin = setting.margin;
     return scene;
   }
   Detected(const compute::Device& device, const Soup& of, const Setting& setting, std::string_view last = "pair_edges")
       : passes(device, scene(setting), of.fabric, setting.gather_storage, setting.workgroup), soup(of) {
     passes.begin(frame_of(1));
     passes.put(buffers::predicted, soup.predicted);
-    for (const char* name : {"detect_arm", "detect_path", "grid_count", "grid_total", "grid_scan", "grid_fill", "search_faces", "search_edges", "search_arm",
-                             "pair_faces", "pair_edges"}) {
+    for (const char* name : {"detect_arguments", "detect_trajectory", "grid_count", "grid_total", "grid_scan", "grid_fill", "search_faces",
+                             "search_edges", "search_arguments", "pair_faces", "pair_edges"}) {
       passes.run(name);
       if (name == last) break;
     }
@@ -104,16 +104,16 @@ struct Detected {
     for (const gpu::uvec4& packed : passes.get<gpu::uvec4>(buffers::candidates, count)) all.push_back(gpu::unpack_candidate(packed));
     return all;
   }
-  // The twin goes by the paths that the GPU has: those are tested by themselves.
+  // The twin takes the GPU's trajectories, which have a test of their own.
   reference::Tracks tracks() const {
     reference::Tracks t;
-    t.references = points(passes.particles(buffers::references));
-    t.paths = points(passes.particles(buffers::paths));
+    t.references = points(passes.particles(buffers::detected_positions));
+    t.paths = points(passes.particles(buffers::trajectories));
     t.rest = points(soup.fabric.rest);
     for (const gpu::vec4& rest : soup.fabric.rest) t.thickness.push_back(rest.w);
     t.inverse_masses = inverse_masses(soup.fabric);
     for (const gpu::vec4& v : soup.fabric.velocities) t.cloth.push_back(std::bit_cast<std::uint32_t>(v.w));
-    t.reach = detection().reach;
+    t.margin = detection().margin;
     return t;
   }
 };

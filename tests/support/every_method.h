@@ -7,7 +7,7 @@
 
 namespace weft {
 
-// An anchor and a sphere that keys move, others that the host leads, gravity of the host's, and substeps that do not fit its frames.
+// An anchor and a sphere that keys move, others that the host drives, the host's gravity, and substeps that do not fit its frames.
 inline Scene moving(std::uint32_t cells = 12) {
   Scene scene = sheet(cells);
   scene.cloths[0].fabric.damping = 0.1;
@@ -47,7 +47,7 @@ inline std::vector<Subject> subjects() {
     scene.solver.substeps = 3;
     if (method != Method::chebyshev) continue;
     scene.cloths[0].tethers = false;
-    scene.solver.rho = 0.999;   // more than is steady, so that the guard has something to remember
+    scene.solver.rho = 0.999;   // more than is stable, so that the guard has a state to save
   }
   Scene& iterated = all.emplace_back("iterated", moving()).scene;
   iterated.solver.iterations = 3;

@@ -15,7 +15,7 @@
 
 namespace weft {
 
-/// Owns the device between the program's first GPU test and its end, so that what destruction says is heard too.
+/// Owns the device between the program's first GPU test and its end, so that messages of its destruction count too.
 class GpuEnvironment : public testing::Environment {
  public:
   /// Null when there is none; `refusal` says why.

@@ -61,7 +61,8 @@ inline CookedFabric loose_particles(Random& random, std::uint32_t count, const S
 }
 
 /// Adds links between random particles, with the places, masses and responses that cooking gives them. `padded`: rows of one length.
-inline void link_up(CookedFabric& fabric, const std::vector<StretchLink>& links, Averaging averaging, std::uint32_t iterations = 1, bool padded = false) {
+inline void link_up(CookedFabric& fabric, const std::vector<StretchLink>& links, Averaging averaging, std::uint32_t iterations = 1,
+                    bool padded = false) {
   std::vector<std::uint32_t> uses(fabric.positions.size());
   for (const StretchLink& link : links) ++uses[link.a], ++uses[link.b];
   for (std::size_t i = 0; i < uses.size(); ++i) {
@@ -160,9 +161,9 @@ class SinglePass {
   /// Where the particles are taken to be by the next pass; w becomes their split mass.
   void put_iterate(std::vector<gpu::vec4> p) {
     for (std::size_t i = 0; i < p.size(); ++i) p[i].w = fabric_.iterate_weights[i];
-    put(parity_ == 0 ? buffers::predicted : buffers::relaxed, p);
+    put(parity_ == 0 ? buffers::predicted : buffers::next_iterate, p);
   }
-  std::vector<gpu::vec4> iterate() const { return particles(parity_ == 0 ? buffers::predicted : buffers::relaxed); }
+  std::vector<gpu::vec4> iterate() const { return particles(parity_ == 0 ? buffers::predicted : buffers::next_iterate); }
 
   /// Lists a frame; run() then takes dispatches out of it in any order.
   void begin(const FrameInput& input) {

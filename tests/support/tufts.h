@@ -21,7 +21,9 @@ inline constexpr double kTuftSize = 0.05;   // m
 
 /// Each tuft has that many pairs. Particles move by up to `violence` (m) a coordinate; one in `held` has no inverse mass.
 inline Tufts tufts(std::mt19937_64& random, std::uint32_t count, int pairs_each, double violence, std::uint32_t held = 8) {
-  const auto uniform = [&](double low, double high) { return static_cast<double>(static_cast<float>(std::uniform_real_distribution(low, high)(random))); };
+  const auto uniform = [&](double low, double high) {
+    return static_cast<double>(static_cast<float>(std::uniform_real_distribution(low, high)(random)));
+  };
   const auto anywhere = [&](double size) { return Vector(uniform(-size, size), uniform(-size, size), uniform(-size, size)); };
   Tufts t;
   for (std::uint32_t k = 0; k < count; ++k) {
@@ -82,7 +84,8 @@ inline bool sides_meet(const Quad& from, const Quad& to, bool edges) {
 
 /// How many pairs meet on the way from `from` to `to`.
 inline std::size_t meetings(const std::vector<Pair>& pairs, const Points& from, const Points& to) {
-  return static_cast<std::size_t>(std::count_if(pairs.begin(), pairs.end(), [&](const Pair& pair) { return sides_meet(places(pair, from), places(pair, to), pair.edges); }));
+  return static_cast<std::size_t>(std::count_if(
+      pairs.begin(), pairs.end(), [&](const Pair& pair) { return sides_meet(places(pair, from), places(pair, to), pair.edges); }));
 }
 
 }  // namespace weft::reference

@@ -31,7 +31,7 @@ constexpr Pass kPasses[] = {
 
 constinit const Effect anchor{
     .name = "anchor",
-    .called_for = [](const Scene&, const CookedFabric& fabric) { return moved_particles(fabric) > 0; },
+    .called_for = [](const Scene&, const CookedFabric& fabric) { return kinematic_particles(fabric) > 0; },
     .buffers = kBuffers,
     .passes = kPasses,
     .reference = Reference::modelled,

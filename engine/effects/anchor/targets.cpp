@@ -73,7 +73,7 @@ Result<std::vector<AnchorChoice>> choose_anchors(const Cloth& cloth, const Mesh&
   std::map<std::uint32_t, std::uint32_t> entry_of;   // a point that two entries choose belongs to the later one
   for (std::uint32_t entry = 0; entry < cloth.anchors.size(); ++entry) {
     auto points = chosen_points(cloth, cloth.anchors[entry], mesh);
-    if (!points) return fail("anchors[", entry, "]: ", points.error());
+    if (!points) return fail("anchors[", entry, "]: ", points.why());
     for (const std::uint32_t p : *points) entry_of[p] = entry;
   }
   std::vector<AnchorChoice> choices;
@@ -84,7 +84,7 @@ Result<std::vector<AnchorChoice>> choose_anchors(const Cloth& cloth, const Mesh&
 }  // namespace cooking
 
 std::vector<Vec3> anchor_targets(const Scene& scene, const CookedFabric& fabric, double time) {
-  // What an entry holds turns about the centre of its points.
+  // An entry's keys rotate its points about their centre.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<Eigen::Vector3d, int>> centres;
   for (const AnchorTarget& anchor : fabric.anchors) {
     auto& [sum, count] = centres.try_emplace({anchor.cloth, anchor.entry}, Eigen::Vector3d::Zero(), 0).first->second;

@@ -53,14 +53,14 @@ std::vector<std::vector<gpu::uvec2>> bend_matrix(std::span<const std::vector<gpu
       double sum = 0;
       for (; k < row.size() && row[k].first == other; ++k) sum += row[k].second;
       largest = std::max(largest, std::abs(sum));
-      // Stencils of right angles cancel to rounding: no entry.
+      // Entries that cancel but for rounding, as on right angles, are left out.
       if (std::abs(sum) > 1e-9 * largest) rows[i].push_back({other, std::bit_cast<std::uint32_t>(static_cast<float>(sum))});
     }
   }
   return rows;
 }
 
-// Masses are split among a particle's bends as among its links; with plain averaging the counts stand in the gather alone.
+// A particle's mass is split among its stencils as among its links; with plain averaging only the gather divides by the counts.
 void lay_out(cooking::CookState& state) {
   CookedFabric& fabric = state.fabric();
   if (fabric.bends.empty()) return;

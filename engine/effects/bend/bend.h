@@ -10,18 +10,18 @@ inline std::uint64_t bends(const Cooked& s) { return s.fabric.bends.size(); }
 }  // namespace lengths
 
 namespace buffers {
-/// Of each particle: first entry pair, number of entries of the bending matrix.
+/// Of each particle, its row of the bending matrix: first pair of entries, number of entries.
 inline constexpr Buffer bend_rows = cooked<gpu::uvec2, &CookedFabric::bend, &PairRows::rows>("bend_rows");
 /// (particle, coefficient as float bits) twice.
 inline constexpr Buffer bend_entries = cooked<gpu::uvec4, &CookedFabric::bend, &PairRows::pairs>("bend_entries");
-/// Stencils.
+/// Stencils of the isometric model, one an inner edge.
 inline constexpr Buffer bends = cooked<gpu::Bend, &CookedFabric::bends>("bends");
-/// Multiplier of each stencil, and what it last changed by.
+/// xyz multiplier of each stencil, and its last change (kg m).
 inline constexpr Buffer bend_lambda = scratch<gpu::vec4>("bend_lambda", lengths::bends);
 inline constexpr Buffer bend_impulses = scratch<gpu::vec4>("bend_impulses", lengths::bends);
 /// (stencil, K times inverse mass as float bits) twice.
 inline constexpr Buffer bend_uses = cooked<gpu::uvec4, &CookedFabric::bend_uses, &PairRows::pairs>("bend_uses");
-/// Of each particle: first use pair, number of uses.
+/// Of each particle: first pair of uses, number of uses.
 inline constexpr Buffer bend_use_rows = cooked<gpu::uvec2, &CookedFabric::bend_uses, &PairRows::rows>("bend_use_rows");
 }  // namespace buffers
 }  // namespace weft

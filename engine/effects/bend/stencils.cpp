@@ -11,8 +11,9 @@
 // the 1/2 B k1^2 of a plate whose rigidity was measured; a third of it makes every such mesh exact, and squares with one
 // diagonal that bend along a side (tests/effects/bend/twin_test.cpp measures it).
 //
-// Limitations: the rest state is flat, also where the mesh is curved; on meshes that are not isotropic the rigidity depends on
-// the direction, by a factor of 0.75 ... 3 on squares with one diagonal and 1.5 on those with a centre.
+// Limitations: the rest state is flat, even where the mesh is curved (engine/effects/dihedral has curved ones). On meshes that are
+// not isotropic the rigidity depends on the direction: by a factor of 0.75 ... 3 on squares with one diagonal, 1.5 on those with a
+// centre.
 #include <algorithm>
 #include <cmath>
 

@@ -5,10 +5,10 @@
 namespace weft::effects {
 namespace {
 
-constexpr const Buffer* kBuffers[] = {&buffers::stretch_steps, &buffers::bend_steps, &buffers::iterates, &buffers::acceleration};
+constexpr const Buffer* kBuffers[] = {&buffers::stretch_steps, &buffers::bend_steps, &buffers::chebyshev_iterates, &buffers::acceleration};
 
 constexpr Pass kPasses[] = {
-    {.name = "accelerate", .stage = Stage::iteration, .threads = threads::particles, .changes = Changes::iterate, .can_finalize = true},
+    {.name = "chebyshev", .stage = Stage::iteration, .threads = threads::particles, .changes = Changes::iterate, .can_finalize = true},
 };
 
 }  // namespace

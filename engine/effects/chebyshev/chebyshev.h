@@ -1,4 +1,4 @@
-// Chebyshev's semi-iteration over Jacobi's (Wang 2015).
+// The Chebyshev semi-iteration over Jacobi's (Golub and Varga 1961; Wang 2015).
 #pragma once
 
 #include "engine/effects/bend/bend.h"
@@ -6,12 +6,12 @@
 
 namespace weft::buffers {
 
-/// What both multipliers of a link pair, and the multiplier of a stencil, last changed by.
+/// The last change of both multipliers of a link pair, and of a stencil's multiplier (kg m).
 inline constexpr Buffer stretch_steps = scratch<gpu::vec2>("stretch_steps", lengths::link_pairs);
 inline constexpr Buffer bend_steps = scratch<gpu::vec4>("bend_steps", lengths::bends);
-/// Three a particle: the iterate before the last, the last (m), and the substep's first step (m).
-inline constexpr Buffer iterates = buffer<gpu::vec4>("iterates", Lifetime::kept, [](const Cooked& s) { return 3 * lengths::particles(s); });
-/// Whether the acceleration is steady.
+/// Three a particle: xyz of the iterate before the last, of the last iterate, and of the substep's first step (m).
+inline constexpr Buffer chebyshev_iterates = buffer<gpu::vec4>("chebyshev_iterates", Lifetime::kept, [](const Cooked& s) { return 3 * lengths::particles(s); });
+/// State of the guard that falls back to Jacobi when the acceleration diverges.
 inline constexpr Buffer acceleration = buffer<gpu::Acceleration>("acceleration", Lifetime::kept, lengths::one);
 
 }  // namespace weft::buffers

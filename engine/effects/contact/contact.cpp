@@ -1,5 +1,5 @@
-// Contacts in a substep: pairs are searched for where they are due, the candidates that touch are solved in each iteration, and the
-// substep's end lets no candidate cross.
+// The contact passes of a substep. Detection (broad and narrow phase) runs where candidates are needed anew; active candidates are solved in
+// each iteration; at the substep's end conservative advancement lets no candidate cross.
 #include "engine/effects/contact/contact.h"
 
 #include <algorithm>
@@ -18,21 +18,21 @@ gpu::ContactSettings contact_settings(const Scene& scene, const CookedFabric& fa
   float thickness = 0;
   for (const gpu::vec4& rest : fabric.rest) thickness = std::max(thickness, rest.w);
   const double edge = fabric.mean_edge > 0 ? fabric.mean_edge : 1e-3;
-  // At first short against the edges, so that a flat sheet has no candidates, and against the distance of layers that lie on each other.
-  const double reach = wanted.reach > 0 ? wanted.reach : std::min(0.1 * edge, thickness > 0 ? 0.25 * thickness : edge);
-  told.reach_low = static_cast<float>(reach);
-  told.reach_high = static_cast<float>(std::max(4 * reach, 0.1 * edge));
-  // A box is an edge long and as much thicker as detection has to look around it.
-  told.cell = static_cast<float>(wanted.cell > 0 ? wanted.cell : 1.5 * edge + 2 * reach + thickness);
-  // A millionth of what a particle may stray at first; contact_solve.comp says how many of them a correction can be.
-  told.quantum = static_cast<float>(std::ldexp(reach, -20));
+  // The margin starts well below the edge length, so that a flat sheet has no candidates, and well below the distance of resting layers.
+  const double margin = wanted.detection_margin > 0 ? wanted.detection_margin : std::min(0.1 * edge, thickness > 0 ? 0.25 * thickness : edge);
+  told.margin_low = static_cast<float>(margin);
+  told.margin_high = static_cast<float>(std::max(4 * margin, 0.1 * edge));
+  // The box of a primitive: an edge long, and enlarged by the detection margin and the thickness.
+  told.cell = static_cast<float>(wanted.cell > 0 ? wanted.cell : 1.5 * edge + 2 * margin + thickness);
+  // A millionth of the first displacement bound; contact_solve.comp says how many quanta a correction may have.
+  told.quantum = static_cast<float>(std::ldexp(margin, -20));
   told.recover = static_cast<float>(wanted.recover * fabric.h);
-  told.patience = static_cast<float>(wanted.patience);
+  told.kinematic_lag_limit = static_cast<float>(wanted.kinematic_lag_limit);
   told.triangles = static_cast<std::uint32_t>(fabric.triangles.size());
   told.edges = static_cast<std::uint32_t>(fabric.edges.size());
   const std::size_t primitives = fabric.triangles.size() + fabric.edges.size();
-  // Neighbours in the cloth share cells, so that half as many slots are seldom taken twice.
-  told.slots = static_cast<std::uint32_t>(std::bit_ceil(std::max<std::size_t>(64, primitives / 2)));
+  // Neighbours in the cloth share cells, so half as many buckets as primitives have few collisions.
+  told.buckets = static_cast<std::uint32_t>(std::bit_ceil(std::max<std::size_t>(64, primitives / 2)));
   told.capacity = wanted.capacity > 0 ? wanted.capacity : static_cast<std::uint32_t>(std::max<std::size_t>(4096, 2 * fabric.positions.size()));
   return told;
 }
@@ -41,44 +41,45 @@ namespace effects {
 namespace {
 
 constexpr const Buffer* kBuffers[] = {
-    &buffers::triangles,       &buffers::edges,           &buffers::rest,           &buffers::detection,    &buffers::references,
-    &buffers::paths,           &buffers::leashes,         &buffers::candidates,     &buffers::grid_counts,  &buffers::grid_starts,
-    &buffers::grid_totals,     &buffers::grid_entries,    &buffers::contact_normals, &buffers::contact_weights, &buffers::near_edges,
-    &buffers::near_faces,      &buffers::contact_list,    &buffers::contact_counts, &buffers::contact_sums, &buffers::contact_lacks,
-    &buffers::fractions,
+    &buffers::triangles,           &buffers::edges,           &buffers::rest,           &buffers::detection,
+    &buffers::detected_positions,  &buffers::trajectories,    &buffers::displacement_bounds,
+    &buffers::candidates,          &buffers::grid_counts,     &buffers::grid_starts,    &buffers::grid_totals,
+    &buffers::grid_entries,        &buffers::contact_normals, &buffers::contact_weights, &buffers::near_edges,
+    &buffers::near_faces,          &buffers::contact_list,    &buffers::contact_counts, &buffers::contact_sums,
+    &buffers::contact_penetrations, &buffers::step_fractions,
 };
 
-// Where a detection is due; where it found pairs that are near each other; where the last one found something; and those of its candidates
-// that touch, and that could cross.
+// Indirect dispatches, in the order of the passes: a detection, where one is needed; the pairs of its broad phase; its candidates; the
+// particles, where there are candidates; the active candidates; the unsafe ones.
 constexpr Threads kDetectedParticles{lengths::particles, nullptr, offsetof(gpu::Detection, particles)};
 constexpr Threads kPrimitives{lengths::primitives, nullptr, offsetof(gpu::Detection, primitives)};
-constexpr Threads kSlots{lengths::slots, nullptr, offsetof(gpu::Detection, blocks)};
+constexpr Threads kBuckets{lengths::buckets, nullptr, offsetof(gpu::Detection, blocks)};
 constexpr Threads kNearFaces{buffers::near_faces.length, nullptr, offsetof(gpu::Detection, near_faces), true};
 constexpr Threads kNearEdges{buffers::near_edges.length, nullptr, offsetof(gpu::Detection, near_edges), true};
 constexpr Threads kCandidates{lengths::candidates, nullptr, offsetof(gpu::Detection, contacts), true};
 constexpr Threads kTouchedParticles{lengths::particles, nullptr, offsetof(gpu::Detection, touched)};
 constexpr Threads kContacts{lengths::candidates, nullptr, offsetof(gpu::Detection, listed), true};
-constexpr Threads kOpenCandidates{lengths::candidates, nullptr, offsetof(gpu::Detection, listed) + WEFT_OPEN * sizeof(gpu::Groups), true};
+constexpr Threads kUnsafeCandidates{lengths::candidates, nullptr, offsetof(gpu::Detection, listed) + WEFT_UNSAFE * sizeof(gpu::Groups), true};
 
 constexpr Pass kPasses[] = {
-    {.name = "detect_arm", .stage = Stage::detect, .threads = threads::once},
-    {.name = "detect_path", .stage = Stage::detect, .threads = kDetectedParticles},
+    {.name = "detect_arguments", .stage = Stage::detect, .threads = threads::once},
+    {.name = "detect_trajectory", .stage = Stage::detect, .threads = kDetectedParticles},
     {.name = "grid_count", .stage = Stage::detect, .threads = kPrimitives},
-    {.name = "grid_total", .stage = Stage::detect, .threads = kSlots},
-    {.name = "grid_scan", .stage = Stage::detect, .threads = kSlots},
+    {.name = "grid_total", .stage = Stage::detect, .threads = kBuckets},
+    {.name = "grid_scan", .stage = Stage::detect, .threads = kBuckets},
     {.name = "grid_fill", .stage = Stage::detect, .threads = kPrimitives},
     {.name = "search_faces", .stage = Stage::detect, .threads = kDetectedParticles},
     {.name = "search_edges", .stage = Stage::detect, .threads = kPrimitives},
-    {.name = "search_arm", .stage = Stage::detect, .threads = threads::once},
+    {.name = "search_arguments", .stage = Stage::detect, .threads = threads::once},
     {.name = "pair_faces", .stage = Stage::detect, .threads = kNearFaces},
     {.name = "pair_edges", .stage = Stage::detect, .threads = kNearEdges},
-    {.name = "contact_arm", .stage = Stage::detect, .threads = threads::once},
+    {.name = "contact_arguments", .stage = Stage::detect, .threads = threads::once},
     {.name = "contact_prepare", .stage = Stage::detect, .threads = kCandidates},
-    {.name = "contact_weigh", .stage = Stage::contact, .threads = kContacts},
+    {.name = "contact_penetration", .stage = Stage::contact, .threads = kContacts},
     {.name = "contact_solve", .stage = Stage::contact, .threads = kContacts},
     {.name = "contact_apply", .stage = Stage::contact, .threads = kTouchedParticles, .collides = true},
-    {.name = "contact_open", .stage = Stage::substep_end, .threads = kCandidates},
-    {.name = "contact_limit", .stage = Stage::substep_end, .threads = kOpenCandidates, .rounds = WEFT_ROUNDS},
+    {.name = "contact_unsafe", .stage = Stage::substep_end, .threads = kCandidates},
+    {.name = "contact_limit", .stage = Stage::substep_end, .threads = kUnsafeCandidates, .rounds = WEFT_LIMIT_PASSES},
     {.name = "contact_finalize", .stage = Stage::substep_end, .threads = threads::particles},
 };
 

@@ -7,72 +7,75 @@
 
 namespace weft {
 
-/// What contact passes are told: from the scene's settings, or from the mean edge and the thickness where those say 0. All 0 without contacts.
+/// Settings of the contact passes: the scene's, with defaults from the mean edge length and the thickness where the scene says 0. All 0
+/// without contacts.
 gpu::ContactSettings contact_settings(const Scene& scene, const CookedFabric& fabric);
 
 namespace lengths {
 inline std::uint64_t triangles(const Cooked& s) { return s.fabric.triangles.size(); }
 inline std::uint64_t edges(const Cooked& s) { return s.fabric.edges.size(); }
 inline std::uint64_t primitives(const Cooked& s) { return triangles(s) + edges(s); }
-inline std::uint64_t slots(const Cooked& s) { return s.contacts.slots; }
+inline std::uint64_t buckets(const Cooked& s) { return s.contacts.buckets; }
 }  // namespace lengths
 
 namespace buffers {
 
-// ---- what is cooked
+// ---- cooked
 
-/// Three particles, unused: of cloths and of mesh colliders.
+/// Triangles of cloths, then of mesh colliders: three particles, unused.
 inline constexpr Buffer triangles = buffer<gpu::uvec4>("triangles", Lifetime::cooked, lengths::triangles, [](const Cooked& s) {
   std::vector<gpu::uvec4> triangles;
   for (const auto& [a, b, c] : s.fabric.triangles) triangles.push_back({a, b, c, 0});
   return made(triangles);
 });
-/// Two particles: of those triangles, each once.
+/// Edges of those triangles, each once: two particles.
 inline constexpr Buffer edges = cooked<gpu::uvec2, &CookedFabric::edges>("edges");
 /// xyz rest position (m), w thickness (m).
 inline constexpr Buffer rest = cooked<gpu::vec4, &CookedFabric::rest>("rest");
 
-// ---- detection: what holds from one to the next
+// ---- detection: valid from one detection to the next
 
-/// What detection and contacts tell each other.
+/// State of contact detection.
 inline constexpr Buffer detection = [] {
   Buffer row = buffer<gpu::Detection>("detection", Lifetime::kept, lengths::one, [](const Cooked&) {
     std::vector<gpu::Detection> detection(1);
-    detection[0].due = 1;
+    detection[0].needs_detection = 1;
     return made(detection);
   });
   row.access = Access::arguments;
   return row;
 }();
 /// xyz position at the last detection (m), w unused.
-inline constexpr Buffer references = buffer<gpu::vec4>("references", Lifetime::kept, lengths::particles);
-/// xyz what it would go from there in Detection::horizon substeps (m), w unused.
-inline constexpr Buffer paths = buffer<gpu::vec4>("paths", Lifetime::kept, lengths::particles);
-/// How far it may stray from that path: a float's bits (m); 0: held.
-inline constexpr Buffer leashes = buffer<gpu::uint>("leashes", Lifetime::kept, lengths::particles);
-/// Pairs that may meet before the next detection (pack_candidate).
+inline constexpr Buffer detected_positions = buffer<gpu::vec4>("detected_positions", Lifetime::kept, lengths::particles);
+/// xyz predicted trajectory from there: the displacement in Detection::lifetime substeps (m), w unused.
+inline constexpr Buffer trajectories = buffer<gpu::vec4>("trajectories", Lifetime::kept, lengths::particles);
+/// Displacement bound: how far the particle may be from its predicted trajectory (m, bits of a float); 0: a candidate of it has
+/// overflowed, and it stays where it is.
+inline constexpr Buffer displacement_bounds = buffer<gpu::uint>("displacement_bounds", Lifetime::kept, lengths::particles);
+/// Candidate pairs: those that could touch before the next detection (pack_candidate).
 inline constexpr Buffer candidates = growing(buffer<gpu::uvec4>("candidates", Lifetime::kept, lengths::candidates));
 
 // ---- the grid
 
-/// Entries of each slot.
-inline constexpr Buffer grid_counts = cleared<gpu::uint>("grid_counts", lengths::slots);
-/// First entry of each slot, and the end of the last.
-inline constexpr Buffer grid_starts = scratch<gpu::uint>("grid_starts", [](const Cooked& s) { return lengths::slots(s) + 1; });
-/// Entries of a workgroup's slots: at least 8.
-inline constexpr Buffer grid_totals = scratch<gpu::uint>("grid_totals", [](const Cooked& s) { return lengths::slots(s) / 8 + 1; });
-/// Three a primitive: xyz middle of its box (m), w bits: level << 28, and triangle or triangles + edge; xyz half sides, w away; xyz path, w step: its
-/// Outline (primitive.glsl).
+/// Number of entries of each bucket.
+inline constexpr Buffer grid_counts = cleared<gpu::uint>("grid_counts", lengths::buckets);
+/// First entry of each bucket, and the end of the last bucket.
+inline constexpr Buffer grid_starts = scratch<gpu::uint>("grid_starts", [](const Cooked& s) { return lengths::buckets(s) + 1; });
+/// Number of entries of a workgroup's buckets, of which it has at least 8.
+inline constexpr Buffer grid_totals = scratch<gpu::uint>("grid_totals", [](const Cooked& s) { return lengths::buckets(s) / 8 + 1; });
+/// Three a primitive. 1: xyz middle of its box (m), w bits of level << 28 | number, a triangle's or triangles + an edge's. 2 and 3: its
+/// Outline (primitive.glsl): xyz half_sides, w away; xyz trajectory, w step (m).
 inline constexpr Buffer grid_entries = scratch<gpu::vec4>("grid_entries", [](const Cooked& s) { return 3 * lengths::primitives(s); });
 
 // ---- contacts
 
-/// xyz from side B to side A; w: the opposite of the height of the first particle over the middle (m), above 0 where the pair touches.
+/// xyz unit normal from side B to side A. w (m), of an active candidate: the separation it must have, above 0; of any other: minus the
+/// height of its first particle over the middle of the gap.
 inline constexpr Buffer contact_normals = growing(scratch<gpu::vec4>("contact_normals", lengths::candidates));
-/// Barycentric: side A's above 0 and side B's below.
+/// Barycentric weights of the closest points: side A's positive, side B's negative.
 inline constexpr Buffer contact_weights = growing(scratch<gpu::vec4>("contact_weights", lengths::candidates));
-/// Pairs that a search found near each other, two in the place of each candidate: two edges; a particle and a triangle. They lie where the
-/// contacts will be until those are prepared.
+/// Pairs that the broad phase found: of two edges; of a particle and a triangle. Their capacity is WEFT_NEAR times that for candidates.
+/// They share memory with the contacts, which are prepared later.
 inline constexpr Buffer near_edges = [] {
   Buffer row = growing(scratch<gpu::uvec2>("near_edges", [](const Cooked& s) { return WEFT_NEAR * lengths::candidates(s); }));
   row.lies_in = &contact_normals;
@@ -83,17 +86,17 @@ inline constexpr Buffer near_faces = [] {
   row.lies_in = &contact_weights;
   return row;
 }();
-/// The candidates that touch, later those that could cross (contact_list.glsl).
+/// Numbers of the active candidates, at the substep's end those of the unsafe ones (contact_list.glsl).
 inline constexpr Buffer contact_list = growing(scratch<gpu::uint>("contact_list", lengths::candidates));
-/// Contacts of each particle in this substep.
+/// Number of active contacts of each particle in this substep.
 inline constexpr Buffer contact_counts = cleared<gpu::uint>("contact_counts", lengths::particles);
-/// xyz sum of corrections in units of `quantum`, w unused; 0 between iterations.
+/// xyz sum of a particle's corrections in units of ContactSettings::quantum, w unused; 0 between iterations.
 inline constexpr Buffer contact_sums = cleared<gpu::ivec4>("contact_sums", lengths::particles);
-/// What a particle's contacts lack, together (contact_share.glsl); 0 between iterations.
-inline constexpr Buffer contact_lacks = cleared<gpu::uint>("contact_lacks", lengths::particles);
-/// Bits of the fraction of its way that a particle may go, a round each.
-inline constexpr Buffer fractions =
-    cleared<gpu::uvec4>("fractions", [](const Cooked& s) { return WEFT_ROUNDS / 4 * lengths::particles(s); }, std::bit_cast<std::uint32_t>(1.0f));
+/// Sum of the penetrations of a particle's contacts, each times its weight (contact_share.glsl); 0 between iterations.
+inline constexpr Buffer contact_penetrations = cleared<gpu::uint>("contact_penetrations", lengths::particles);
+/// Step fractions (times of impact): the part of its step that a particle may take, bits of a float, one a pass of contact_limit.
+inline constexpr Buffer step_fractions =
+    cleared<gpu::uvec4>("step_fractions", [](const Cooked& s) { return WEFT_LIMIT_PASSES / 4 * lengths::particles(s); }, std::bit_cast<std::uint32_t>(1.0f));
 
 }  // namespace buffers
 }  // namespace weft

@@ -1,5 +1,4 @@
-// What contacts need to know of the cloth: every edge once, and where everything was at rest. Nothing of it exists in a scene
-// without contacts.
+// What contacts need of the fabric: every edge once, and rest positions. Cooked only for scenes with contacts.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -9,7 +8,7 @@
 namespace weft::cooking {
 namespace {
 
-// Sorted by their particles, which are in the order of locality themselves: neighbours in the list are neighbours in the cloth.
+// Sorted by particles, which are in locality order: neighbours in the list are neighbours in the cloth.
 std::vector<gpu::uvec2> edges_of(std::span<const Triangle> triangles) {
   std::vector<gpu::uvec2> edges;
   edges.reserve(3 * triangles.size());

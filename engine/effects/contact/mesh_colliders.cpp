@@ -1,5 +1,5 @@
-// Mesh colliders: surfaces that cloth meets by the same passes by which it meets itself. Their vertices are particles that nothing
-// but the scene moves.
+// Mesh colliders: surfaces that collide with cloth through the passes of self-collision. Their vertices are kinematic particles, which
+// only the scene moves.
 #include <bit>
 
 #include "engine/cook/parts.h"
@@ -8,8 +8,8 @@ namespace weft {
 namespace cooking {
 namespace {
 
-// The corners around a render vertex that have its normal: where the file has a hard edge the picture has one too, while a seam
-// of texture coordinates leaves no mark.
+// A render vertex gets the corners around it that have its normal: a hard edge of the file stays hard in the picture, while a seam of
+// texture coordinates is not seen.
 void add_surface(const Mesh& mesh, std::span<const std::uint32_t> particle_of, CookedFabric& fabric) {
   struct Corner {
     std::uint32_t vertex;
@@ -75,7 +75,7 @@ std::vector<Vec3> collider_points(const CookedFabric& fabric, const ColliderMesh
   return points;
 }
 
-std::uint32_t moved_particles(const CookedFabric& fabric) {
+std::uint32_t kinematic_particles(const CookedFabric& fabric) {
   auto count = static_cast<std::uint32_t>(fabric.anchors.size());
   for (const ColliderMesh& mesh : fabric.collider_meshes) count += mesh.particles;
   return count;

@@ -10,13 +10,13 @@ inline std::uint64_t hinges(const Cooked& s) { return s.fabric.hinges.size(); }
 }  // namespace lengths
 
 namespace buffers {
-/// Edges that bend about an angle.
+/// Dihedral elements, one an inner edge (the hinge).
 inline constexpr Buffer hinges = cooked<gpu::Hinge, &CookedFabric::hinges>("hinges");
-/// Of each of a hinge's particles: xyz gradient times change of the multiplier; the first's w: the multiplier.
+/// Four a dihedral element, one for each of its particles: xyz gradient times change of the multiplier; w of the first: the multiplier.
 inline constexpr Buffer hinge_impulses = scratch<gpu::vec4>("hinge_impulses", [](const Cooked& s) { return 4 * lengths::hinges(s); });
-/// Of each particle: first use pair, number of uses.
+/// Of each particle: first pair of uses, number of uses.
 inline constexpr Buffer hinge_use_rows = cooked<gpu::uvec2, &CookedFabric::hinge_uses, &PairRows::rows>("hinge_use_rows");
-/// (4 x hinge + which of its particles, inverse mass as float bits) twice.
+/// (4 x element + which of its particles, inverse mass as float bits) twice.
 inline constexpr Buffer hinge_uses = cooked<gpu::uvec4, &CookedFabric::hinge_uses, &PairRows::pairs>("hinge_uses");
 }  // namespace buffers
 }  // namespace weft

@@ -1,19 +1,19 @@
-// Hinges: bending about the angles that a mesh has, for cloth with folds and curves of its own.
+// Dihedral elements: bending about the mesh's own dihedral angles, for cloth with folds and curves at rest.
 //
 // This work is based on: Grinspun, Hirani, Desbrun, Schroeder 2003, "Discrete shells"; Bridson, Marino, Fedkiw 2003, "Simulation of
-// clothing with folds and wrinkles". Of the inner edge (x0, x1) with the areas A0, A1 of its triangles
+// clothing with folds and wrinkles". The energy of an inner edge (x0, x1), the hinge, with the areas A0, A1 of its triangles is
 //     E = 1/2 B |x1 - x0|^2 / (A0 + A1) (phi - phi_rest)^2,
-// B the flexural rigidity in N m. Bent by a little from flat, the isometric model (engine/effects/bend/stencils.cpp) has a vector l of the length
-// |x1 - x0| phi and the energy 1/2 B |l|^2 / (A0 + A1): the same, so that both are measured against one plate.
+// B the flexural rigidity in N m. For small angles it is the energy of the isometric model (engine/effects/bend/stencils.cpp), whose
+// vector l then has the length |x1 - x0| phi, so that the same B describes the same plate in both.
 //
 //        2      phi is the angle between the triangles' normals, n0 = (x1 - x0) x (x2 - x0) and n1 = (x3 - x0) x (x1 - x0),
 //       / \     about the edge: 0 where they are flat, near +-pi where they are closed.
 //      0---1
-//       \ /     All hinges of such a cloth are made so, the flat ones too: a threshold would be seen in the cloth.
+//       \ /     All edges of such a cloth are treated so, the flat ones too: a threshold would be seen in the cloth.
 //        3
 //
-// Limitations: a hinge knows its angle up to whole turns, so that one that is bent by more than a half turn off its rest goes on round. What the
-// isometric model has of directions this one has too.
+// Limitations: an angle is known up to whole turns, so an edge that is bent more than half a turn from rest is driven on round, not back.
+// The rigidity depends on the direction as that of the isometric model does.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -23,14 +23,14 @@
 namespace weft::cooking {
 namespace {
 
-// A vertex as near to the edge as an angle of 3 degrees at its end makes it would move rigidly with it; such slivers are softened, by what
-// the isometric model's limit on cotangents softens them.
+// Slivers are softened: where an angle at the edge is below 3 degrees the opposite vertex would move rigidly with the edge. The factor is
+// that of the isometric model, which limits its cotangents.
 constexpr double kLargestCotangent = 20;
 
-// Softer than this (rad^2/J) bends by nothing that could be seen; infinite ones turn to no number (engine/cook/cook.cpp).
+// A larger compliance (rad^2/J) has no visible effect, and an infinite one leads to NaN (engine/cook/parts.h, kSoftest).
 constexpr double kSoftestHinge = 1e12;
 
-// By how much the triangle (x0, x1, across) passes the limit; at most 1.
+// The limit over the larger cotangent at the edge of the triangle (x0, x1, across); at most 1.
 double within_limit(const Eigen::Vector3d& edge, const Eigen::Vector3d& from_0, double twice_area) {
   const double largest = std::max(std::abs(edge.dot(from_0)), std::abs(edge.dot(edge - from_0)));
   return std::min(1.0, kLargestCotangent * twice_area / largest);
@@ -60,7 +60,7 @@ std::uint32_t add_hinges(const Mesh& mesh, std::span<const std::uint32_t> partic
   return softened;
 }
 
-// Masses are split among a particle's hinges as among its links; with plain averaging the counts stand in the gather alone.
+// A particle's mass is split among its elements as among its links; with plain averaging only the gather divides by the counts.
 void lay_out_hinges(Averaging averaging, CookedFabric& fabric) {
   const bool split = averaging == Averaging::mass_split;
   std::vector<std::uint32_t> uses(fabric.positions.size());

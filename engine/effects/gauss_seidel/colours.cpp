@@ -1,9 +1,8 @@
-// Colours for Gauss-Seidel: no two links of one share a particle, so that all of a colour may move their ends at once
+// Graph colouring for Gauss-Seidel: no two links of a colour share a particle, so all links of a colour can be solved in parallel
 // (gauss_seidel.comp).
 //
-// Greedy in the links' order: each takes the lowest colour that neither end has yet. A particle in n links needs n colours; greedy
-// takes at most 2 n - 1 and on grids one or two more than n. Far links come first, so that a
-// sweep ends with the edges.
+// Greedy colouring in the links' order: each takes the lowest colour that neither of its ends has yet. A particle in n links needs n
+// colours; greedy takes at most 2 n - 1, and on grids one or two more than n. Far links come first, so that a sweep ends with the edges.
 #include <algorithm>
 
 #include "engine/cook/parts.h"
@@ -11,7 +10,7 @@
 namespace weft::cooking {
 namespace {
 
-// The colours that a particle's links have.
+// The colours of a particle's links.
 class Palette {
  public:
   bool has(std::uint32_t colour) const { return colour < taken_.size() && taken_[colour]; }

@@ -1,4 +1,4 @@
-// Distance constraints, solved by Gauss-Seidel in the order of their colours.
+// Distance constraints, solved by coloured Gauss-Seidel.
 #pragma once
 
 #include "engine/effects/buffer.h"
@@ -10,9 +10,9 @@ inline std::uint64_t coloured_links(const Cooked& s) { return s.fabric.coloured_
 }  // namespace lengths
 
 namespace buffers {
-/// Colour after colour (pack_coloured). None where all particles are held.
+/// Links, colour after colour (pack_coloured), without those between two held particles.
 inline constexpr Buffer coloured_links = cooked<gpu::uvec4, &CookedFabric::coloured_links>("coloured_links");
-/// Bits of their multipliers.
+/// Their multipliers, bits of floats (kg m).
 inline constexpr Buffer coloured_lambda = scratch<gpu::uint>("coloured_lambda", lengths::coloured_links);
 }  // namespace buffers
 }  // namespace weft

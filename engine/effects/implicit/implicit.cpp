@@ -5,8 +5,8 @@
 namespace weft::effects {
 namespace {
 
-constexpr const Buffer* kBuffers[] = {&buffers::spring_blocks, &buffers::inverses, &buffers::exchanged, &buffers::krylov,
-                                      &buffers::partial_sums,  &buffers::linear,   &buffers::free_cloths, &buffers::walls};
+constexpr const Buffer* kBuffers[] = {&buffers::spring_blocks, &buffers::inverses, &buffers::exchanged, &buffers::solve_vectors,
+                                      &buffers::partial_sums,  &buffers::linear,   &buffers::free_cloths, &buffers::collider_filters};
 
 bool by_jacobi(const Needs& needs) { return needs.constants[gpu::constant::linear_solver] == WEFT_LINEAR_JACOBI; }
 bool by_conjugate_gradients(const Needs& needs) { return !by_jacobi(needs); }
@@ -17,7 +17,7 @@ constexpr Threads kCloths{lengths::particles, [](const Cooked& s) { return std::
 
 constexpr Pass kPasses[] = {
     {.name = "implicit_assemble", .stage = Stage::assemble, .threads = threads::particles},
-    {.name = "implicit_meet", .stage = Stage::assemble, .threads = threads::particles, .when = meets_colliders},
+    {.name = "implicit_filter", .stage = Stage::assemble, .threads = threads::particles, .when = meets_colliders},
     {.name = "implicit_multiply", .stage = Stage::linear, .threads = threads::particles, .when = by_conjugate_gradients},
     {.name = "implicit_advance", .stage = Stage::linear, .threads = threads::particles, .when = by_conjugate_gradients},
     {.name = "implicit_relax", .stage = Stage::linear, .threads = threads::particles, .when = by_jacobi},

@@ -1,4 +1,4 @@
-// The method implicit: the linear system of a substep and its solve (Baraff and Witkin 1998).
+// The method implicit: implicit Euler on springs, one linear system a substep (Baraff and Witkin 1998).
 #pragma once
 
 #include "engine/effects/spring/spring.h"
@@ -6,19 +6,21 @@
 namespace weft {
 
 namespace buffers {
-/// A spring's 3x3 block in this substep: xyz u, w a of u u^T + a I (kg).
+/// A spring's 3x3 block u u^T + a I in this substep: xyz u (kg^1/2), w a (kg).
 inline constexpr Buffer spring_blocks = scratch<gpu::vec4>("spring_blocks", lengths::spring_places);
-/// Inverse Cholesky factor of the diagonal block: xx yy zz, mass (kg; 0: held); yx zx zy, unused.
+/// Two a particle: the inverse of the Cholesky factor of its diagonal block (kg^-1/2), xx yy zz, w mass (kg; 0: held); yx zx zy, w unused.
 inline constexpr Buffer inverses = scratch<gpu::vec4>("inverses", [](const Cooked& s) { return 2 * lengths::particles(s); });
-/// What particles tell each other in a solve: preconditioned residuals, or Jacobi's last three iterates (m/s).
+/// Vectors that a particle's neighbours read in the solve (m/s). Conjugate gradients: the preconditioned residual; Jacobi: the last three
+/// iterates.
 inline constexpr Buffer exchanged = scratch<gpu::vec4>("exchanged", [](const Cooked& s) { return (s.scene.solver.linear == Linear::jacobi ? 3 : 1) * lengths::particles(s); });
-/// Residual (kg m/s); of conjugate gradients also change (m/s), product, search direction, its image.
-inline constexpr Buffer krylov = scratch<gpu::vec4>("krylov", [](const Cooked& s) { return (s.scene.solver.linear == Linear::jacobi ? 1 : 5) * lengths::particles(s); });
-/// Sums of workgroups (implicit.glsl).
+/// Vectors that only the particle itself reads: the residual r (kg m/s); with conjugate gradients also the solution dv (m/s), the product A z
+/// (kg m/s), the search direction p (m/s) and its image A p (kg m/s).
+inline constexpr Buffer solve_vectors = scratch<gpu::vec4>("solve_vectors", [](const Cooked& s) { return (s.scene.solver.linear == Linear::jacobi ? 1 : 5) * lengths::particles(s); });
+/// Partial sums of the dot products, one a workgroup (implicit.glsl).
 inline constexpr Buffer partial_sums = scratch<gpu::vec4>("partial_sums", lengths::particles);
-/// Where the solve is; nothing has arrived between dispatches.
+/// Scalars of the linear solve; `arrived` is 0 between dispatches.
 inline constexpr Buffer linear = buffer<gpu::Linear>("linear", Lifetime::scratch, lengths::one, [](const Cooked&) { return made(std::vector<gpu::Linear>(1)); });
-/// Cloths whose momentum a solve must not change, and the drift that it gave them.
+/// Free cloths, whose momentum the solve must not change, and the drift that it gave them (m/s).
 inline constexpr Buffer free_cloths = buffer<gpu::FreeCloth>("free_cloths", Lifetime::scratch, [](const Cooked& s) { return std::uint64_t(s.fabric.materials.size()); }, [](const Cooked& s) {
   std::vector<gpu::FreeCloth> cloths(s.fabric.materials.size());
   for (std::size_t k = 0; k < s.fabric.cloths.size(); ++k)
@@ -26,6 +28,6 @@ inline constexpr Buffer free_cloths = buffer<gpu::FreeCloth>("free_cloths", Life
   return made(cloths);
 });
 /// Two a particle: what colliders decide of a substep (implicit_wall.glsl).
-inline constexpr Buffer walls = scratch<gpu::vec4>("walls", [](const Cooked& s) { return 2 * lengths::particles(s); });
+inline constexpr Buffer collider_filters = scratch<gpu::vec4>("collider_filters", [](const Cooked& s) { return 2 * lengths::particles(s); });
 }  // namespace buffers
 }  // namespace weft

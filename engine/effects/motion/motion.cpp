@@ -1,4 +1,4 @@
-// Motion: free flight, and the end of an iteration that nothing else ends.
+// Motion: the prediction by free flight, and the finalize pass for iterations that no other pass can finalize.
 #include "engine/effects/motion/motion.h"
 
 #include "engine/effects/effect.h"
@@ -14,11 +14,11 @@ std::vector<gpu::vec4> iterates_at(const std::vector<gpu::vec4>& positions, cons
 namespace effects {
 namespace {
 
-constexpr const Buffer* kBuffers[] = {&buffers::positions, &buffers::velocities, &buffers::predicted, &buffers::relaxed, &buffers::materials, &buffers::counters};
+constexpr const Buffer* kBuffers[] = {&buffers::positions, &buffers::velocities, &buffers::predicted, &buffers::next_iterate, &buffers::materials, &buffers::counters};
 
 constexpr Pass kPasses[] = {
     {.name = "predict", .stage = Stage::frame_begin, .threads = threads::particles, .with_contacts = "+watch"},
-    // Only where no other pass can end the iteration (engine/solve/plan.cpp).
+    // Only where no other pass can finalize the iteration (engine/solve/plan.cpp).
     {.name = "finalize", .stage = Stage::iteration, .threads = threads::particles, .changes = Changes::iterate, .can_finalize = true},
 };
 

@@ -16,7 +16,7 @@ constexpr Pass kPasses[] = {
     {.name = "spring", .stage = Stage::iteration, .threads = threads::particles, .changes = Changes::iterate, .when = by_symplectic_euler},
 };
 
-// The springs of the scene, or what makes the same energy as the cloth's links and bends.
+// The scene's springs, or springs with the energy of the cloth's links and bending stencils.
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   const Method method = state.scene().solver.method;
   if (!on_springs(method)) return {};

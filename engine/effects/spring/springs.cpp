@@ -1,14 +1,14 @@
 // Springs of the methods implicit, mass_spring and verlet.
 //
 //     o o o o o    Between neighbours: structural along edges, shear along both diagonals of quads (x), and bend (o) between
-//     o x s x o    all points that are two of these apart. Inside a grid that makes the 24 neighbours, 5 x 5, of the particle
-//     o s . s o    system of 2006; on any other mesh it is what the mesh has.
+//     o x s x o    all points that are two of these apart. Inside a grid these are the 24 neighbours, 5 x 5, of the particle
+//     o s . s o    system of 2006; on other meshes they follow the edges.
 //     o x s x o
 //     o o o o o
 //
-// Or the energy that the other methods solve: every link as a spring, and the isometric bending energy, whose matrix is constant.
-// As its rows sum to zero, 1/2 sum M_ij x_i . x_j = 1/2 sum over i < j of -M_ij |x_i - x_j|^2: springs of rest length 0, of
-// either sign, together positive semidefinite.
+// Without `springs` in the scene: the energy that the other methods solve, every link as a spring, and the isometric bending energy, whose
+// matrix M is constant. As its rows sum to zero, 1/2 sum M_ij x_i . x_j = 1/2 sum over i < j of -M_ij |x_i - x_j|^2: springs of rest
+// length 0 and of either sign, together positive semidefinite.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -31,7 +31,7 @@ std::vector<NeighbourSpring> neighbour_springs(const Mesh& mesh, const weft::Spr
     add(link.a, link.b, link.kind == Spring::Kind::edge ? springs.structural : springs.shear);
   }
   if (straight) {
-    // Edges come first, as the mesh has them; only where lines of them lead is asked for.
+    // add_far_links wants the mesh's edges first; only the far links that it appends are used.
     std::vector<bool> is_diagonal;
     links.resize(mesh.edges.size());
     for (const Spring& edge : links) is_diagonal.push_back(edge.kind == Spring::Kind::diagonal);
@@ -62,12 +62,12 @@ void add_bending_springs(std::span<const gpu::Bend> bends, std::vector<ParticleS
         entry += double(bend.k[i]) * bend.k[j] / bend.compliance;
         largest = std::max(largest, std::abs(entry));
       }
-  // Stencils of right angles cancel to rounding: no entry.
+  // Entries that cancel but for rounding, as on right angles, are left out.
   for (const auto& [pair, entry] : matrix)
     if (std::abs(entry) > 1e-9 * largest) springs.push_back({pair.first, pair.second, 0, static_cast<float>(-entry), 0, false});
 }
 
-// engine/reference/implicit.h says why: 4/3 over the bound on the eigenvalues, 4 with stencils of four particles, else 2.
+// 4/3 over the bound on the eigenvalues, which is 4 with stencils of four particles and 2 without: see engine/reference/implicit.h.
 double jacobi_weight(std::span<const ParticleSpring> springs) {
   const bool stencils = std::any_of(springs.begin(), springs.end(), [](const ParticleSpring& s) { return s.rest == 0; });
   return stencils ? 1.0 / 3 : 2.0 / 3;
@@ -83,7 +83,7 @@ SpringRows spring_rows(std::span<const ParticleSpring> springs, std::size_t part
   SpringRows packed;
   for (std::uint32_t owner = 0; owner < particles; ++owner) {
     auto& list = lists[owner];
-    // Neighbours in the cloth are neighbours in memory: in their order, fetches go forward.
+    // Sorted by the other end: neighbours in the cloth are neighbours in memory, so fetches go forward.
     std::stable_sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     list.resize((list.size() + 3) / 4 * 4, {owner, {0, 0, 0, 0}});
     packed.rows.push_back({static_cast<std::uint32_t>(packed.ends.size()), static_cast<std::uint32_t>(list.size() / 4)});

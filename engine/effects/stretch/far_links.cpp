@@ -2,10 +2,10 @@
 //
 //     a --- . --- . --- . --- e      |a - e| <= the line's length
 //
-// In cloth that does not stretch they are never violated, and they never resist folding, because they only pull. What they
-// add is reach: one Jacobi pass carries a pull over one edge, and over several along a far link. A smooth wave of wave number
-// k is corrected by a pass in proportion to the sum of (length k)^2 over a particle's links divided by their number; on a
-// grid, four links of eight edges beside eight of one edge make that 22 times as much for half as many links more.
+// They speed up convergence: one Jacobi pass carries a pull over one edge, but over several along a far link. They only pull, so
+// they never resist folding, and cloth that does not stretch never violates them. A pass corrects a smooth wave of wave number k in
+// proportion to the sum of (length k)^2 over a particle's links, divided by their number; on a grid, four links of eight edges
+// beside eight of one edge make that 22 times as much, with half as many links again.
 //
 // A strip stretched evenly must pull as hard as before. A far link of m edges covers m of them and gets k / (2 m^2), k the
 // stiffness of an edge: in compliances, alpha_far = 2 m sum(alpha). It takes 1 / (2 m) off the stiffness of each edge under it. Up
@@ -18,7 +18,7 @@
 namespace weft::cooking {
 namespace {
 
-// Lines that bend more than this (25 degrees a step) are not followed: their length says little about the distance.
+// Cosine. Lines that turn by more (25 degrees a step) are not followed: their length says little about the distance.
 constexpr double kStraight = 0.9;
 
 class Lines {
@@ -78,7 +78,7 @@ void add_far_links(const Mesh& mesh, const std::vector<bool>& is_diagonal, std::
         link.compliance += near[next].compliance;
         line.push_back(next);
       }
-      // Each line is found from both of its ends: the lower one keeps it.
+      // Each line is found from both of its ends; the lower end makes the link.
       if (line.size() < steps || link.a >= link.b) continue;
       link.compliance *= 2 * steps;
       far.push_back(link);

@@ -1,4 +1,4 @@
-// Links: which pairs of points hold a distance, and how stiff each is.
+// Links: which pairs of points have a distance constraint, and how stiff each is.
 //
 // Woven cloth is stiff along its threads (u and v of the UVs) and soft across them. With no lateral contraction the modulus
 // in a direction at angle t from the warp is, for an orthotropic sheet (Jones, Mechanics of Composite Materials, eq. 2.97),
@@ -22,10 +22,10 @@
 namespace weft::cooking {
 namespace {
 
-// Longest by more than rounding: an equilateral triangle has no diagonal.
+// Ratio. Longest by more than rounding: an equilateral triangle has no diagonal.
 constexpr double kLonger = 1.001;
 
-// How far a far link reaches, in edges; measured in README, "Why far links".
+// Length of a far link, in edges; measured in README, "Why far links".
 constexpr std::uint32_t kFarSteps = 8;
 
 class Weave {

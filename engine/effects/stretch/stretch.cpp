@@ -8,7 +8,7 @@
 namespace weft::effects {
 namespace {
 
-// Rows of links are padded to one length where that adds no more than this: to fetch where a row begins costs as much.
+// Rows of links are padded to one length where that adds no more than this fraction: fetching a row's start costs as much.
 constexpr double kMostPadding = 0.15;
 
 constexpr const Buffer* kBuffers[] = {&buffers::stretch_rows, &buffers::stretch_links, &buffers::stretch_lambda};

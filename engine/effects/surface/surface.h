@@ -1,4 +1,4 @@
-// What the renderer draws: positions and normals of render vertices.
+// The surface: positions and normals of render vertices, for the renderer.
 #pragma once
 
 #include "engine/effects/buffer.h"
@@ -15,9 +15,9 @@ constexpr Buffer drawn(std::string_view name) {
 
 /// Of each render vertex: particle, first corner, number of corners, unused.
 inline constexpr Buffer surface_rows = cooked<gpu::uvec4, &CookedFabric::surface_rows>("surface_rows");
-/// The two other particles of a corner's triangle, in order.
+/// The two other particles of a corner's triangle, in its winding order.
 inline constexpr Buffer corners = cooked<gpu::uvec2, &CookedFabric::corners>("corners");
-/// For the renderer: xyz, 1 and xyz, 0.
+/// For the renderer: xyz position (m), w 1; xyz unit normal, w 0.
 inline constexpr Buffer vertex_positions = detail::drawn("vertex_positions");
 inline constexpr Buffer vertex_normals = detail::drawn("vertex_normals");
 

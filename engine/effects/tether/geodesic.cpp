@@ -1,9 +1,9 @@
-// Geodesic rest distances to the nearest anchors.
+// Geodesic rest distances to the nearest anchors, by a wavefront on the mesh.
 //
-// A wave runs out from every anchor over the mesh (Dijkstra's order), and each vertex keeps the first few anchors that reach
-// it. Along edges alone distances would be up to 8 % too long on a grid, and a tether that is too long lets the cloth
-// stretch that much. So a distance is also handed across triangles: with the distances of a and b known, the source is
-// placed in the triangle's plane and c measured straight from it, which is exact wherever the cloth unrolls flat.
+// A wave runs out from every anchor over the mesh (in Dijkstra's order), and each vertex keeps the first few anchors whose waves
+// arrive. Along edges alone distances would be up to 8 % too long on a grid, and a tether that is too long lets the cloth stretch
+// by as much. So a distance also propagates across triangles: with the distances of a and b known, the source is unfolded into the
+// triangle's plane and the distance of c measured straight from it, which is exact wherever the cloth unrolls flat.
 //
 //          c          This work is based on: Novotni and Klein 2002, "Computing geodesic distances on triangular
 //         / \         meshes" (circular wavefronts); Kimmel and Sethian 1998.
@@ -20,8 +20,8 @@
 namespace weft::cooking {
 namespace {
 
-// A wave dies where nearer anchors take all places, and next to that border distances are handed along edges. Places to spare move
-// the border away from the anchors that are kept.
+// A wave ends where a vertex has enough nearer anchors, and beside that border distances propagate only along edges. Spare places a vertex
+// move the border away from the anchors that are used.
 constexpr std::uint32_t kSpare = 1;
 
 // Length of the line from the source to c, if it crosses ab.
@@ -70,7 +70,7 @@ class Waves {
   struct Known {
     std::uint32_t anchor;
     double distance;
-    bool spread;   // it has been handed on at this distance
+    bool spread;   // it has been propagated at this distance
   };
 
   struct Arrival {
@@ -111,8 +111,8 @@ class Waves {
     for (int side = 0; side < 2; ++side) {
       const std::uint32_t near = others[side], far = others[1 - side];
       offer(near, from.anchor, from.distance + between(from.point, near));
-      // Two distances place the source; the end of an edge that is handed on later sees both, and so does one that is handed
-      // on again: in obtuse triangles the wave can come to a corner before the ends of the edge that it has crossed.
+      // Two distances locate the source. The end of an edge that propagates later sees both, and so does one that propagates again: in
+      // obtuse triangles the wave can arrive at a corner before it arrives at the ends of the edge that it has crossed.
       const Known* known = find(near, from.anchor);
       if (known == nullptr || !known->spread) continue;
       const auto straight = across_triangle(between(from.point, near), between(from.point, far), between(near, far), from.distance, known->distance);

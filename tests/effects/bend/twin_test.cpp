@@ -71,16 +71,16 @@ TEST(BendTwin, split_masses_conserve_momentum_and_plain_counts_do_not) {
     bend.compliance = 1 / (0.1 * bend_stencil(x).q);   // stiff, so that rounding of positions is small against the motion
     bends.push_back(bend);
   }
-  const auto drift = [&](Meeting meeting) {
+  const auto drift = [&](Averaged averaging) {
     std::vector<Vector> lambda(bends.size(), Vector::Zero());
-    const Points q = relax_bend(bends, p, w, lambda, 1.0 / 720, 1, meeting);
+    const Points q = relax_bend(bends, p, w, lambda, 1.0 / 720, 1, averaging);
     Vector sum = Vector::Zero();
     double size = 0;
     for (std::size_t i = 0; i < p.size(); ++i) sum += (q[i] - p[i]) / w[i], size += (q[i] - p[i]).norm() / w[i];
     return sum.norm() / size;
   };
-  EXPECT_LT(drift(Meeting::mass_split), 1e-12);
-  EXPECT_GT(drift(Meeting::count), 1e-4);
+  EXPECT_LT(drift(Averaged::mass_split), 1e-12);
+  EXPECT_GT(drift(Averaged::count), 1e-4);
 }
 
 // A sheet rolled into a cylinder of curvature k has 1/2 B k^2 a unit of area. Edges at the sheet's rims have no stencil, so it

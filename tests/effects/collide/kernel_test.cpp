@@ -73,11 +73,11 @@ reference::Body body_of(const gpu::Collider& c, ColliderShape shape, double from
 // Just missed or just hit, this face or the next: that makes all the difference. A particle whose place leaps when its way is
 // stirred by rounding's size is not compared: half the tolerance after a sixteenth of it.
 bool is_undecided(const reference::Body& body, const reference::Vector& x, const reference::Vector& p, double thickness, double gap) {
-  const reference::Vector calm = reference::out_of_body(body, x, p, thickness);
+  const reference::Vector undisturbed = reference::out_of_body(body, x, p, thickness);
   for (int k = 0; k < 12; ++k) {
     const reference::Vector stir = (k % 2 == 0 ? gap : -gap) / 16 * reference::Vector::Unit(k / 2 % 3);
     const auto there = k < 6 ? reference::out_of_body(body, x + stir, p, thickness) : reference::out_of_body(body, x, p + stir, thickness);
-    if ((there - calm).norm() > gap / 2) return true;
+    if ((there - undisturbed).norm() > gap / 2) return true;
   }
   return false;
 }
@@ -127,7 +127,8 @@ void compare_colliders(const compute::Device& device, ColliderShape shape, doubl
       ++left_out;
       continue;
     }
-    ASSERT_LT((vector(positions[i]) - wanted[i]).norm(), tolerance) << "particle " << i << ", shape " << static_cast<int>(shape) << ", speed " << speed;
+    ASSERT_LT((vector(positions[i]) - wanted[i]).norm(), tolerance)
+        << "particle " << i << ", shape " << static_cast<int>(shape) << ", speed " << speed;
     if (fabric.positions[i].w == 0) continue;
     const auto speed_now = reference::velocity(vector(fabric.positions[i]), wanted[i], fabric.h);
     const auto after = reference::predict({wanted[i], speed_now}, kGravity, kDampings[i % 2], fabric.h, false);

@@ -1,5 +1,5 @@
 // The promise that cloth never crosses cloth, in hard cases: at every frame an independent checker
-// (engine/reference/intersections.h), which shares nothing with the passes, must find nothing, and no contact may be lost.
+// (engine/reference/intersections.h), which shares nothing with the passes, must find nothing, and no contact may overflow.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +8,7 @@
 #include "compute/commands.h"
 #include "engine/reference/intersections.h"
 #include "tests/support/mesh_files.h"
+#include "tests/support/printing.h"
 #include "tests/support/sheets.h"
 
 namespace weft {
@@ -29,7 +30,7 @@ void run_without_crossing(Simulation& simulation, int frames) {
     must(simulation.advance(kFrame));
     ASSERT_EQ(crossings_of(simulation), 0u) << "after frame " << frame;
   }
-  EXPECT_EQ(simulation.counts().contacts_lost, 0u);
+  EXPECT_EQ(simulation.counts().contacts_overflowed, 0u);
   EXPECT_EQ(simulation.counts().non_finite, 0u);
 }
 
@@ -147,7 +148,9 @@ TEST_F(ContactCase, a_mesh_with_a_seam_crumples_without_crossing_itself) {
     const auto first = static_cast<int>(places.size() / 3), columns = kAcross / 2 + 1;
     for (int j = 0; j <= kUp; ++j)
       for (int i = 0; i < columns; ++i)
-        for (const float x : {kCell * static_cast<float>(i + piece * kAcross / 2), kCell * static_cast<float>(j), 0.001f * static_cast<float>(j * j) / kUp}) places.push_back(x);
+        for (const float x :
+             {kCell * static_cast<float>(i + piece * kAcross / 2), kCell * static_cast<float>(j), 0.001f * static_cast<float>(j * j) / kUp})
+          places.push_back(x);
     for (int j = 0; j < kUp; ++j)
       for (int i = 0; i + 1 < columns; ++i) {
         const int a = first + j * columns + i, c = a + columns;
@@ -216,7 +219,7 @@ TEST_F(ContactCase, a_free_folded_sheet_keeps_its_momentum) {
   EXPECT_GT(simulation->counts().contacts_most, 100u) << "the arms did not meet";
 }
 
-// Nothing is within reach of anything on a flat sheet, so contacts have nothing to change.
+// On a flat sheet no pair is within the detection margin, so contacts have nothing to change.
 class Hanging : public GpuTest, public testing::WithParamInterface<std::uint32_t> {};
 
 TEST_P(Hanging, a_flat_sheet_stretches_as_it_does_without_contacts) {
@@ -230,7 +233,7 @@ TEST_P(Hanging, a_flat_sheet_stretches_as_it_does_without_contacts) {
     const auto simulation = must(Simulation::create(device(), scene));
     run(*simulation, 1);
     strain[contacts] = strain_of(*simulation);
-    EXPECT_EQ(simulation->counts().contacts_lost, 0u);
+    EXPECT_EQ(simulation->counts().contacts_overflowed, 0u);
     EXPECT_EQ(simulation->counts().detections > 0, contacts);
     EXPECT_LT(simulation->counts().detections, 60u) << "of 600 substeps";
   }
@@ -259,7 +262,7 @@ TEST_F(ContactCase, a_collider_through_cloth_at_five_metres_a_frame_makes_it_cro
 }
 
 // F3: bins and lists that overflow without a word.
-TEST_F(ContactCase, a_frame_that_found_no_room_is_repeated_with_more_and_ends_the_same) {
+TEST_F(ContactCase, a_frame_that_overflowed_is_repeated_with_more_capacity_and_ends_the_same) {
   std::uint64_t hashes[2];
   for (const std::uint32_t capacity : {16u, 1u << 20}) {
     Scene scene = twist(24, Topology::diagonal, 1);
@@ -272,7 +275,7 @@ TEST_F(ContactCase, a_frame_that_found_no_room_is_repeated_with_more_and_ends_th
   EXPECT_EQ(hashes[0], hashes[1]);
 }
 
-TEST_F(ContactCase, submitted_frames_that_found_no_room_are_safe_and_say_so) {
+TEST_F(ContactCase, submitted_frames_that_overflowed_are_safe_and_say_so) {
   Scene scene = twist(24, Topology::diagonal, 1);
   scene.contacts.capacity = 16;
   const auto simulation = must(Simulation::create(device(), scene));
@@ -280,12 +283,13 @@ TEST_F(ContactCase, submitted_frames_that_found_no_room_are_safe_and_say_so) {
     must(simulation->submit(kFrame));
     ASSERT_EQ(crossings_of(*simulation), 0u) << "after frame " << frame;
   }
-  EXPECT_GT(simulation->counts().contacts_lost, 0u);
+  EXPECT_GT(simulation->counts().contacts_overflowed, 0u);
   EXPECT_EQ(simulation->counts().non_finite, 0u);
 }
 
-// A host that records has the room it began with. A sheet is thrown at another, so fast that pairs are lost before one of them is a candidate.
-TEST_F(ContactCase, recorded_frames_that_find_no_room_are_safe_and_say_so) {
+// The capacity of a host that records cannot grow. A sheet is thrown at another, so fast that pairs overflow before one of them is a
+// candidate.
+TEST_F(ContactCase, recorded_frames_that_overflow_are_safe_and_say_so) {
   for (const std::uint32_t capacity : {1u, 8u, 64u, 512u}) {
     SCOPED_TRACE(capacity);
     Scene scene = scene_of({cloth_of({0.3f, 0.3f}, 8, {0, 0, 0}), cloth_of({0.3f, 0.3f}, 7, {0.01f, 0.1f, 0.02f})});
@@ -305,7 +309,7 @@ TEST_F(ContactCase, recorded_frames_that_find_no_room_are_safe_and_say_so) {
       return centre_of_mass({positions.begin() + range.first_particle, positions.begin() + range.first_particle + range.particles}).y;
     };
     EXPECT_GT(height(1), height(0)) << "one is through the other";
-    EXPECT_GT(simulation->counts().contacts_lost, 0u);
+    EXPECT_GT(simulation->counts().contacts_overflowed, 0u);
     EXPECT_EQ(simulation->counts().non_finite, 0u);
   }
 }

@@ -139,7 +139,7 @@ TEST(FabricContacts, a_mesh_collider_follows_the_cloths_and_nothing_moves_or_hol
   for (const StretchLink& link : fabric.links) EXPECT_LT(std::max(link.a, link.b), mesh.first_particle);
   for (const gpu::Bend& bend : fabric.bends) EXPECT_LT(*std::max_element(bend.particle, bend.particle + 4), mesh.first_particle);
   ASSERT_EQ(fabric.materials.size(), 3u);
-  EXPECT_EQ(fabric.materials[2].keep, 1);
+  EXPECT_EQ(fabric.materials[2].damping_factor, 1);
   EXPECT_EQ(fabric.materials[2].friction, 0.7f);
   EXPECT_EQ(fabric.materials[2].thickness, 0.01f);
 }
@@ -165,15 +165,18 @@ TEST(FabricContacts, a_mesh_collider_is_scaled_turned_and_then_moved) {
     return nearest;
   };
   // A quarter turn about +y takes +x to -z and +z to +x.
-  for (const Vec3 corner : {Vec3{0, 1, 0}, Vec3{0, 1, -2}, Vec3{0, 3, 0}, Vec3{2, 1, 0}}) EXPECT_LT(distance_to(cooked(scene), corner), 1e-6f);
+  for (const Vec3 corner : {Vec3{0, 1, 0}, Vec3{0, 1, -2}, Vec3{0, 3, 0}, Vec3{2, 1, 0}})
+    EXPECT_LT(distance_to(cooked(scene), corner), 1e-6f);
   scene.colliders[1].keys = {{0, {0, 0, 5}, {0, 1, 0}, 90}};
-  for (const Vec3 corner : {Vec3{0, 1, 5}, Vec3{-2, 1, 5}, Vec3{0, 3, 5}, Vec3{0, 1, 3}}) EXPECT_LT(distance_to(cooked(scene), corner), 1e-6f);
+  for (const Vec3 corner : {Vec3{0, 1, 5}, Vec3{-2, 1, 5}, Vec3{0, 3, 5}, Vec3{0, 1, 3}})
+    EXPECT_LT(distance_to(cooked(scene), corner), 1e-6f);
 }
 
 TEST(FabricContacts, hard_edges_of_a_mesh_collider_stay_hard) {
   const test::Folder folder;
   const CookedFabric fabric = cooked(with_tetrahedron(folder));
-  for (std::uint32_t v = cloth_vertices(fabric); v < fabric.surface_rows.size(); ++v) EXPECT_EQ(fabric.surface_rows[v].z, 1u);   // a face's own corner
+  for (std::uint32_t v = cloth_vertices(fabric); v < fabric.surface_rows.size(); ++v)
+    EXPECT_EQ(fabric.surface_rows[v].z, 1u);   // a face's own corner
 }
 
 TEST(FabricContacts, a_mesh_collider_that_cannot_be_read_or_was_not_given_is_a_sentence) {

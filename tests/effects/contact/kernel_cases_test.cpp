@@ -1,5 +1,5 @@
-// The contact passes where things go wrong or meet others: leashes, colliders, sides without a distance or without extent, predictions
-// that are not finite, more layers than rounds.
+// The contact passes in edge cases: displacement bounds, colliders, sides without a distance or without extent, predictions that are
+// not finite, more layers than passes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,29 +11,31 @@ namespace {
 
 using ContactEdgeCase = GpuTest;
 
-// The detection's words about one particle: where it should be, and how far from there it may be.
-void put_leash(Passes& passes, std::size_t particles, const gpu::vec4& reference, const gpu::vec4& path, float leash, std::uint32_t age) {
-  passes.put(buffers::references, std::vector<gpu::vec4>(particles, reference));
-  passes.put(buffers::paths, std::vector<gpu::vec4>(particles, path));
-  passes.put(buffers::leashes, std::vector<float>(particles, leash));
+// What the detection left for every particle: a predicted trajectory, the displacement bound about it, and the steps since then.
+void put_bound(Passes& passes, std::size_t particles, const gpu::vec4& detected, const gpu::vec4& trajectory, float bound,
+               std::uint32_t steps) {
+  passes.put(buffers::detected_positions, std::vector<gpu::vec4>(particles, detected));
+  passes.put(buffers::trajectories, std::vector<gpu::vec4>(particles, trajectory));
+  passes.put(buffers::displacement_bounds, std::vector<float>(particles, bound));
   auto detection = passes.detection();
-  detection.age = age;
+  detection.steps = steps;
   passes.put(buffers::detection, std::vector<gpu::Detection>{detection});
 }
 
-TEST_F(ContactEdgeCase, a_particle_ends_on_its_leash) {
+TEST_F(ContactEdgeCase, a_particle_ends_on_its_displacement_bound) {
   Random random(16);
   const Tufts t = reference::tufts(random, 10, 1, 0.5);
   const Scene scene = scene_of(t);
   const CookedFabric fabric = fabric_of(t, scene.solver);
   Passes passes(device(), scene, fabric, t, false);
-  put_leash(passes, t.x.size(), {0.1f, 0.2f, 0.3f, 0}, {1, 0, -2, 0}, 0.5f, 3);
+  put_bound(passes, t.x.size(), {0.1f, 0.2f, 0.3f, 0}, {1, 0, -2, 0}, 0.5f, 3);
   passes.run("contact_apply");
   const auto got = passes.iterate();
-  const reference::Vector step = 1.0 / WEFT_HORIZON * reference::Vector(1, 0, -2), from = reference::Vector(0.1, 0.2, 0.3) + 3 * step;
+  const reference::Vector step = 1.0 / WEFT_LONGEST_LIFETIME * reference::Vector(1, 0, -2);
+  const reference::Vector from = reference::Vector(0.1, 0.2, 0.3) + 3 * step;
   std::uint32_t held = 0;
   for (std::size_t i = 0; i < got.size(); ++i) {
-    // The nearest place of the path that the substep passes.
+    // The nearest point of the part of its trajectory that belongs to the substep.
     const reference::Vector expected = from + std::clamp((t.p[i] - from).dot(step) / step.squaredNorm(), 0.0, 1.0) * step;
     const bool leaves = t.inverse_masses[i] > 0 && (t.p[i] - expected).norm() > 0.5;
     held += leaves;
@@ -44,34 +46,34 @@ TEST_F(ContactEdgeCase, a_particle_ends_on_its_leash) {
   EXPECT_EQ(passes.counters().truncated, held);
 }
 
-TEST_F(ContactEdgeCase, a_particle_without_a_leash_stays) {
+TEST_F(ContactEdgeCase, a_particle_of_displacement_bound_zero_stays) {
   Random random(17);
   const Tufts t = reference::tufts(random, 10, 1, 0.5);
   const Scene scene = scene_of(t);
   const CookedFabric fabric = fabric_of(t, scene.solver);
   Passes passes(device(), scene, fabric, t, false);
-  put_leash(passes, t.x.size(), {0, 0, 0, 0}, {0, 0, 0, 0}, 0, 0);
+  put_bound(passes, t.x.size(), {0, 0, 0, 0}, {0, 0, 0, 0}, 0, 0);
   passes.run("contact_apply");
   const auto got = passes.iterate();
   for (std::size_t i = 0; i < got.size(); ++i) EXPECT_EQ(vector(got[i]), t.inverse_masses[i] == 0 ? t.p[i] : t.x[i]) << i;
 }
 
-// Pairs may be lost where no other was found, and then contact_apply has no threads.
-TEST_F(ContactEdgeCase, a_particle_without_a_leash_stays_where_there_are_no_candidates) {
+// Pairs may overflow where no candidate was stored, and then contact_apply has no threads.
+TEST_F(ContactEdgeCase, a_particle_of_displacement_bound_zero_stays_where_there_are_no_candidates) {
   Random random(17);
   const Tufts t = reference::tufts(random, 10, 1, 0.5);
   const Scene scene = scene_of(t);
   const CookedFabric fabric = fabric_of(t, scene.solver);
   Passes passes(device(), scene, fabric, t, false);
-  put_leash(passes, t.x.size(), {0, 0, 0, 0}, {1, 0, -2, 0}, 0, 0);
+  put_bound(passes, t.x.size(), {0, 0, 0, 0}, {1, 0, -2, 0}, 0, 0);
   auto detection = passes.detection();
   detection.touched.x = detection.candidates = 0;
-  detection.reach = 1000;   // m: nobody strays
+  detection.margin = 1000;   // m: no particle leaves its bound
   passes.put(buffers::detection, std::vector<gpu::Detection>{detection});
   passes.run("contact_finalize");
   const auto got = passes.particles(buffers::positions);
   for (std::size_t i = 0; i < got.size(); ++i) EXPECT_EQ(vector(got[i]), t.inverse_masses[i] == 0 ? t.p[i] : t.x[i]) << i;
-  EXPECT_EQ(passes.detection().due, 1u) << "they wait for a search";
+  EXPECT_EQ(passes.detection().needs_detection, 1u) << "they wait for a detection";
 }
 
 // Four particles in a row that stand still, and a pair of them.
@@ -86,32 +88,33 @@ Tufts four(double first_inverse_mass) {
   return t;
 }
 
-// One particle on a path that leads ten substeps of `expected` each. It goes `way` in this substep, which is one of so many.
+// Whether a particle needs a detection that was predicted to go `expected` in each of ten substeps, and goes `way` in this one.
+// `substeps`: of its frame.
 struct Watched {
-  std::uint32_t due_by_settle, due_by_predict;
+  std::uint32_t needed_by_finalize, needed_by_predict;
 };
 Watched watched(const compute::Device& device, const reference::Vector& expected, const reference::Vector& way, std::uint32_t substeps) {
   Tufts t = four(10);
   for (std::size_t i = 0; i < 4; ++i) t.p[i] = (t.x[i] + (i == 0 ? way : expected)).cast<float>().cast<double>();
   const Scene scene = scene_of(t);
   CookedFabric fabric = fabric_of(t, scene.solver);
-  for (gpu::Material& material : fabric.materials) material.keep = 1;   // no damping
+  for (gpu::Material& material : fabric.materials) material.damping_factor = 1;   // no damping
   Passes passes(device, scene, fabric, t, false);
-  passes.put(buffers::paths, std::vector<gpu::vec4>(t.x.size(), with(WEFT_HORIZON * expected, 0)));
+  passes.put(buffers::trajectories, std::vector<gpu::vec4>(t.x.size(), with(WEFT_LONGEST_LIFETIME * expected, 0)));
   auto detection = passes.detection();
-  detection.reach = 0.001f;
+  detection.margin = 0.001f;
   detection.touched.x = detection.candidates = 0;
   passes.put(buffers::detection, std::vector<gpu::Detection>{detection});
   passes.begin(frame_of(substeps));
   passes.run("contact_finalize");
-  const std::uint32_t due_by_settle = passes.detection().due;
+  const std::uint32_t needed_by_finalize = passes.detection().needs_detection;
   passes.begin(frame_of(1));
   passes.run("predict");
-  return {due_by_settle, passes.detection().due};
+  return {needed_by_finalize, passes.detection().needs_detection};
 }
 
-TEST_F(ContactEdgeCase, who_goes_his_path_is_not_searched_for_again_and_who_is_about_to_leave_it_is) {
-  const reference::Vector fast(0.01, 0, 0.02), off(0.0003, 0, 0), far(0.0006, 0, 0);   // of a reach of 1 mm
+TEST_F(ContactEdgeCase, a_particle_on_its_trajectory_needs_no_detection_and_one_about_to_leave_it_does) {
+  const reference::Vector fast(0.01, 0, 0.02), off(0.0003, 0, 0), far(0.0006, 0, 0);   // of a margin of 1 mm
   for (const std::uint32_t substeps : {1u, 2u}) {   // at a frame's end there is no prediction to look at
     const auto [on_it, still_on_it] = watched(device(), fast, fast, substeps);
     EXPECT_EQ(on_it, 0u) << substeps;
@@ -126,15 +129,15 @@ TEST_F(ContactEdgeCase, who_goes_his_path_is_not_searched_for_again_and_who_is_a
   }
 }
 
-TEST_F(ContactEdgeCase, an_anchor_that_leaves_its_path_calls_for_a_search) {
-  for (const float lead : {0.0004f, 0.0006f}) {   // m, off its path at the substep's end, of a reach of 1 mm
+TEST_F(ContactEdgeCase, an_anchor_that_leaves_its_trajectory_needs_a_detection) {
+  for (const float lead : {0.0004f, 0.0006f}) {   // m, off its trajectory at the substep's end, of a margin of 1 mm
     const Tufts t = four(0);
     const Scene scene = scene_of(t);
     CookedFabric fabric = fabric_of(t, scene.solver);
     fabric.anchors.push_back({0, 0, 0, 0, {0, 0, 0}});
     Passes passes(device(), scene, fabric, t, false);
     auto detection = passes.detection();
-    detection.reach = 0.001f;
+    detection.margin = 0.001f;
     passes.put(buffers::detection, std::vector<gpu::Detection>{detection});
     const gpu::Anchor anchor{0, {0, 0, 0}, {0, lead, 0}};
     FrameInput input = frame_of(1);
@@ -142,7 +145,7 @@ TEST_F(ContactEdgeCase, an_anchor_that_leaves_its_path_calls_for_a_search) {
     input.anchors_move = true;
     passes.begin(input);
     passes.run("anchor");
-    EXPECT_EQ(passes.detection().due, lead > 0.0005f ? 1u : 0u) << lead;
+    EXPECT_EQ(passes.detection().needs_detection, lead > 0.0005f ? 1u : 0u) << lead;
   }
 }
 
@@ -159,7 +162,7 @@ TEST_F(ContactEdgeCase, contacts_do_not_push_into_colliders) {
   FrameInput input = frame_of(1);
   input.colliders = {&floor, 1};
   passes.begin(input);
-  for (const char* pass : {"contact_prepare", "contact_weigh", "contact_solve", "contact_apply"}) passes.run(pass);
+  for (const char* pass : {"contact_prepare", "contact_penetration", "contact_solve", "contact_apply"}) passes.run(pass);
   const auto got = passes.iterate();
   for (std::size_t i = 0; i < got.size(); ++i) EXPECT_TRUE(t.inverse_masses[i] == 0 || got[i].y >= 0.002f - kRounding) << i;
 }
@@ -176,7 +179,7 @@ void run_degenerate(const compute::Device& device, const reference::Quad& x, boo
   const Scene scene = scene_of(t);
   const CookedFabric fabric = fabric_of(t, scene.solver);
   Passes passes(device, scene, fabric, t, false);
-  for (const char* pass : {"contact_prepare", "contact_weigh", "contact_solve", "contact_apply"}) passes.run(pass);
+  for (const char* pass : {"contact_prepare", "contact_penetration", "contact_solve", "contact_apply"}) passes.run(pass);
   passes.limit();
   passes.run("contact_finalize");
   const auto got = passes.particles(buffers::positions);
@@ -214,7 +217,7 @@ TEST_F(ContactEdgeCase, a_prediction_that_is_not_finite_takes_nobody_along) {
   const Scene scene = scene_of(t);
   const CookedFabric fabric = fabric_of(t, scene.solver);
   Passes passes(device(), scene, fabric, t, false);
-  for (const char* pass : {"contact_prepare", "contact_weigh", "contact_solve", "contact_apply"}) passes.run(pass);
+  for (const char* pass : {"contact_prepare", "contact_penetration", "contact_solve", "contact_apply"}) passes.run(pass);
   passes.limit();
   passes.run("contact_finalize");
   const auto got = points(passes.particles(buffers::positions));
@@ -222,28 +225,29 @@ TEST_F(ContactEdgeCase, a_prediction_that_is_not_finite_takes_nobody_along) {
   EXPECT_EQ(reference::meetings(t.pairs, t.x, got), 0u);
 }
 
-// What is led may lag by some distances that a pair keeps, and none goes further than that here: so all can stop.
-TEST_F(ContactEdgeCase, nothing_crosses_where_what_is_led_can_wait) {
+// Kinematic particles go no further here than the kinematic lag limit, a number of separations: so all can stop.
+TEST_F(ContactEdgeCase, nothing_crosses_where_kinematic_particles_can_wait) {
   for (const std::uint64_t seed : {20u, 21u, 22u}) {
     Random random(seed);
     Tufts t = reference::tufts(random, 40, 12, 0.02);
-    std::vector<double> keeps(t.x.size(), INFINITY);
+    std::vector<double> separations(t.x.size(), INFINITY);
     for (const reference::Pair& pair : t.pairs)
-      for (const std::uint32_t particle : pair.particle) keeps[particle] = std::min(keeps[particle], pair.keep);
-    int led = 0;
+      for (const std::uint32_t particle : pair.particle) separations[particle] = std::min(separations[particle], pair.separation);
+    int kinematic = 0;
     for (std::size_t i = 0; i < t.x.size(); ++i) {
       if (t.inverse_masses[i] > 0) continue;
       const reference::Vector way = t.p[i] - t.x[i] + reference::Vector(0.01, -0.01, 0.01);
-      t.p[i] = (t.x[i] + std::min(1.0, 0.99 * reference::kPatience * keeps[i] / way.norm()) * way).cast<float>().cast<double>();
-      ++led;
+      const double limit = 0.99 * reference::kKinematicLagLimit * separations[i];
+      t.p[i] = (t.x[i] + std::min(1.0, limit / way.norm()) * way).cast<float>().cast<double>();
+      ++kinematic;
     }
-    ASSERT_GT(led, 5);
+    ASSERT_GT(kinematic, 5);
     const Scene scene = scene_of(t);
     const CookedFabric fabric = fabric_of(t, scene.solver);
     Passes passes(device(), scene, fabric, t, false);
-    for (const char* pass : {"contact_prepare", "contact_weigh", "contact_solve", "contact_apply"}) passes.run(pass);
+    for (const char* pass : {"contact_prepare", "contact_penetration", "contact_solve", "contact_apply"}) passes.run(pass);
     passes.limit();
-    const auto fractions = passes.fractions();
+    const auto fractions = passes.step_fractions();
     int waiting = 0;
     for (std::size_t i = 0; i < fractions.size(); ++i) waiting += t.inverse_masses[i] == 0 && fractions[i] < 1;
     EXPECT_GT(waiting, 0);
@@ -257,7 +261,7 @@ TEST_F(ContactEdgeCase, nothing_crosses_where_what_is_led_can_wait) {
   }
 }
 
-// Layers that fall together and far, close to each other, the lowest stopped: the GPU's rounds against the twin's.
+// Close layers that fall together and far, the lowest stopped: the GPU's passes against the twin's.
 TEST_F(ContactEdgeCase, twenty_layers_do_not_cross_over_one_that_is_stopped) {
   Tufts t;
   for (std::uint32_t layer = 0; layer < 20; ++layer)
@@ -276,8 +280,8 @@ TEST_F(ContactEdgeCase, twenty_layers_do_not_cross_over_one_that_is_stopped) {
   passes.limit();
   const auto limit = reference::limit_motion(t.pairs, passes.contacts(), t.x, t.p, t.inverse_masses);
   EXPECT_TRUE(limit.unsafe);
-  EXPECT_NE(passes.detection().unsafe, 0u);
-  const auto fractions = passes.fractions();
+  EXPECT_NE(passes.detection().falls_back, 0u);
+  const auto fractions = passes.step_fractions();
   for (std::size_t i = 0; i < fractions.size(); ++i) EXPECT_NEAR(fractions[i], limit.fractions[i], 1e-5) << i;
   passes.run("contact_finalize");
   const auto end = points(passes.particles(buffers::positions));

@@ -1,5 +1,5 @@
 // The detection's passes against their twin: on random soups every pair that may meet is found once and no other, whatever the
-// cell, the workgroup and the way of gathering; nothing is lost silently; and what is degenerate loses nothing either.
+// cell, the workgroup and the way of gathering; nothing overflows silently; and what is degenerate loses no pair either.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -23,8 +23,8 @@ Name name_of(bool edges, Particles p) {
 }
 
 struct Oracle {
-  std::map<Name, double> kept;    // pairs that are candidates beyond doubt, and the distance they keep
-  std::set<Name> doubtful;        // within what single precision can tell
+  std::map<Name, double> certain;   // pairs that are candidates beyond doubt, and their separation
+  std::set<Name> doubtful;          // within the error of single precision
 };
 
 Oracle all_pairs(const Soup& soup, const reference::Tracks& t, double doubt) {
@@ -32,18 +32,19 @@ Oracle all_pairs(const Soup& soup, const reference::Tracks& t, double doubt) {
   const auto judge = [&](const Particles& p, int a) {
     if (!reference::can_be_pair(t, p, a)) return;
     const double spare = reference::spare_distance(t, p, a);
-    if (spare < -doubt) oracle.kept[name_of(a == 2, p)] = reference::keep_of(t, p, a);
+    if (spare < -doubt) oracle.certain[name_of(a == 2, p)] = reference::keep_of(t, p, a);
     else if (spare <= doubt) oracle.doubtful.insert(name_of(a == 2, p));
   };
   for (std::uint32_t i = 0; i < soup.fabric.positions.size(); ++i)
     for (const auto& [a, b, c] : soup.fabric.triangles) judge({i, a, b, c}, 1);
   for (std::size_t i = 0; i < soup.fabric.edges.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) judge({soup.fabric.edges[j].x, soup.fabric.edges[j].y, soup.fabric.edges[i].x, soup.fabric.edges[i].y}, 2);
+    for (std::size_t j = 0; j < i; ++j)
+      judge({soup.fabric.edges[j].x, soup.fabric.edges[j].y, soup.fabric.edges[i].x, soup.fabric.edges[i].y}, 2);
   return oracle;
 }
 
 // Each box may be larger by four units in the last place of the largest coordinate, on purpose (grid.glsl), and the chain of
-// some twenty operations rounds as often; coordinates, paths included, are below `size`.
+// some twenty operations rounds as often; coordinates, trajectories included, are below `size`.
 double doubt_of(double size) { return (2 * 8 + 40) * kRounding * size; }
 
 void expect_agreement(const Detected& detected, const Oracle& oracle, double doubt) {
@@ -52,14 +53,14 @@ void expect_agreement(const Detected& detected, const Oracle& oracle, double dou
   for (const gpu::Candidate& c : detected.candidates(count)) {
     const Name name = name_of(c.edges, {c.particle[0], c.particle[1], c.particle[2], c.particle[3]});
     ++found[name];
-    const auto wanted = oracle.kept.find(name);
-    if (wanted == oracle.kept.end()) EXPECT_TRUE(oracle.doubtful.contains(name)) << "not a pair that may meet";
-    else EXPECT_NEAR(c.keep, wanted->second, doubt);
+    const auto wanted = oracle.certain.find(name);
+    if (wanted == oracle.certain.end()) EXPECT_TRUE(oracle.doubtful.contains(name)) << "not a pair that may meet";
+    else EXPECT_NEAR(c.separation, wanted->second, doubt);
   }
   for (const auto& [name, times] : found) EXPECT_EQ(times, 1);
   std::size_t missed = 0;
-  for (const auto& [name, keep] : oracle.kept) missed += !found.contains(name);
-  EXPECT_EQ(missed, 0u) << "of " << oracle.kept.size();
+  for (const auto& [name, separation] : oracle.certain) missed += !found.contains(name);
+  EXPECT_EQ(missed, 0u) << "of " << oracle.certain.size();
 }
 
 TEST_F(Detect, finds_every_pair_that_may_meet_once_and_no_other) {
@@ -72,8 +73,9 @@ TEST_F(Detect, finds_every_pair_that_may_meet_once_and_no_other) {
         const Detected detected(device(), soup, setting);
         const double doubt = doubt_of(2);
         const Oracle oracle = all_pairs(soup, detected.tracks(), doubt);
-        SCOPED_TRACE(testing::Message() << "cell " << setting.cell << ", " << oracle.kept.size() << " pairs, " << oracle.doubtful.size() << " in doubt");
-        ASSERT_GT(oracle.kept.size(), 500u);
+        SCOPED_TRACE(testing::Message() << "cell " << setting.cell << ", " << oracle.certain.size() << " pairs, " << oracle.doubtful.size()
+                                        << " in doubt");
+        ASSERT_GT(oracle.certain.size(), 500u);
         ASSERT_LT(oracle.doubtful.size(), 50u);
         expect_agreement(detected, oracle, doubt);
       }
@@ -114,21 +116,22 @@ TEST_F(Detect, holds_all_particles_of_pairs_that_find_no_place_and_counts_them) 
   Random random(6);
   const Soup soup = random_soup(random, 60);
   const gpu::Detection all = Detected(device(), soup, {}).detection();
-  const std::uint32_t capacity = 16, room = WEFT_NEAR * capacity;
-  const Detected detected(device(), soup, {false, 64, 0.05, kReach, capacity});
+  const std::uint32_t capacity = 16, near_capacity = WEFT_NEAR * capacity;
+  const Detected detected(device(), soup, {false, 64, 0.05, kMargin, capacity});
   EXPECT_EQ(detected.detection().near[0], all.near[0]);
   EXPECT_EQ(detected.detection().near[1], all.near[1]);
-  EXPECT_EQ(detected.passes.counters().contacts_lost, all.near[0] + all.near[1] - 2 * room);
-  const std::uint32_t kept = std::min(capacity, detected.detection().candidates);
+  EXPECT_EQ(detected.passes.counters().contacts_overflowed, all.near[0] + all.near[1] - 2 * near_capacity);
+  const std::uint32_t stored = std::min(capacity, detected.detection().candidates);
   std::set<Name> placed;
-  for (const gpu::Candidate& c : detected.candidates(kept)) placed.insert(name_of(c.edges, {c.particle[0], c.particle[1], c.particle[2], c.particle[3]}));
-  EXPECT_EQ(placed.size(), kept);
-  const auto leashes = detected.passes.get<std::uint32_t>(buffers::leashes, soup.predicted.size());
-  for (const auto& [name, keep] : all_pairs(soup, detected.tracks(), doubt_of(2)).kept)
-    if (!placed.contains(name)) { for (const std::uint32_t i : name.second) EXPECT_EQ(leashes[i], 0u); }
+  for (const gpu::Candidate& c : detected.candidates(stored))
+    placed.insert(name_of(c.edges, {c.particle[0], c.particle[1], c.particle[2], c.particle[3]}));
+  EXPECT_EQ(placed.size(), stored);
+  const auto displacement_bounds = detected.passes.get<std::uint32_t>(buffers::displacement_bounds, soup.predicted.size());
+  for (const auto& [name, separation] : all_pairs(soup, detected.tracks(), doubt_of(2)).certain)
+    if (!placed.contains(name)) { for (const std::uint32_t i : name.second) EXPECT_EQ(displacement_bounds[i], 0u); }
 }
 
-TEST_F(Detect, holds_the_four_particles_of_a_lost_pair_and_no_other) {
+TEST_F(Detect, holds_the_four_particles_of_an_overflowed_pair_and_no_other) {
   Random random(13);
   Soup soup = soup_of(random, 8);   // twice a vertex above a triangle
   for (std::uint32_t i = 0; i < 8; ++i) {
@@ -138,14 +141,14 @@ TEST_F(Detect, holds_the_four_particles_of_a_lost_pair_and_no_other) {
     if (i % 4 == 3) add_triangle(soup, i - 2, i - 1, i);
   }
   soup.predicted = soup.fabric.positions;
-  const Detected detected(device(), soup, {false, 64, 0.05, kReach, 1});
+  const Detected detected(device(), soup, {false, 64, 0.05, kMargin, 1});
   EXPECT_EQ(detected.detection().candidates, 2u);
-  const std::uint32_t kept = detected.candidates(1)[0].particle[0];
-  const auto leashes = detected.passes.get<std::uint32_t>(buffers::leashes, 8);
-  for (std::uint32_t i = 0; i < 8; ++i) EXPECT_EQ(leashes[i] > 0, i / 4 == kept / 4);
+  const std::uint32_t stored = detected.candidates(1)[0].particle[0];
+  const auto displacement_bounds = detected.passes.get<std::uint32_t>(buffers::displacement_bounds, 8);
+  for (std::uint32_t i = 0; i < 8; ++i) EXPECT_EQ(displacement_bounds[i] > 0, i / 4 == stored / 4);
 }
 
-TEST_F(Detect, a_flat_sheet_at_rest_has_no_candidates_when_the_reach_is_small_against_its_edges) {
+TEST_F(Detect, a_flat_sheet_at_rest_has_no_candidates_when_the_margin_is_small_against_its_edges) {
   constexpr std::uint32_t kSide = 17;
   Random random(7);
   Soup soup = soup_of(random, kSide * kSide);

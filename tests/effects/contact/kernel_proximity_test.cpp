@@ -19,7 +19,9 @@ using reference::Vector;
 
 gpu::vec4 single(const Vector& v) { return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0}; }
 
-Vector in_box(Random& random, double size) { return {between(random, -size, size), between(random, -size, size), between(random, -size, size)}; }
+Vector in_box(Random& random, double size) {
+  return {between(random, -size, size), between(random, -size, size), between(random, -size, size)};
+}
 
 // Four points: in general, in a plane, on a line, two or three at one place, slivers, nearly parallel edges and crossing ones.
 std::vector<gpu::vec4> random_quads(Random& random, std::uint32_t count, double far) {
@@ -46,8 +48,10 @@ std::vector<gpu::vec4> random_quads(Random& random, std::uint32_t count, double 
 
 std::vector<gpu::vec4> weights_of(const compute::Device& device, const std::vector<gpu::vec4>& points) {
   const auto count = static_cast<std::uint32_t>(points.size() / 4);
-  constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  const compute::BufferRequest requests[] = {{"points", points.size() * sizeof(gpu::vec4), kUsage}, {"weights", 2 * count * sizeof(gpu::vec4), kUsage}};
+  constexpr VkBufferUsageFlags kUsage =
+      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  const compute::BufferRequest requests[] = {{"points", points.size() * sizeof(gpu::vec4), kUsage},
+                                             {"weights", 2 * count * sizeof(gpu::vec4), kUsage}};
   const auto arena = must(compute::Arena::create(device, compute::Memory::device, "proximity", requests));
   const compute::DescriptorBinding bindings[] = {{0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}, {1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}};
   const auto layout = must(compute::DescriptorLayout::create(device, "proximity", bindings));

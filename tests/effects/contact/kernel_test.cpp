@@ -30,7 +30,7 @@ void compare_prepared(const compute::Device& device, bool gather_storage) {
   passes.run("contact_prepare");
   const auto wanted = reference::prepare(t, passes.recover), got = passes.contacts();
   std::vector<std::uint32_t> counts(t.x.size());
-  int touching = 0;
+  int active = 0;
   // Offsets and heights are differences of coordinates below 0.1 m, some ten roundings deep.
   const double tolerance = 16 * kRounding * 0.1;
   for (std::size_t k = 0; k < t.pairs.size(); ++k) {
@@ -38,21 +38,21 @@ void compare_prepared(const compute::Device& device, bool gather_storage) {
     const double gap = reference::closest(places(pair, t.x), pair.edges ? 2 : 1).distance;
     ASSERT_TRUE(got[k].directed);
     EXPECT_NEAR(got[k].normal.norm(), 1, 8 * kRounding);
-    // No direction keeps sides further apart than they are, and only the right one that far.
+    // No direction separates the sides by more than their distance, and only the right one by as much.
     EXPECT_NEAR(separation(pair, got[k].normal, t.x), gap, tolerance);
     ASSERT_EQ(got[k].touches, wanted[k].touches) << k;
     if (!got[k].touches) continue;
-    ++touching;
-    EXPECT_NEAR(got[k].keep, wanted[k].keep, tolerance);
+    ++active;
+    EXPECT_NEAR(got[k].separation, wanted[k].separation, tolerance);
     EXPECT_NEAR(got[k].weights.sum(), 0, 8 * kRounding);
     EXPECT_NEAR(reference::offset(got[k].weights, places(pair, t.x)).norm(), gap, tolerance);
     for (int j = 0; j < 4; ++j) {
       EXPECT_GE(got[k].weights[j] * (pair.on_a(j) ? 1 : -1), 0);
       const std::uint32_t i = pair.particle[static_cast<std::size_t>(j)];
-      counts[i] += got[k].weights[j] != 0 && t.inverse_masses[i] > 0;   // only who can give way has a share
+      counts[i] += got[k].weights[j] != 0 && t.inverse_masses[i] > 0;   // only a particle with mass has a share
     }
   }
-  EXPECT_GT(touching, 50);
+  EXPECT_GT(active, 50);
   EXPECT_EQ(passes.get<std::uint32_t>(buffers::contact_counts, t.x.size()), counts);
 }
 
@@ -66,7 +66,7 @@ void compare_solved(const compute::Device& device, bool gather_storage) {
   const CookedFabric fabric = fabric_of(t, scene.solver);
   Passes passes(device, scene, fabric, t, gather_storage);
   passes.run("contact_prepare");
-  passes.run("contact_weigh");
+  passes.run("contact_penetration");
   passes.run("contact_solve");
   const auto sums = passes.get<gpu::ivec4>(buffers::contact_sums, t.x.size());
   passes.run("contact_apply");
@@ -79,7 +79,8 @@ void compare_solved(const compute::Device& device, bool gather_storage) {
   EXPECT_GT(moved, 0.001);
   // At most twelve contacts of a particle round to a unit; a depth has the rounding of coordinates below 0.1 m, and of 1 m in the end.
   EXPECT_LT(largest_gap(passes.iterate(), wanted), 12 * passes.quantum + 16 * kRounding * 0.1 + 2 * kRounding);
-  for (const gpu::ivec4& sum : passes.get<gpu::ivec4>(buffers::contact_sums, t.x.size())) ASSERT_TRUE(sum.x == 0 && sum.y == 0 && sum.z == 0);
+  for (const gpu::ivec4& sum : passes.get<gpu::ivec4>(buffers::contact_sums, t.x.size()))
+    ASSERT_TRUE(sum.x == 0 && sum.y == 0 && sum.z == 0);
   EXPECT_EQ(passes.counters().truncated, 0u);
   for (std::size_t i = 0; i < t.x.size(); ++i)
     ASSERT_TRUE(t.inverse_masses[i] > 0 || (sums[i].x == 0 && sums[i].y == 0 && sums[i].z == 0));
@@ -95,7 +96,7 @@ TEST_F(ContactKernel, solving_keeps_momentum_to_the_unit) {
   const CookedFabric fabric = fabric_of(t, scene.solver);
   Passes passes(device(), scene, fabric, t, false);
   passes.run("contact_prepare");
-  passes.run("contact_weigh");
+  passes.run("contact_penetration");
   passes.run("contact_solve");
   const auto sums = passes.get<gpu::ivec4>(buffers::contact_sums, t.x.size());
   reference::Vector momentum = reference::Vector::Zero(), size = momentum;
@@ -122,7 +123,7 @@ TEST_F(ContactKernel, many_deep_contacts_of_one_particle_do_not_overflow) {
   const CookedFabric fabric = fabric_of(t, scene.solver);
   Passes passes(device(), scene, fabric, t, false);
   passes.run("contact_prepare");
-  passes.run("contact_weigh");
+  passes.run("contact_penetration");
   passes.run("contact_solve");
   const auto sums = passes.get<gpu::ivec4>(buffers::contact_sums, 4);
   EXPECT_GT(sums[0].y, 1 << 29);
@@ -142,22 +143,22 @@ TEST_F(ContactKernel, the_order_of_candidates_does_not_matter) {
   const CookedFabric fabric = fabric_of(t, scene.solver);
   auto pairs = t.pairs;
   std::vector<gpu::vec4> iterate, positions;
-  std::vector<gpu::uvec4> fractions;
+  std::vector<gpu::uvec4> step_fractions;
   for (int order = 0; order < 3; ++order) {
     Passes passes(device(), scene, fabric, t, false);
     passes.put_pairs(pairs);
-    for (const char* pass : {"contact_prepare", "contact_weigh", "contact_solve", "contact_apply"}) passes.run(pass);
+    for (const char* pass : {"contact_prepare", "contact_penetration", "contact_solve", "contact_apply"}) passes.run(pass);
     const auto solved = passes.iterate();
     passes.limit();
-    const auto limited = passes.get<gpu::uvec4>(buffers::fractions, WEFT_ROUNDS / 4 * t.x.size());
+    const auto limited = passes.get<gpu::uvec4>(buffers::step_fractions, WEFT_LIMIT_PASSES / 4 * t.x.size());
     passes.run("contact_finalize");
     if (order > 0) {
       EXPECT_TRUE(same_bits(solved, iterate));
-      EXPECT_TRUE(same_bits(limited, fractions));
+      EXPECT_TRUE(same_bits(limited, step_fractions));
       EXPECT_TRUE(same_bits(passes.particles(buffers::positions), positions));
     }
     iterate = solved;
-    fractions = limited;
+    step_fractions = limited;
     positions = passes.particles(buffers::positions);
     std::shuffle(pairs.begin(), pairs.end(), random);
   }
@@ -171,19 +172,19 @@ void compare_limited(const compute::Device& device, double violence, bool gather
   passes.run("contact_prepare");
   passes.limit();
   const auto limit = reference::limit_motion(t.pairs, passes.contacts(), t.x, t.p, t.inverse_masses);
-  const auto fractions = passes.fractions();
-  EXPECT_EQ(passes.detection().unsafe != 0, limit.unsafe);
-  int lowered = 0;
+  const auto fractions = passes.step_fractions();
+  EXPECT_EQ(passes.detection().falls_back != 0, limit.unsafe);
+  int truncated = 0;
   for (std::size_t i = 0; i < t.x.size(); ++i) {
-    lowered += fractions[i] < 1;
+    truncated += fractions[i] < 1;
     const double way = (t.p[i] - t.x[i]).norm();
     // Heights have the rounding of a way or a tuft; a way that grazes a plane makes up to a thousandth of that a fraction.
     EXPECT_NEAR(fractions[i], limit.fractions[i], 1000 * 8 * kRounding * (1 + 0.1 / std::max(way, 1e-6))) << i << " of " << violence;
   }
-  EXPECT_GT(lowered, violence > 0.002 ? 30 : 0);
+  EXPECT_GT(truncated, violence > 0.002 ? 30 : 0);
   passes.run("contact_finalize");
   EXPECT_EQ(reference::meetings(t.pairs, t.x, points(passes.particles(buffers::positions))), 0u) << violence;
-  EXPECT_EQ(passes.counters().truncated, static_cast<std::uint32_t>(lowered));
+  EXPECT_EQ(passes.counters().truncated, static_cast<std::uint32_t>(truncated));
   EXPECT_EQ(passes.counters().non_finite, 0u);
 }
 

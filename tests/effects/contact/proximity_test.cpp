@@ -86,7 +86,7 @@ TEST(ProximityTwin, crossing_sides_touch) {
 // Two sides, near each other and moving fast, of which one may be held.
 Tracks random_tracks(Random& random) {
   Tracks t;
-  t.reach = std::pow(10, between(random, -3, -1));
+  t.margin = std::pow(10, between(random, -3, -1));
   const Vector drift = anywhere(random, std::pow(10, between(random, -2, 1)));
   const double apart = std::pow(10, between(random, -3, 0)), speed = std::pow(10, between(random, -3, 0));
   for (std::uint32_t i = 0; i < 4; ++i) {
@@ -112,15 +112,15 @@ void bring_together(Tracks& t, const Particles& all, int a) {
   }
 }
 
-// A place on the leash; more often than not as far towards the other side as it reaches.
-Vector on_leash(Random& random, const Tracks& t, std::uint32_t i, double substeps, const Vector& towards) {
+// A place on the displacement bound; more often than not as far towards the other side as it allows.
+Vector within_bound(Random& random, const Tracks& t, std::uint32_t i, double substeps, const Vector& towards) {
   const Vector way = t.paths[i] * std::min(substeps, kHorizon) / kHorizon;
-  return t.references[i] + way + (random() % 4 == 0 ? anywhere(random, 1).normalized() : towards) * t.reach;
+  return t.references[i] + way + (random() % 4 == 0 ? anywhere(random, 1).normalized() : towards) * t.margin;
 }
 
-// Where a particle may be at a substep's end: on its leash, or stopped on its way there from where it was on its leash.
+// Where a particle may be at a substep's end: on its displacement bound, or stopped on its way there from the bound a substep ago.
 Vector where_it_may_be(Random& random, const Tracks& t, std::uint32_t i, double substeps, const Vector& towards) {
-  const Vector from = on_leash(random, t, i, substeps - 1, towards), to = on_leash(random, t, i, substeps, towards);
+  const Vector from = within_bound(random, t, i, substeps - 1, towards), to = within_bound(random, t, i, substeps, towards);
   const double fraction[] = {0, 1, between(random, 0, 1)};
   return from + fraction[random() % 3] * (to - from);
 }
@@ -138,23 +138,25 @@ TEST(DetectTwin, a_pair_that_is_left_out_keeps_its_distance_wherever_its_particl
     ASSERT_GE(spare_distance(t, all, a), -1e-12);
     const Quad start{t.references[0], t.references[1], t.references[2], t.references[3]};
     const Vector d = offset(closest(start, a).weights, start).normalized();
-    const double keep = keep_of(t, all, a);
+    const double separation = keep_of(t, all, a);
     double least = INFINITY;
     for (int sample = 0; sample < 40; ++sample) {
       const double substeps = static_cast<double>(1 + random() % 14);
       Quad x;
-      for (std::uint32_t i = 0; i < 4; ++i) x[i] = where_it_may_be(random, t, i, substeps, i < static_cast<std::uint32_t>(a) ? Vector(-d) : d);
+      for (std::uint32_t i = 0; i < 4; ++i)
+        x[i] = where_it_may_be(random, t, i, substeps, i < static_cast<std::uint32_t>(a) ? Vector(-d) : d);
       least = std::min(least, closest(x, a).distance);
     }
-    EXPECT_GE(least, keep - 1e-12);
-    close += least < keep + 0.1 * t.reach;
+    EXPECT_GE(least, separation - 1e-12);
+    close += least < separation + 0.1 * t.margin;
   }
   EXPECT_GT(left_out, 1000);
   EXPECT_GT(close, 30) << "a test that never comes near tells nothing";
 }
 
 TEST(DetectTwin, common_motion_costs_one_substeps_way_by_which_either_side_may_be_stopped) {
-  Tracks t{{{0, 0, 0}, {0.2, 0, 0}, {0, 0.5, 0.5}, {0, 0.5, -0.5}}, Points(4, Vector(1, 1, 1)), {}, std::vector<double>(4, 0.01), std::vector<double>(4, 1.0), {0, 0, 1, 1}, 0.01};
+  Tracks t{{{0, 0, 0}, {0.2, 0, 0}, {0, 0.5, 0.5}, {0, 0.5, -0.5}},
+           Points(4, Vector(1, 1, 1)), {}, std::vector<double>(4, 0.01), std::vector<double>(4, 1.0), {0, 0, 1, 1}, 0.01};
   t.rest = t.references;
   const double moving = spare_distance(t, {0, 1, 2, 3}, 2);
   t.paths = Points(4, Vector::Zero());

@@ -96,7 +96,7 @@ TEST(ContactTwin, friction_stays_in_its_cone_and_stops_at_most) {
   EXPECT_GT(stuck, 10);
 }
 
-TEST(ContactTwin, no_particle_is_pushed_further_than_the_sides_lack) {
+TEST(ContactTwin, no_particle_is_pushed_further_than_the_penetration) {
   // An edge that is held at one end is pressed upon there: its other end hardly moves the place.
   const Points x{{0, 0, 0.001}, {0, 1, 0.001}, {0.001, -1, 0}, {0.001, 1, 0}};
   Points p = x;
@@ -105,10 +105,10 @@ TEST(ContactTwin, no_particle_is_pushed_further_than_the_sides_lack) {
   const Pair pair{{0, 1, 2, 3}, 0.002, true};
   const std::vector<double> masses{0, 1, 0, 0}, friction(4, 0.0);
   const Contact contact = prepare_contact(pair, x, p, 0.002);
-  const double lack = -contact_value(contact, places(pair, p));
-  ASSERT_GT(lack, 0.001);
+  const double penetration = -contact_value(contact, places(pair, p));
+  ASSERT_GT(penetration, 0.001);
   const Points pushed = solve_contacts({&pair, 1}, {&contact, 1}, x, p, masses, friction);
-  EXPECT_LE((pushed[1] - p[1]).norm(), lack * (1 + 1e-12));
+  EXPECT_LE((pushed[1] - p[1]).norm(), penetration * (1 + 1e-12));
 }
 
 TEST(ContactLimit, nothing_crosses_however_violent_the_motion) {
@@ -126,7 +126,7 @@ TEST(ContactLimit, pairs_that_go_along_are_not_held_back) {
   Tufts t = tufts(random, 60, 12, 1e-5, 1000000);
   for (std::size_t i = 0; i < t.x.size(); ++i) t.p[i] += Vector(3, -5, 4);   // m
   // Those that are as close as pairs may come must not come closer.
-  std::erase_if(t.pairs, [&](const Pair& pair) { return distance(pair, t.x) < kLimitMargin * pair.keep + 1e-4; });
+  std::erase_if(t.pairs, [&](const Pair& pair) { return distance(pair, t.x) < kLimitMargin * pair.separation + 1e-4; });
   const Limit limit = limit_motion(t.pairs, prepare(t, kRecover), t.x, t.p, t.inverse_masses);
   EXPECT_EQ(*std::min_element(limit.fractions.begin(), limit.fractions.end()), 1);
 }
@@ -165,12 +165,12 @@ TEST(ContactLimit, layers_that_fall_together_stop_over_one_that_is_stopped) {
     const Points end = along(p.x, p.p, limit.fractions);
     EXPECT_EQ(meetings(p.pairs, p.x, end), 0u) << layers;
     for (std::size_t i = 3; i < end.size(); ++i) EXPECT_GE(end[i].y() - end[i - 3].y(), 0.00009) << layers << " layers, particle " << i;
-    // Every round stops a layer. Where there are more, those above keep to their half of the gap.
+    // Every pass stops a layer. Where there are more layers, those above keep to their half of the gap.
     EXPECT_EQ(limit.unsafe, layers > 16) << layers;
   }
 }
 
-TEST(ContactLimit, what_cannot_stop_takes_its_room_from_the_other_side) {
+TEST(ContactLimit, what_cannot_stop_takes_its_slack_from_the_other_side) {
   const Points x{{0, 0.01, 0}, {-0.1, 0, -0.1}, {0.1, 0, -0.1}, {0, 0, 0.1}};
   const Pair pair{{0, 1, 2, 3}, 0.005, false};
   for (const double rise : {0.002, 0.008}) {
@@ -183,7 +183,7 @@ TEST(ContactLimit, what_cannot_stop_takes_its_room_from_the_other_side) {
     const Points end = along(x, p, limit.fractions);
     EXPECT_EQ(limit.fractions[1], 1);
     EXPECT_FALSE(limit.unsafe);
-    EXPECT_NEAR(end[0].y(), rise + 0.0005, 1e-4) << rise;   // a tenth of what the pair keeps
+    EXPECT_NEAR(end[0].y(), rise + 0.0005, 1e-4) << rise;   // a tenth of the separation
     EXPECT_FALSE(sides_meet(places(pair, x), places(pair, end), false));
   }
 }
@@ -197,8 +197,9 @@ TEST(ContactLimit, an_anchor_waits_for_what_is_in_its_way_but_not_further_from_i
     const std::vector<double> masses{0, 1, 1, 1};
     const Contact contact = prepare_contact(pair, x, p, kRecover);
     const Limit limit = limit_motion({&pair, 1}, {&contact, 1}, x, p, masses);
-    const double end = along(x, p, limit.fractions)[0].y(), lag = end - p[0].y();
-    EXPECT_NEAR(lag, std::min(down - 0.0005, kPatience * 0.005), 1e-12) << down;   // a tenth of what the pair keeps is left of the gap
+    const double end = along(x, p, limit.fractions)[0].y(), tracking_error = end - p[0].y();
+    // A tenth of the separation is left of the gap.
+    EXPECT_NEAR(tracking_error, std::min(down - 0.0005, kKinematicLagLimit * 0.005), 1e-12) << down;
     EXPECT_EQ(limit.fractions[1], 1);
   }
 }

@@ -69,9 +69,10 @@ double gap(const compute::Device& device, const Pleated& made, const std::vector
   const auto hinges = twins_of(made.fabric);
   const auto masses = inverse_masses(made.fabric);
   std::vector<double> lambda(hinges.size());
-  const auto meeting = made.scene.solver.averaging == Averaging::mass_split ? reference::Meeting::mass_split : reference::Meeting::count;
+  const auto averaging =
+      made.scene.solver.averaging == Averaging::mass_split ? reference::Averaged::mass_split : reference::Averaged::count;
   for (std::uint32_t k = 0; k < made.scene.solver.iterations; ++k) {
-    twin = reference::relax_hinges(hinges, twin, masses, lambda, made.fabric.h, made.scene.solver.relaxation, meeting);
+    twin = reference::relax_hinges(hinges, twin, masses, lambda, made.fabric.h, made.scene.solver.relaxation, averaging);
     passes.run("dihedral", static_cast<int>(k));
     passes.run("dihedral_gather", static_cast<int>(k));
   }
@@ -168,7 +169,8 @@ double farthest_off(const CookedFabric& fabric, const std::vector<gpu::vec4>& po
   double most = 0;
   for (const reference::Hinge& hinge : twins_of(fabric)) {
     const auto p = points(positions);
-    const double off = reference::hinge_value(hinge.rest, {p[hinge.particle[0]], p[hinge.particle[1]], p[hinge.particle[2]], p[hinge.particle[3]]});
+    const double off =
+        reference::hinge_value(hinge.rest, {p[hinge.particle[0]], p[hinge.particle[1]], p[hinge.particle[2]], p[hinge.particle[3]]});
     if (!(std::abs(off) <= most)) most = std::abs(off);
   }
   return most;

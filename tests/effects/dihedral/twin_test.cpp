@@ -19,8 +19,10 @@ constexpr double kPi = std::numbers::pi;
 HingePose pose(Random& random, double angle) {
   const double length = between(random, 0.5, 2), s2 = between(random, -1, 2), s3 = between(random, -1, 2);
   const double h2 = between(random, 0.3, 1), h3 = between(random, 0.3, 1);
-  HingePose x{Vector::Zero(), Vector(length, 0, 0), Vector(s2 * length, h2, 0), Vector(s3 * length, -h3 * std::cos(angle), h3 * std::sin(angle))};
-  const Eigen::Matrix3d turn = Eigen::Quaterniond(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1), 0.5).normalized().toRotationMatrix();
+  HingePose x{Vector::Zero(), Vector(length, 0, 0), Vector(s2 * length, h2, 0),
+              Vector(s3 * length, -h3 * std::cos(angle), h3 * std::sin(angle))};
+  const Eigen::Matrix3d turn =
+      Eigen::Quaterniond(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1), 0.5).normalized().toRotationMatrix();
   const Vector shift = anywhere(random, 10);
   for (Vector& p : x) p = turn * p + shift;
   return x;
@@ -76,7 +78,8 @@ Mesh rolled(double curvature, Random& random) {
   Mesh mesh = make_grid({.size = {1, 1}, .cells_x = 9, .cells_y = 7, .topology = Topology::centre});
   for (Vec3& p : mesh.points) {
     const double x = p.x + between(random, -0.01, 0.01), z = p.z + between(random, -0.01, 0.01), turn = curvature * x;
-    p = {static_cast<float>(curvature > 0 ? std::sin(turn) / curvature : x), static_cast<float>(curvature > 0 ? (1 - std::cos(turn)) / curvature : 0), static_cast<float>(z)};
+    p = {static_cast<float>(curvature > 0 ? std::sin(turn) / curvature : x),
+         static_cast<float>(curvature > 0 ? (1 - std::cos(turn)) / curvature : 0), static_cast<float>(z)};
   }
   return mesh;
 }
@@ -95,7 +98,8 @@ CookedFabric cooked(const Mesh& mesh, BendRest rest, Averaging averaging = Avera
 
 HingePose pose_of(const CookedFabric& fabric, const std::uint32_t (&particle)[4]) {
   HingePose x;
-  for (std::size_t j = 0; j < 4; ++j) x[j] = Vector(fabric.positions[particle[j]].x, fabric.positions[particle[j]].y, fabric.positions[particle[j]].z);
+  for (std::size_t j = 0; j < 4; ++j)
+    x[j] = Vector(fabric.positions[particle[j]].x, fabric.positions[particle[j]].y, fabric.positions[particle[j]].z);
   return x;
 }
 
@@ -141,7 +145,8 @@ TEST(HingeTwin, a_nearly_flat_mesh_has_the_isometric_models_energy) {
     HingePose x = pose_of(hinged, hinge.particle);
     for (std::size_t j = 0; j < 4; ++j) x[j].y() += height[hinge.particle[j]];
     const double angle = hinge_energy({{}, 0, hinge.compliance}, x);
-    const double quadratic = bend_value({bend.k[0], bend.k[1], bend.k[2], bend.k[3]}, {x[0], x[1], x[2], x[3]}).squaredNorm() / (2 * bend.compliance);
+    const double quadratic =
+        bend_value({bend.k[0], bend.k[1], bend.k[2], bend.k[3]}, {x[0], x[1], x[2], x[3]}).squaredNorm() / (2 * bend.compliance);
     // The stencil's K are floats, so that the plane itself leaves 1e-8 of its size of 0.1 m: 1e-4 of the heights.
     EXPECT_NEAR(angle, quadratic, 1e-3 * (angle + 1e-14));
     energies += angle;

@@ -40,7 +40,8 @@ TEST(Colours, every_link_that_can_move_somebody_has_one_as_the_cook_made_it) {
   using Key = std::tuple<std::uint32_t, std::uint32_t, float, float, bool>;
   std::set<Key> cooked, found;
   for (const StretchLink& link : fabric.links)
-    if (fabric.positions[link.a].w > 0 || fabric.positions[link.b].w > 0) cooked.insert({link.a, link.b, link.rest, link.compliance, link.only_pulls});
+    if (fabric.positions[link.a].w > 0 || fabric.positions[link.b].w > 0)
+      cooked.insert({link.a, link.b, link.rest, link.compliance, link.only_pulls});
   for (const gpu::uvec4& packed : fabric.coloured_links) {
     const gpu::ColouredLink link = gpu::unpack_coloured(packed);
     found.insert({link.a, link.b, link.rest, link.compliance, link.only_pulls});

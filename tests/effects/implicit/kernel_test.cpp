@@ -74,7 +74,7 @@ TEST_F(KernelImplicit, assemble_makes_the_equations_of_its_twin) {
         const Crumpled sheet(Linear::cg, 1, links, seed);
         const SinglePass passes = sheet.passes(device(), gather_storage);
         const std::size_t n = sheet.fabric.positions.size();
-        const Columns right = columns(passes.get<gpu::vec4>(buffers::krylov, n), 0, n);
+        const Columns right = columns(passes.get<gpu::vec4>(buffers::solve_vectors, n), 0, n);
         EXPECT_LT(largest(right - sheet.equations.right), kSummed * largest(sheet.equations.right)) << "links " << links;
         const Columns guess = columns(passes.get<gpu::vec4>(buffers::exchanged, n), 0, n);
         EXPECT_LT(largest(guess - sheet.equations.guess), 16 * kRounding) << "of velocities up to 1 m/s";
@@ -103,7 +103,7 @@ TEST_F(KernelImplicit, multiply_is_the_product_with_the_twins_matrix) {
         passes.put(buffers::exchanged, z);
         passes.run("implicit_multiply");
         const Columns wanted = sheet.equations.filtered(sheet.equations.times(columns(z, 0, n)));
-        const Columns got = columns(passes.get<gpu::vec4>(buffers::krylov, 3 * n), 2 * n, n);
+        const Columns got = columns(passes.get<gpu::vec4>(buffers::solve_vectors, 3 * n), 2 * n, n);
         EXPECT_LT(largest(got - wanted), kSummed * largest(wanted));
         double residual = 0, curvature = 0, squared = 0;
         for (const gpu::vec4& sums : passes.get<gpu::vec4>(buffers::partial_sums, (n + workgroup - 1) / workgroup)) {
@@ -138,7 +138,7 @@ Solved solve(const compute::Device& device, const Crumpled& sheet, bool gather_s
   const std::size_t n = before.size();
   Solved solved;
   if (jacobi) solved.got = columns(passes.get<gpu::vec4>(buffers::exchanged, 3 * n), n * ((iterations - 1) % 3), n);
-  else solved.got = columns(passes.get<gpu::vec4>(buffers::krylov, 2 * n), n, n);
+  else solved.got = columns(passes.get<gpu::vec4>(buffers::solve_vectors, 2 * n), n, n);
   solved.wanted = (jacobi ? reference::solve_jacobi(sheet.equations, iterations, sheet.fabric.jacobi_weight)
                           : reference::solve_conjugate_gradients(sheet.equations, iterations)).change;
   passes.run("implicit_step");
@@ -192,7 +192,9 @@ TEST_F(KernelImplicit, jacobi_that_diverges_is_broken_off_with_its_best_iterate)
   const auto after = passes.particles(buffers::positions);
   for (std::size_t i = 0; i < after.size(); ++i) {
     const auto column = static_cast<Eigen::Index>(i);
-    const reference::Vector wanted = vector(before[i]) + (sheet.fabric.positions[i].w == 0 ? reference::Vector::Zero() : reference::Vector(sheet.fabric.h * twin.change.col(column)));
+    const reference::Vector wanted =
+        vector(before[i]) +
+        (sheet.fabric.positions[i].w == 0 ? reference::Vector::Zero() : reference::Vector(sheet.fabric.h * twin.change.col(column)));
     EXPECT_LT((vector(after[i]) - wanted).norm(), 1e-4 * sheet.fabric.h * twin.change.colwise().norm().maxCoeff() + 4 * kRounding) << i;
   }
 }

@@ -58,7 +58,8 @@ CookedFabric chain(std::uint32_t particles, double mass, double rest, double sti
   for (std::uint32_t i = 0; i < particles; ++i) {
     fabric.positions.push_back({0, static_cast<float>(-rest * i), 0, i == 0 ? 0 : static_cast<float>(1 / mass)});
     fabric.velocities.push_back({0, 0, 0, std::bit_cast<float>(0u)});
-    if (i > 0) fabric.springs.push_back({i - 1, i, static_cast<float>(rest), static_cast<float>(stiffness), static_cast<float>(damping), false});
+    if (i > 0)
+      fabric.springs.push_back({i - 1, i, static_cast<float>(rest), static_cast<float>(stiffness), static_cast<float>(damping), false});
   }
   return fabric;
 }
@@ -115,7 +116,9 @@ TEST(NeighbourSprings, rows_hold_every_spring_at_both_of_its_ends) {
           continue;
         }
         ++found;
-        const auto same = [&](const ParticleSpring& s) { return std::minmax(s.a, s.b) == std::minmax(i, ends[c]) && s.rest == figures.x && s.stiffness == figures.y; };
+        const auto same = [&](const ParticleSpring& s) {
+          return std::minmax(s.a, s.b) == std::minmax(i, ends[c]) && s.rest == figures.x && s.stiffness == figures.y;
+        };
         EXPECT_EQ(std::count_if(fabric.springs.begin(), fabric.springs.end(), same), 1);
       }
     }
@@ -340,15 +343,15 @@ TEST(ImplicitSystem, the_filter_keeps_held_particles_where_they_are_put_to_the_b
   scene.cloths[0].anchors.emplace_back().corners = {Corner::low_low, Corner::high_high};
   const CookedFabric fabric = cooked(scene);
   ImplicitSystem system = system_of(scene, fabric);
-  const std::uint32_t still = fabric.anchors[0].particle, led = fabric.anchors[1].particle;
+  const std::uint32_t still = fabric.anchors[0].particle, driven = fabric.anchors[1].particle;
   const Vector at = system.positions.col(still);
-  Vector to = system.positions.col(led);
+  Vector to = system.positions.col(driven);
   for (int k = 0; k < 50; ++k) {
     to += Vector(0.0013, 0.0007, -0.0003);
-    const ImplicitTarget target{led, to};
+    const ImplicitTarget target{driven, to};
     system.step(std::span(&target, 1));
     ASSERT_EQ(system.positions.col(still), at);
-    ASSERT_EQ(system.positions.col(led), to);
+    ASSERT_EQ(system.positions.col(driven), to);
   }
   EXPECT_GT(-system.positions.row(1).minCoeff(), 0.05) << "the rest did not fall";
 }
@@ -360,10 +363,10 @@ TEST(ImplicitSystem, a_sheet_that_falls_on_a_plane_lies_on_it_and_can_be_lifted_
   scene.colliders.emplace_back();
   const CookedFabric fabric = cooked(scene);
   ImplicitSystem system = system_of(scene, fabric);
-  const std::uint32_t led = fabric.anchors[0].particle;
+  const std::uint32_t driven = fabric.anchors[0].particle;
   const float thickness = static_cast<float>(scene.cloths[0].fabric.thickness);
-  const Vector corner = system.positions.col(led);
-  ImplicitTarget target{led, Vector(corner.x(), thickness, corner.z())};
+  const Vector corner = system.positions.col(driven);
+  ImplicitTarget target{driven, Vector(corner.x(), thickness, corner.z())};
   for (int k = 0; k < 200; ++k) {
     system.step(std::span(&target, 1));
     ASSERT_GT(system.positions.row(1).minCoeff(), thickness - 1e-4) << "step " << k;

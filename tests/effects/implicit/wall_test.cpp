@@ -14,7 +14,7 @@ namespace {
 using reference::Columns;
 using reference::ImplicitEquations;
 
-using ImplicitWalls = GpuTest;
+using ImplicitFilter = GpuTest;
 
 Columns columns(const std::vector<gpu::vec4>& values, std::size_t first, std::size_t count) {
   Columns made(3, count);
@@ -59,7 +59,8 @@ struct Cornered {
     for (Eigen::Index i = 0; i < flight.cols(); ++i) {
       const gpu::vec4& v = fabric.velocities[static_cast<std::size_t>(i)];
       if (fabric.positions[static_cast<std::size_t>(i)].w > 0)
-        flight.col(i) = fabric.materials[std::bit_cast<std::uint32_t>(v.w)].keep * (vector(v) + fabric.h * vector({scene.gravity.x, scene.gravity.y, scene.gravity.z, 0}));
+        flight.col(i) = fabric.materials[std::bit_cast<std::uint32_t>(v.w)].damping_factor *
+                        (vector(v) + fabric.h * vector({scene.gravity.x, scene.gravity.y, scene.gravity.z, 0}));
     }
   }
 
@@ -79,43 +80,45 @@ struct Cornered {
     input.colliders = planes;
     passes.begin(input);
     passes.run("implicit_assemble");
-    passes.run("implicit_meet");
+    passes.run("implicit_filter");
     return passes;
   }
 
   // How many particles are left so many directions.
   std::ptrdiff_t left_with(int directions) const {
-    return std::count_if(equations.filter.begin(), equations.filter.end(), [&](const reference::Matrix& s) { return std::lround(s.trace()) == directions; });
+    return std::count_if(equations.filter.begin(), equations.filter.end(),
+                         [&](const reference::Matrix& s) { return std::lround(s.trace()) == directions; });
   }
 };
 
 // A sum of some 24 terms of up to 16 operations each; those that cancel are up to eight times what is left.
 constexpr double kSummed = 24 * 16 * 8 * kRounding / 4;
 
-TEST_F(ImplicitWalls, filtered_equations_are_those_of_the_twin) {
+TEST_F(ImplicitFilter, filtered_equations_are_those_of_the_twin) {
   for (const bool gather_storage : {false, true}) {
     const Cornered sheet(Linear::cg, 1, 3);
-    for (const int directions : {0, 1, 2, 3}) ASSERT_GT(sheet.left_with(directions), directions == 0 ? 2 : 0) << directions << " directions are left";
+    for (const int directions : {0, 1, 2, 3})
+      ASSERT_GT(sheet.left_with(directions), directions == 0 ? 2 : 0) << directions << " directions are left";
     const SinglePass passes = sheet.passes(device(), gather_storage);
     const std::size_t n = sheet.fabric.positions.size();
-    const auto walls = passes.get<gpu::vec4>(buffers::walls, 2 * n);
+    const auto filters = passes.get<gpu::vec4>(buffers::collider_filters, 2 * n);
     // Heights are rounded, and divided by h.
     const double rounding = 4 * kRounding / sheet.fabric.h;
     for (std::size_t i = 0; i < n; ++i) {
       const auto k = static_cast<Eigen::Index>(i);
-      EXPECT_LT((vector(walls[2 * i + 1]) - (sheet.equations.flight.col(k) - sheet.flight.col(k))).norm(), rounding) << i;
-      const reference::Vector v(0.3, -0.5, 0.7), direction = vector(walls[2 * i]);
-      const double s = walls[2 * i].w;
+      EXPECT_LT((vector(filters[2 * i + 1]) - (sheet.equations.flight.col(k) - sheet.flight.col(k))).norm(), rounding) << i;
+      const reference::Vector v(0.3, -0.5, 0.7), direction = vector(filters[2 * i]);
+      const double s = filters[2 * i].w;
       EXPECT_LT((s * v + (1 - 2 * s) * direction.dot(v) * direction - sheet.equations.filter[i] * v).norm(), 16 * kRounding) << i;
     }
-    const Columns right = columns(passes.get<gpu::vec4>(buffers::krylov, n), 0, n);
+    const Columns right = columns(passes.get<gpu::vec4>(buffers::solve_vectors, n), 0, n);
     EXPECT_LT(largest(right - sheet.equations.right), (kSummed + rounding) * largest(sheet.equations.right));
     const Columns guess = columns(passes.get<gpu::vec4>(buffers::exchanged, n), 0, n);
     EXPECT_LT(largest(guess - sheet.equations.guess), 32 * kRounding);
   }
 }
 
-TEST_F(ImplicitWalls, a_filtered_solve_goes_where_its_twin_goes) {
+TEST_F(ImplicitFilter, a_filtered_solve_goes_where_its_twin_goes) {
   for (const Linear linear : {Linear::cg, Linear::jacobi})
     for (const std::uint32_t iterations : {2u, 5u, 40u}) {
       const Cornered sheet(linear, iterations, 4);
@@ -127,9 +130,12 @@ TEST_F(ImplicitWalls, a_filtered_solve_goes_where_its_twin_goes) {
         else passes.run("implicit_multiply", dispatch), passes.run("implicit_advance", dispatch);
       }
       const std::size_t n = sheet.fabric.positions.size();
-      const Columns got = jacobi ? columns(passes.get<gpu::vec4>(buffers::exchanged, 3 * n), n * ((iterations - 1) % 3), n) : columns(passes.get<gpu::vec4>(buffers::krylov, 2 * n), n, n);
-      const Columns wanted = (jacobi ? solve_jacobi(sheet.equations, iterations, sheet.fabric.jacobi_weight) : solve_conjugate_gradients(sheet.equations, iterations)).change;
-      // As without walls (tests/effects/implicit/kernel_test.cpp).
+      const Columns got = jacobi ? columns(passes.get<gpu::vec4>(buffers::exchanged, 3 * n), n * ((iterations - 1) % 3), n)
+                                 : columns(passes.get<gpu::vec4>(buffers::solve_vectors, 2 * n), n, n);
+      const Columns wanted = (jacobi ? solve_jacobi(sheet.equations, iterations, sheet.fabric.jacobi_weight)
+                                     : solve_conjugate_gradients(sheet.equations, iterations))
+                                 .change;
+      // As without colliders (tests/effects/implicit/kernel_test.cpp).
       EXPECT_LT((got - wanted).norm(), 1e-3 * wanted.norm()) << (jacobi ? "jacobi " : "cg ") << iterations;
     }
 }
@@ -147,7 +153,7 @@ Scene over_a_plane(const Collider& plane, Linear linear) {
 }
 
 // Held by a corner above the floor, so that part of it lies and part of it hangs.
-TEST_F(ImplicitWalls, a_sheet_that_falls_on_a_plane_goes_where_it_goes_on_the_processor) {
+TEST_F(ImplicitFilter, a_sheet_that_falls_on_a_plane_goes_where_it_goes_on_the_processor) {
   for (const Linear linear : {Linear::cg, Linear::jacobi}) {
     Scene scene = over_a_plane(plane(-0.05f, 0), linear);
     scene.cloths[0].anchors.push_back(held_at({Corner::low_low}));
@@ -160,7 +166,8 @@ TEST_F(ImplicitWalls, a_sheet_that_falls_on_a_plane_goes_where_it_goes_on_the_pr
       for (const gpu::vec4& p : must(simulation->read_positions())) lowest = std::min<double>(lowest, p.y);
     }
     const auto positions = must(simulation->read_positions());
-    for (std::size_t i = 0; i < positions.size(); ++i) gap = std::max(gap, (vector(positions[i]) - system.positions.col(static_cast<Eigen::Index>(i))).norm());
+    for (std::size_t i = 0; i < positions.size(); ++i)
+      gap = std::max(gap, (vector(positions[i]) - system.positions.col(static_cast<Eigen::Index>(i))).norm());
     const double surface = -0.05 + scene.cloths[0].fabric.thickness;
     EXPECT_LT(std::abs(system.positions.row(1).minCoeff() - surface), 1e-9) << "it never fell as far as the plane";
     EXPECT_GT(lowest, surface - 1e-6);
@@ -169,9 +176,9 @@ TEST_F(ImplicitWalls, a_sheet_that_falls_on_a_plane_goes_where_it_goes_on_the_pr
   }
 }
 
-// Cotton is stiff and light: what a collider does to a particle is more than its solve can find out by itself. Pushed out of the floor after
-// the solve alone, this sheet was a heap that shook at 15 m/s, strained by 15 %.
-TEST_F(ImplicitWalls, a_stiff_sheet_that_falls_aslant_on_the_floor_spreads_out_and_comes_to_rest) {
+// Cotton is stiff and light, so the solve has to know the collider. With particles pushed out of the floor only after the solve, this
+// sheet was a heap that shook at 15 m/s, strained by 15 %.
+TEST_F(ImplicitFilter, a_stiff_sheet_that_falls_aslant_on_the_floor_spreads_out_and_comes_to_rest) {
   Scene scene = over_a_plane(plane(-0.7f), Linear::cg);
   Cloth& cloth = scene.cloths[0];
   cloth.springs.reset();
@@ -184,8 +191,8 @@ TEST_F(ImplicitWalls, a_stiff_sheet_that_falls_aslant_on_the_floor_spreads_out_a
   EXPECT_LT(top_speed(*simulation), 0.5);
 }
 
-// Slope 1 : 2. Friction goes by the way out of a collider, and the solve must not have gone it already.
-TEST_F(ImplicitWalls, friction_holds_a_sheet_on_an_incline_or_lets_it_slide) {
+// Slope 1 : 2. Friction follows from the way out of a collider, which the solve must not have gone already.
+TEST_F(ImplicitFilter, friction_holds_a_sheet_on_an_incline_or_lets_it_slide) {
   for (const bool sticks : {true, false}) {
     Collider incline = plane(0, sticks ? 0.55 : 0.45);
     incline.normal = {-1 / std::sqrt(5.f), 2 / std::sqrt(5.f), 0};

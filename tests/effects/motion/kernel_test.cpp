@@ -1,4 +1,4 @@
-// What surrounds the relaxing passes against its twins: predict, anchor, what settle does (tethers, the velocity and the
+// What surrounds the relaxing passes against its twins: predict, anchor, what finalize does (tethers, the velocity and the
 // next prediction; colliders stand in tests/effects/collide/kernel_test.cpp) and surface, on random and degenerate particles.
 #include <gtest/gtest.h>
 
@@ -15,9 +15,9 @@
 namespace weft {
 namespace {
 
-using SettleKernel = GpuTest;
+using MotionKernel = GpuTest;
 
-TEST_F(SettleKernel, predict_does_what_its_twin_does_and_leaves_anchors_alone) {
+TEST_F(MotionKernel, predict_does_what_its_twin_does_and_leaves_anchors_alone) {
   for (const bool gather_storage : {false, true}) {
     Random random(1);
     const Scene scene = loose_scene(12);
@@ -40,8 +40,9 @@ TEST_F(SettleKernel, predict_does_what_its_twin_does_and_leaves_anchors_alone) {
   }
 }
 
-// Where settle must put particles, and with what velocity and prediction it must go on.
-void expect_settled(const SinglePass& passes, const CookedFabric& fabric, const reference::Points& wanted, bool last_substep, double gap) {
+// Where finalize must put particles, and with what velocity and prediction it must go on.
+void expect_finalized(const SinglePass& passes, const CookedFabric& fabric, const reference::Points& wanted, bool last_substep,
+                      double gap) {
   const auto positions = passes.particles(buffers::positions), velocities = passes.particles(buffers::velocities), next = passes.iterate();
   for (std::size_t i = 0; i < positions.size(); ++i) {
     ASSERT_LT((vector(positions[i]) - wanted[i]).norm(), gap) << "particle " << i;
@@ -57,7 +58,7 @@ void expect_settled(const SinglePass& passes, const CookedFabric& fabric, const 
   }
 }
 
-TEST_F(SettleKernel, an_untouched_particle_ends_a_substep_as_its_twin_does) {
+TEST_F(MotionKernel, an_untouched_particle_ends_a_substep_as_its_twin_does) {
   for (const std::uint32_t substeps : {1u, 3u}) {
     Random random(2);
     const Scene scene = loose_scene(substeps);
@@ -67,12 +68,12 @@ TEST_F(SettleKernel, an_untouched_particle_ends_a_substep_as_its_twin_does) {
     passes.put(buffers::velocities, leading_to(p, fabric));
     passes.put_iterate(p);
     passes.begin(falling(substeps));
-    passes.run("stretch");   // of no links: what is left is settle
-    expect_settled(passes, fabric, points(p), substeps == 1, 16 * kRounding);
+    passes.run("stretch");   // of no links: what is left is finalize
+    expect_finalized(passes, fabric, points(p), substeps == 1, 16 * kRounding);
   }
 }
 
-TEST_F(SettleKernel, tethers_do_what_their_twin_does_for_none_to_eight_a_particle) {
+TEST_F(MotionKernel, tethers_do_what_their_twin_does_for_none_to_eight_a_particle) {
   for (const std::uint32_t places : {2u, 4u, 8u})
     for (const bool gather_storage : {false, true}) {
       Random random(places);
@@ -85,9 +86,9 @@ TEST_F(SettleKernel, tethers_do_what_their_twin_does_for_none_to_eight_a_particl
         for (std::uint32_t k = 0; k < places; ++k) {
           const auto anchor = 3 + 8 * static_cast<std::uint32_t>(random() % 50);   // each eighth particle is held
           // Half are slack; one in 50 must bring its particle to the anchor itself.
-          const float reach = random() % 50 == 0 ? 0.f : static_cast<float>(between(random, 0.2, 3));
-          fabric.tethers.push_back(k < count ? gpu::Tether{anchor, reach} : gpu::Tether{WEFT_NONE, 0});
-          if (k < count) twins[i].push_back({vector(fabric.positions[anchor]), reach});
+          const float max_distance = random() % 50 == 0 ? 0.f : static_cast<float>(between(random, 0.2, 3));
+          fabric.tethers.push_back(k < count ? gpu::Tether{anchor, max_distance} : gpu::Tether{WEFT_NONE, 0});
+          if (k < count) twins[i].push_back({vector(fabric.positions[anchor]), max_distance});
         }
       }
       const auto p = moved(random, fabric, 0.1);
@@ -98,11 +99,11 @@ TEST_F(SettleKernel, tethers_do_what_their_twin_does_for_none_to_eight_a_particl
       passes.put_iterate(p);
       passes.begin(falling(4));
       passes.run("stretch");
-      expect_settled(passes, fabric, wanted, false, 32 * kRounding * 3.5);   // 3.5 m: the longest way to an anchor
+      expect_finalized(passes, fabric, wanted, false, 32 * kRounding * 3.5);   // 3.5 m: the longest way to an anchor
     }
 }
 
-TEST_F(SettleKernel, a_particle_that_turns_non_finite_is_put_back_and_counted) {
+TEST_F(MotionKernel, a_particle_that_turns_non_finite_is_put_back_and_counted) {
   Random random(4);
   const Scene scene = loose_scene(1);
   const CookedFabric fabric = loose_particles(random, 64, scene.solver);
@@ -123,7 +124,7 @@ TEST_F(SettleKernel, a_particle_that_turns_non_finite_is_put_back_and_counted) {
   EXPECT_EQ(passes.counters().non_finite, 3u);
 }
 
-TEST_F(SettleKernel, anchors_go_straight_to_their_targets_and_arrive_to_the_bit) {
+TEST_F(MotionKernel, anchors_go_straight_to_their_targets_and_arrive_to_the_bit) {
   Random random(5);
   const Scene scene = loose_scene(7);
   CookedFabric fabric = loose_particles(random, 200, scene.solver);
@@ -154,8 +155,8 @@ TEST_F(SettleKernel, anchors_go_straight_to_their_targets_and_arrive_to_the_bit)
   for (const gpu::Anchor& anchor : anchors) EXPECT_EQ(std::memcmp(&positions[anchor.particle], &anchor.to, sizeof anchor.to), 0);
 }
 
-// Cloth has held them back by up to 3 cm; some further than their patience lasts.
-TEST_F(SettleKernel, anchors_that_were_held_back_go_after_their_targets_also_when_those_have_stopped) {
+// Cloth has held them back by up to 3 cm, some of them beyond the kinematic lag limit.
+TEST_F(MotionKernel, anchors_that_were_held_back_go_after_their_targets_also_when_those_have_stopped) {
   Random random(6);
   Scene scene = loose_scene(5);
   scene.contacts.enabled = true;
@@ -167,14 +168,14 @@ TEST_F(SettleKernel, anchors_that_were_held_back_go_after_their_targets_also_whe
   std::vector<gpu::Anchor> anchors;
   for (std::uint32_t i = 3; i < 400; i += 8) {
     const gpu::vec4& x = fabric.positions[i];
-    const gpu::vec4 lag = anywhere(random, 0.02, 0), way = anywhere(random, 0.02, 0);
-    const gpu::vec3 from{x.x + lag.x, x.y + lag.y, x.z + lag.z};
+    const gpu::vec4 behind = anywhere(random, 0.02, 0), way = anywhere(random, 0.02, 0);
+    const gpu::vec3 from{x.x + behind.x, x.y + behind.y, x.z + behind.z};
     anchors.push_back({i, from, {from.x + way.x, from.y + way.y, from.z + way.z}});
     fabric.anchors.push_back({0, 0, i, i, {x.x, x.y, x.z}});
   }
   FrameInput input = frame_of(5);
   input.anchors = anchors;
-  int waited = 0, impatient = 0;
+  int waited = 0, beyond_limit = 0;
   const auto go_after = [&](SinglePass& passes, bool moves, double recover) {
     input.anchors_move = moves;
     passes.begin(input);
@@ -184,26 +185,30 @@ TEST_F(SettleKernel, anchors_that_were_held_back_go_after_their_targets_also_whe
       for (const gpu::Anchor& anchor : anchors) {
         const auto from = vector(anchor.from), to = vector(anchor.to), x = vector(fabric.positions[anchor.particle]);
         const auto target = reference::anchor_at(from, to, moves ? (s + 1) / 5.0 : 1);
-        const auto wanted = reference::anchor_after(target, x, moves ? (to - from).norm() / 5 : 0, recover, 0.002, scene.contacts.patience);
-        EXPECT_LT((vector(iterate[anchor.particle]) - wanted).norm(), 16 * kRounding * 2) << "substep " << s << " of anchor " << anchor.particle;
-        ++(wanted == target ? impatient : waited);
+        const auto wanted =
+            reference::anchor_after(target, x, moves ? (to - from).norm() / 5 : 0, recover, 0.002, scene.contacts.kinematic_lag_limit);
+        EXPECT_LT((vector(iterate[anchor.particle]) - wanted).norm(), 16 * kRounding * 2)
+            << "substep " << s << " of anchor " << anchor.particle;
+        ++(wanted == target ? beyond_limit : waited);
       }
     }
   };
-  for (const auto& [recover, patience] : {std::pair(0.25, 8.0), std::pair(0.0, 12.0)}) {   // m/s, thicknesses
+  for (const auto& [recover, kinematic_lag_limit] : {std::pair(0.25, 8.0), std::pair(0.0, 12.0)}) {   // m/s, thicknesses
     scene.contacts.recover = recover;
-    scene.contacts.patience = patience;
+    scene.contacts.kinematic_lag_limit = kinematic_lag_limit;
     SinglePass passes(device(), scene, fabric);
-    double lag = 0;
-    for (const gpu::Anchor& anchor : anchors) lag = std::max(lag, (vector(anchor.from) - vector(fabric.positions[anchor.particle])).norm());
+    double tracking_error = 0;
+    for (const gpu::Anchor& anchor : anchors)
+      tracking_error = std::max(tracking_error, (vector(anchor.from) - vector(fabric.positions[anchor.particle])).norm());
     go_after(passes, true, recover * fabric.h);
-    EXPECT_GE(std::bit_cast<float>(passes.counters().lag), lag * (1 - 1e-6));
+    EXPECT_GE(std::bit_cast<float>(passes.counters().tracking_error), tracking_error * (1 - 1e-6));
     go_after(passes, false, recover * fabric.h);
-    for (const gpu::Anchor& anchor : anchors) lag = std::max(lag, (vector(anchor.to) - vector(fabric.positions[anchor.particle])).norm());
-    EXPECT_NEAR(std::bit_cast<float>(passes.counters().lag), lag, 16 * kRounding * 2);
+    for (const gpu::Anchor& anchor : anchors)
+      tracking_error = std::max(tracking_error, (vector(anchor.to) - vector(fabric.positions[anchor.particle])).norm());
+    EXPECT_NEAR(std::bit_cast<float>(passes.counters().tracking_error), tracking_error, 16 * kRounding * 2);
   }
   EXPECT_GT(waited, 100);
-  EXPECT_GT(impatient, 100);
+  EXPECT_GT(beyond_limit, 100);
 }
 
 // A tube whose two ends of the picture meet in a seam: render vertices double there, points do not.
@@ -225,7 +230,7 @@ Mesh tube() {
   return must(weld_mesh(std::move(render)));
 }
 
-TEST_F(SettleKernel, surface_does_what_its_twin_does_and_gives_a_seam_one_normal) {
+TEST_F(MotionKernel, surface_does_what_its_twin_does_and_gives_a_seam_one_normal) {
   Scene scene;
   scene.cloths.emplace_back().mesh = "tube";
   const Mesh mesh = tube();

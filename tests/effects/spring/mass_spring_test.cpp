@@ -86,7 +86,8 @@ TEST_F(MassSpring, a_pass_does_what_its_twin_does_on_crumpled_sheets) {
 TEST_F(MassSpring, ends_at_one_place_are_counted_and_pushed_apart) {
   const Scene scene = scarf(4, 0.001);
   CookedFabric fabric = cooked(scene);
-  const auto joined = std::find_if(fabric.springs.begin(), fabric.springs.end(), [&](const ParticleSpring& s) { return fabric.positions[s.a].w > 0 && fabric.positions[s.b].w > 0; });
+  const auto joined = std::find_if(fabric.springs.begin(), fabric.springs.end(),
+                                   [&](const ParticleSpring& s) { return fabric.positions[s.a].w > 0 && fabric.positions[s.b].w > 0; });
   ASSERT_NE(joined, fabric.springs.end());
   gpu::vec4 &a = fabric.positions[joined->a], &b = fabric.positions[joined->b];
   b = {a.x, a.y, a.z, b.w};
@@ -112,7 +113,8 @@ TEST_F(MassSpring, the_longest_step_of_a_grid_is_that_of_its_quickest_wave) {
   double largest = 0;
   for (double kx = 0; kx < 3.15; kx += 0.02)
     for (double ky = 0; ky < 3.15; ky += 0.02)
-      largest = std::max(largest, 2 * (6 - std::cos(kx) - std::cos(ky) - std::cos(kx + ky) - std::cos(kx - ky) - std::cos(2 * kx) - std::cos(2 * ky)));
+      largest = std::max(
+          largest, 2 * (6 - std::cos(kx) - std::cos(ky) - std::cos(kx + ky) - std::cos(kx - ky) - std::cos(2 * kx) - std::cos(2 * ky)));
   const double a = largest * 15000 / 0.65, c = largest / 0.65;
   const double limit = 4 / (c + std::sqrt(c * c + 4 * a));
   // The border lets no wave be quicker; engine/effects/spring/longest_step.cpp takes a margin of 5 % on stiffness, half of it on the step.

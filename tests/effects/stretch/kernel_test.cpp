@@ -17,8 +17,8 @@ namespace {
 
 using Kernel = GpuTest;
 
-reference::Meeting meeting(Averaging averaging) {
-  return averaging == Averaging::mass_split ? reference::Meeting::mass_split : reference::Meeting::count;
+reference::Averaged averaging(Averaging averaging) {
+  return averaging == Averaging::mass_split ? reference::Averaged::mass_split : reference::Averaged::count;
 }
 
 Scene plain_scene(Averaging averaging, std::uint32_t iterations) {
@@ -76,7 +76,7 @@ Outcome compare_stretch(const compute::Device& device, const Scene& scene, const
   int skipped_ends = 0;
   for (std::uint32_t k = 0; k < scene.solver.iterations; ++k) {
     std::uint32_t skipped = 0;
-    twin = reference::relax_stretch(links, twin, masses, lambda, fabric.h, scene.solver.relaxation, meeting(scene.solver.averaging),
+    twin = reference::relax_stretch(links, twin, masses, lambda, fabric.h, scene.solver.relaxation, averaging(scene.solver.averaging),
                                     skipped);
     skipped_ends += 2 * static_cast<int>(skipped);
     passes.run("stretch", static_cast<int>(k));
@@ -97,8 +97,8 @@ TEST_F(Kernel, stretch_does_what_its_twin_does_on_random_links) {
         const Outcome outcome = compare_stretch(device(), scene, fabric, seed % 2 == 0);
         // Lengths up to 3.5 m. Count-averaging lets the two ends of unlike mass overshoot, and each iteration carries the
         // error of the one before on.
-        EXPECT_LT(outcome.gap, 40 * kRounding * 3.5 * iterations)
-            << "averaging " << static_cast<int>(averaging) << ", compliance " << static_cast<int>(compliance) << ", " << iterations << " iterations";
+        EXPECT_LT(outcome.gap, 40 * kRounding * 3.5 * iterations) << "averaging " << static_cast<int>(averaging) << ", compliance "
+                                                                  << static_cast<int>(compliance) << ", " << iterations << " iterations";
         EXPECT_EQ(outcome.miscounted, 0);
       }
 }
@@ -187,7 +187,7 @@ double compare_bend(const compute::Device& device, const Crumpled& c, bool gathe
   std::vector<reference::Vector> lambda(bends.size(), reference::Vector::Zero());
   const auto masses = inverse_masses(c.fabric);
   for (std::uint32_t k = 0; k < c.scene.solver.iterations; ++k) {
-    twin = reference::relax_bend(bends, twin, masses, lambda, c.fabric.h, c.scene.solver.relaxation, meeting(c.scene.solver.averaging));
+    twin = reference::relax_bend(bends, twin, masses, lambda, c.fabric.h, c.scene.solver.relaxation, averaging(c.scene.solver.averaging));
     if (c.scene.solver.iterations == 1) {
       passes.run("bend");
     } else {
@@ -205,7 +205,8 @@ TEST_F(Kernel, bend_does_what_its_twin_does_on_crumpled_sheets) {
         const Crumpled c = crumpled(3 * iterations + static_cast<std::uint64_t>(topology), averaging, iterations, topology, 0.02);
         // Poses within 1 m. A stencil's share of a particle is at most half the root of a mass ratio, which is below 10.
         EXPECT_LT(compare_bend(device(), c, iterations == 3), 64 * kRounding * iterations)
-            << "averaging " << static_cast<int>(averaging) << ", topology " << static_cast<int>(topology) << ", " << iterations << " iterations";
+            << "averaging " << static_cast<int>(averaging) << ", topology " << static_cast<int>(topology) << ", " << iterations
+            << " iterations";
       }
 }
 
@@ -240,8 +241,13 @@ void twin_frame(const Scene& scene, const CookedFabric& fabric, reference::Point
   std::vector<reference::Body> bodies;
   for (const Collider& c : scene.colliders) {
     const reference::Vector centre(c.centre.x, c.centre.y, c.centre.z), normal(c.normal.x, c.normal.y, c.normal.z);
-    bodies.push_back({.shape = static_cast<reference::Shape>(c.shape), .centre_before = centre, .centre_after = centre, .normal_before = normal,
-                      .normal_after = normal, .radius = c.radius, .friction = std::sqrt(c.friction * material.friction)});
+    bodies.push_back({.shape = static_cast<reference::Shape>(c.shape),
+                      .centre_before = centre,
+                      .centre_after = centre,
+                      .normal_before = normal,
+                      .normal_after = normal,
+                      .radius = c.radius,
+                      .friction = std::sqrt(c.friction * material.friction)});
   }
   for (std::uint32_t s = 0; s < substeps_of(scene.solver); ++s) {
     reference::Points p = x;
@@ -251,15 +257,15 @@ void twin_frame(const Scene& scene, const CookedFabric& fabric, reference::Point
     std::vector<reference::Vector> bend_lambda(bends.size(), reference::Vector::Zero());
     for (std::uint32_t k = 0; k < scene.solver.iterations; ++k) {
       std::uint32_t skipped = 0;
-      const reference::Meeting meet = meeting(scene.solver.averaging);
-      p = reference::relax_stretch(links, p, masses, stretch_lambda, fabric.h, scene.solver.relaxation, meet, skipped);
-      p = reference::relax_bend(bends, p, masses, bend_lambda, fabric.h, scene.solver.relaxation, meet);
+      const reference::Averaged averaged = averaging(scene.solver.averaging);
+      p = reference::relax_stretch(links, p, masses, stretch_lambda, fabric.h, scene.solver.relaxation, averaged, skipped);
+      p = reference::relax_bend(bends, p, masses, bend_lambda, fabric.h, scene.solver.relaxation, averaged);
       for (std::size_t i = 0; i < x.size(); ++i) {
         if (masses[i] == 0) continue;
         std::vector<reference::Tether> tethers;
         for (std::uint32_t t = 0; t < fabric.tethers_per_particle; ++t) {
           const gpu::Tether& tether = fabric.tethers[i * fabric.tethers_per_particle + t];
-          if (tether.anchor != WEFT_NONE) tethers.push_back({p[tether.anchor], tether.reach});
+          if (tether.anchor != WEFT_NONE) tethers.push_back({p[tether.anchor], tether.max_distance});
         }
         p[i] = reference::within_tethers(tethers, p[i]);
         for (const reference::Body& body : bodies) p[i] = reference::out_of_body(body, x[i], p[i], material.thickness);

@@ -1,0 +1,13 @@
+// Whether a cloth resists bending. Internal.
+#pragma once
+
+#include "engine/scene/ranges.h"
+
+namespace weft::scene_fields {
+
+template <class V>
+void keys_of_bend(V& v, Cloth& cloth) {
+  v.flag("bending", cloth.bending);
+}
+
+}  // namespace weft::scene_fields

@@ -1,0 +1,48 @@
+// What the keys of a scene may be: limits, names, and how many of a thing. Internal: not part of the public API.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string_view>
+
+#include "engine/scene.h"
+
+namespace weft::scene_fields {
+
+/// What a number may be. `unit` is only for people.
+struct Range {
+  double low, high;
+  bool above = false;  // low itself is excluded
+  bool below = false;  // high itself is excluded
+  std::string_view unit = "";
+};
+
+constexpr Range between(double low, double high, std::string_view unit = "") { return {low, high, false, false, unit}; }
+constexpr Range above(double low, double high, std::string_view unit = "") { return {low, high, true, false, unit}; }
+constexpr Range below(double low, double high, std::string_view unit = "") { return {low, high, false, true, unit}; }
+constexpr Range inside(double low, double high, std::string_view unit = "") { return {low, high, true, true, unit}; }
+
+// Further than this from the origin a float cannot tell millimetres apart by a hundred kilometres; nobody's cloth is there.
+constexpr double kFarthest = 1e5;  // m
+constexpr Range kPlace = between(-kFarthest, kFarthest, "m");
+constexpr Range kTurn = between(-1e6, 1e6, "degrees");
+// Stiffer than 1e9 N/m is beyond what float positions resolve; "rigid" says it better.
+constexpr Range kStiffness = above(0, 1e9, "N/m");
+constexpr Range kFriction = between(0, 10);
+
+constexpr std::size_t kMostCloths = 64;
+constexpr std::size_t kMostKeys = 100'000;
+constexpr std::size_t kMostVertices = 4'000'000;  // as many as a mesh may have
+
+using Names = std::span<const std::string_view>;
+inline constexpr std::array<std::string_view, 2> kTopologies = {"diagonal", "centre"};
+inline constexpr std::array<std::string_view, 6> kStartPoses = {"rest", "stretched", "folded", "flattened", "scrambled", "collapsed"};
+inline constexpr std::array<std::string_view, 7> kMethods = {"jacobi", "gauss_seidel", "chebyshev", "mass_spring", "verlet", "implicit", "auto"};
+inline constexpr std::array<std::string_view, 2> kLinears = {"cg", "jacobi"};
+inline constexpr std::array<std::string_view, 2> kAveragings = {"mass_split", "count"};
+inline constexpr std::array<std::string_view, 3> kMeshEndings = {".gltf", ".glb", ".obj"};
+inline constexpr std::array<std::string_view, 3> kPictureEndings = {".png", ".jpg", ".jpeg"};
+
+}  // namespace weft::scene_fields

@@ -1,0 +1,66 @@
+// detect_arguments: decides whether this substep begins with a detection, chooses the detection margin, and writes the dispatch arguments
+// of the detection's passes, which are empty without one. One thread.
+//
+// A large margin finds more candidates, a small one asks for detections more often. It grows while detections follow each other closely,
+// or while candidates are so few that they cost next to nothing, and shrinks while they serve their whole lifetime.
+//
+// Particles that moved fast had long trajectories, and many pairs could meet on them. Where all particles have stayed within their bounds
+// for a whole lifetime and candidates are many, one more detection, a settled one, replaces them by the few of the present, slow motion.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+READ_WRITE(Detection, detection)
+READ_WRITE(Counters, counters)
+
+const uint too_soon = 3;   // substeps
+const float grow = 1.5, shrink = 0.9, cheaply = 2;
+
+#include "contact/groups.glsl"
+
+// `steps`: substeps since the last detection.
+float margin_after(float margin, uint steps) {
+  if (margin <= 0) return contact_settings.margin_low;
+  const bool cheap = detection[0].candidates < push.count / 4;
+  if (cheap) return min(grow * margin, cheaply * contact_settings.margin_high);
+  if (steps < too_soon) return min(grow * margin, contact_settings.margin_high);
+  if (steps >= WEFT_LONGEST_LIFETIME) return min(max(shrink * margin, contact_settings.margin_low), contact_settings.margin_high);
+  return min(margin, contact_settings.margin_high);
+}
+
+// Twice as long as the last candidates served. Where motion is jerky and every other substep asks for a detection, trajectories of ten
+// substeps would have half as many candidates again.
+uint lifetime_after(uint steps) { return detection[0].lifetime == 0 ? WEFT_LONGEST_LIFETIME : min(2 * steps, WEFT_LONGEST_LIFETIME); }
+
+void begin_detection(bool settled) {
+  detection[0].lifetime = lifetime_after(detection[0].steps + 1);
+  detection[0].margin = margin_after(detection[0].margin, detection[0].steps + 1);
+  detection[0].needs_detection = 0;
+  detection[0].settled = uint(settled);
+  detection[0].steps = 0;
+  detection[0].candidates = 0;
+  for (uint kind = 0; kind < 2; ++kind) detection[0].near[kind] = detection[0].levels[kind] = 0;
+  for (uint k = 0; k < 2 * WEFT_LEVELS; ++k) detection[0].extents[k] = 0;
+  detection[0].particles = groups_of(push.count);
+  detection[0].primitives = groups_of(contact_settings.triangles + contact_settings.edges);
+  detection[0].blocks = groups_of((contact_settings.buckets + 7) / 8);   // scan.glsl: eight buckets a thread
+  ++counters[0].detections;
+}
+
+void skip_detection() {
+  detection[0].steps = min(detection[0].steps + 1, WEFT_LONGEST_LIFETIME);
+  const Groups none = Groups(0, 1, 1);
+  detection[0].particles = none;
+  detection[0].primitives = none;
+  detection[0].blocks = none;
+}
+
+// push.count: particles.
+void main() {
+  if (gl_GlobalInvocationID.x != 0) return;
+  const bool needed = detection[0].needs_detection != 0;
+  const bool settled = !needed && detection[0].steps >= WEFT_LONGEST_LIFETIME && detection[0].settled == 0 &&
+                       detection[0].candidates > push.count;
+  if (needed || settled) begin_detection(settled);
+  else skip_detection();
+}
