@@ -128,7 +128,8 @@ Result<void> run_once(const Device& device, std::string_view name, const std::fu
   if (Result<void> submitted = device.submit(work, fence->get()); !submitted) return submitted;
   Result<void> waited = wait_for(device, fence->get());
   if (waited) return waited;
-  // The pool must not be freed under a running submit, and what took long has happened all the same. On a lost device this returns at once.
+  // The pool must not be freed while its commands run: wait for them without a limit, and report success if they end. On a lost
+  // device this returns at once.
   const VkFence handle = fence->get();
   return fn.vkWaitForFences(device.handle(), 1, &handle, VK_TRUE, UINT64_MAX) == VK_SUCCESS ? Result<void>() : waited;
 }

@@ -27,8 +27,8 @@ Result<OwnedSemaphore> create_timeline(const Device& device, std::string_view na
 /// For a swapchain.
 Result<OwnedSemaphore> create_binary_semaphore(const Device& device, std::string_view name);
 
-/// Waits at most `seconds`; running out of time is an error, as a lost device is. GPUs lose a device that hangs within seconds; the limit is for
-/// software drivers, on which a large frame may take minutes.
+/// Waits at most `seconds`; running out of time is an error, as a lost device is. GPUs lose a device that hangs within
+/// seconds; the limit is for software drivers, on which a large frame may take minutes.
 Result<void> wait_for(const Device& device, VkFence fence, double seconds = 600);
 Result<void> wait_for(const Device& device, VkSemaphore timeline, uint64_t value, double seconds = 600);
 

@@ -1,6 +1,6 @@
 // The GPU that Weft works on: its own, or one borrowed from a host.
 //
-// An own device is picked by `DeviceChoice::name`; without a wish the best one is taken (discrete, then integrated, then
+// An own device is picked by `DeviceChoice::name`; without a name the best one is taken (discrete, then integrated, then
 // virtual, then the software driver), and name() says which. A borrowed device belongs to the host: nothing of it is
 // destroyed, vkDeviceWaitIdle is never called, and its queue is touched only inside submit().
 //

@@ -179,7 +179,7 @@ Result<std::vector<Candidate>> find_candidates(const Functions& fn, VkInstance i
   return candidates;
 }
 
-Result<uint32_t> choose_device(std::span<const DeviceDescription> devices, std::string_view wish, bool graphics) {
+Result<uint32_t> choose_device(std::span<const DeviceDescription> devices, std::string_view wanted, bool graphics) {
   const auto usable = [&](const DeviceDescription& device) {
     return device.refusal.empty() && (device.draws || !graphics);
   };
@@ -188,12 +188,12 @@ Result<uint32_t> choose_device(std::span<const DeviceDescription> devices, std::
                                   : device.refusal;
   };
   const bool is_number =
-      !wish.empty() && std::all_of(wish.begin(), wish.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+      !wanted.empty() && std::all_of(wanted.begin(), wanted.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
   if (is_number) {
     uint32_t index = 0;
-    const auto parsed = std::from_chars(wish.data(), wish.data() + wish.size(), index);
+    const auto parsed = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
     if (parsed.ec != std::errc() || index >= devices.size()) {
-      return fail("there is no Vulkan device ", wish, "; there are: ", list(devices));
+      return fail("there is no Vulkan device ", wanted, "; there are: ", list(devices));
     }
     if (!usable(devices[index])) {
       return fail("Vulkan device ", index, " (", devices[index].name, ") cannot be used: ", why_not(devices[index]));
@@ -203,7 +203,7 @@ Result<uint32_t> choose_device(std::span<const DeviceDescription> devices, std::
   const DeviceDescription* best = nullptr;
   const DeviceDescription* refused = nullptr;
   for (const DeviceDescription& device : devices) {
-    if (lower(device.name).find(lower(wish)) == std::string::npos) continue;
+    if (lower(device.name).find(lower(wanted)) == std::string::npos) continue;
     if (!usable(device)) {
       if (refused == nullptr) refused = &device;
     } else if (best == nullptr || rank(device) < rank(*best)) {
@@ -211,11 +211,11 @@ Result<uint32_t> choose_device(std::span<const DeviceDescription> devices, std::
     }
   }
   if (best != nullptr) return static_cast<uint32_t>(best - devices.data());
-  if (refused != nullptr && wish.empty() && devices.size() > 1) {
+  if (refused != nullptr && wanted.empty() && devices.size() > 1) {
     return fail("none of the ", devices.size(), " Vulkan devices can be used; there are: ", list(devices));
   }
   if (refused != nullptr) return fail("the Vulkan device ", refused->name, " cannot be used: ", why_not(*refused));
-  return fail("no Vulkan device is called \"", wish, "\"; there are: ", list(devices));
+  return fail("no Vulkan device is called \"", wanted, "\"; there are: ", list(devices));
 }
 
 }  // namespace weft::compute

@@ -55,7 +55,8 @@ Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t inde
 
 Result<std::vector<Candidate>> find_candidates(const Functions& fn, VkInstance instance);
 
-/// The index to take; the sentence lists what there is.
-Result<uint32_t> choose_device(std::span<const DeviceDescription> devices, std::string_view wish, bool graphics);
+/// The index of the device to take: by `wanted`, a part of its name or its index, or the best one if that is empty. Errors list the
+/// devices that there are.
+Result<uint32_t> choose_device(std::span<const DeviceDescription> devices, std::string_view wanted, bool graphics);
 
 }  // namespace weft::compute

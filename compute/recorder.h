@@ -57,7 +57,7 @@ struct PassTime {
 /// Recording: rewind(), hand it to a Recorder. Each submit: reset() before it, read() when its fence has signalled.
 class Timestamps {
  public:
-  /// Room for `passes` passes per recording; more are counted in dropped().
+  /// Up to `passes` passes per recording; more are counted in dropped().
   static Result<Timestamps> create(const Device& device, std::string_view name, uint32_t passes);
   Timestamps() = default;
 

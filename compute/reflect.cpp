@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "compute/spirv.h"
+#include "compute/spirv_uses.h"
 
 namespace weft::compute {
 namespace {
@@ -57,11 +58,6 @@ class Module {
   Error damaged(const char* what, uint32_t id) const { return fail("SPIR-V is damaged: ", what, " (id ", id, ")"); }
 
   Result<void> note(Words instruction);
-  void note_use(Words instruction);
-  uint32_t root_of(uint32_t pointer) const {
-    const auto found = root_.find(pointer);
-    return found == root_.end() ? pointer : found->second;
-  }
   Result<Binding> binding_of(uint32_t variable, uint32_t storage, uint32_t type) const;
   Result<uint64_t> size_of(uint32_t type, uint32_t depth, std::optional<uint32_t> matrix_stride,
                            SizeBudget& budget) const;
@@ -76,11 +72,7 @@ class Module {
   std::map<std::pair<MemberKey, uint32_t>, uint32_t> member_decorations_;  // ((id, member), decoration) -> operand
   std::string entry_point_;
   uint32_t entry_points_ = 0;
-  std::map<uint32_t, uint32_t> root_;       // pointer -> the variable that it leads into
-  struct Uses {
-    bool read = false, written = false, unknown = false;
-  };
-  std::map<uint32_t, Uses> uses_;           // of variables
+  VariableUses uses_;
   Words local_size_;     // operands of LocalSize
   Words local_size_id_;  // operands of LocalSizeId
 };
@@ -184,38 +176,7 @@ Result<void> Module::note(Words words) {
     case OpVariable:
       if (words.size() > 2) variables_.push_back(words[2]);
       return define(2);
-    default: note_use(words); return {};
-  }
-}
-
-// Variables come before functions, and a pointer before its uses.
-void Module::note_use(Words words) {
-  const uint32_t op = words[0] & 0xffff;
-  const auto use = [&](size_t at) -> Uses* { return at < words.size() ? &uses_[root_of(words[at])] : nullptr; };
-  const auto reads = [&](size_t at) { if (Uses* u = use(at)) u->read = true; };
-  const auto writes = [&](size_t at) { if (Uses* u = use(at)) u->written = true; };
-  switch (op) {
-    case OpAccessChain:
-    case OpInBoundsAccessChain:
-    case OpPtrAccessChain:
-    case OpCopyObject:
-      if (words.size() > 3) root_[words[2]] = root_of(words[3]);
-      return;
-    case OpLoad: return reads(3);
-    case OpStore: return writes(1);
-    case OpCopyMemory: writes(1); return reads(2);
-    case OpArrayLength: return;
-    case OpAtomicStore: return writes(1);
-    case OpAtomicLoad: return reads(3);
-    case OpImageTexelPointer:
-    case OpFunctionCall:
-    case OpSelect:
-    case OpPhi:
-      for (size_t at = 3; at < words.size(); ++at) use(at)->unknown = true;
-      return;
-    default:
-      if (op > OpAtomicStore && op <= OpAtomicXor) reads(3), writes(3);
-      return;
+    default: uses_.note(words); return {};
   }
 }
 
@@ -260,10 +221,9 @@ Result<Binding> Module::binding_of(uint32_t variable, uint32_t storage, uint32_t
   binding.read = !(writable && decorated_everywhere(variable, type, kNonReadable));
   binding.written = writable && !decorated_everywhere(variable, type, kNonWritable);
   // Images are written through what is loaded from their variable: only blocks tell by their uses.
-  const auto used = uses_.find(variable);
-  if (storage_block && (used == uses_.end() || !used->second.unknown)) {
-    binding.read = binding.read && used != uses_.end() && used->second.read;
-    binding.written = binding.written && used != uses_.end() && used->second.written;
+  if (const VariableUses::Use used = uses_.of(variable); storage_block && !used.unknown) {
+    binding.read = binding.read && used.read;
+    binding.written = binding.written && used.written;
   }
   if (storage_block && op == OpTypeStruct && words.size() > 2) {
     const Words last = definition(words.back(), OpTypeRuntimeArray, 3);

@@ -40,8 +40,8 @@ void add_part(std::ostringstream& text, Error& error, const Part& part) {
 }
 }  // namespace detail
 
-/// Joins its arguments into one sentence: `return fail("sphere radius ", r, " m is not above 0");` Its kind is that of the error, of the Vulkan
-/// result or of the ErrorKind among them; without one, input.
+/// Joins its arguments into one sentence: `return fail("sphere radius ", r, " m is not above 0");` Its kind is that of the
+/// error, of the Vulkan result or of the ErrorKind among them; without one, input.
 template <class... Parts>
 [[nodiscard]] Error fail(const Parts&... parts) {
   std::ostringstream text;

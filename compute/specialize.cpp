@@ -65,7 +65,8 @@ std::vector<uint32_t> used_constants(std::span<const uint32_t> spirv) {
 
 }  // namespace
 
-Result<std::span<const uint32_t>> Specializer::specialize(std::span<const uint32_t> spirv, std::span<const SpecializationConstant> constants) {
+Result<std::span<const uint32_t>> Specializer::specialize(std::span<const uint32_t> spirv,
+                                                          std::span<const SpecializationConstant> constants) {
   auto ids = ids_.find(spirv.data());
   if (ids == ids_.end()) ids = ids_.try_emplace(spirv.data(), used_constants(spirv)).first;
   std::vector<uint32_t> values;

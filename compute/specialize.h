@@ -1,8 +1,9 @@
 // From a module with specialisation constants to the code of one specialisation.
 //
-// A driver is told the values of specialisation constants when it compiles a pipeline, too late for descriptor layouts and barriers: a
-// branch that is never taken still names its buffers. So the values are put in before: constants are frozen, folded and propagated, dead
-// code and the variables that only it used are removed, and what is left is optimised. Reflection then sees what really runs. No Vulkan needed.
+// A driver is told the values of specialisation constants when it compiles a pipeline, too late for descriptor layouts and
+// barriers: a branch that is never taken still names its buffers. So the values are put in before: constants are frozen,
+// folded and propagated, dead code and the variables that only it used are removed, and what is left is optimised.
+// Reflection then sees what really runs. No Vulkan needed.
 //
 // The work is done by SPIRV-Tools' optimizer (Khronos), with the passes of `spirv-opt -O`.
 #pragma once

@@ -1,11 +1,11 @@
-// Where a collider stands.
+// The pose of a collider.
 #pragma once
 
 #include "engine/vector.h"
 
 namespace weft {
 
-/// Of a collider of the scene in a frame.
+/// The pose of one of the scene's colliders in a frame.
 struct ColliderPose {
   Vec3 centre;           // m
   Vec3 normal{0, 1, 0};  // unit; planes only

@@ -1,7 +1,7 @@
 // A 64-bit digest of bytes (FNV-1a, Fowler, Noll and Vo 1991): of positions, of what a snapshot belongs to, of its own bytes.
 //
-// A step takes every state to a different one, whatever the byte, so that a change of any single byte always changes the digest. It is no
-// defence against somebody who means to deceive.
+// Each step is a bijection of the state, whatever the byte, so a change of any single byte always changes the digest. It is
+// no protection against deliberate forgery.
 #pragma once
 
 #include <cstddef>

@@ -4,9 +4,12 @@
 // neighbours in memory. Everything is computed in double precision and stored once.
 #pragma once
 
+#include <any>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
+#include <typeindex>
 #include <vector>
 
 #include "compute/result.h"
@@ -22,7 +25,8 @@ struct StretchLink {
   float rest;        // m, as the GPU has it
   float compliance;  // m/N
   bool only_pulls;
-  float gain = 0;    // kg: 1 / (W_a + W_b + omega compliance / h^2) as the GPU has it, with one Jacobi iteration a substep; 0 if neither end gives way
+  float gain = 0;    // kg: 1 / (W_a + W_b + omega compliance / h^2) as the GPU has it, with one Jacobi iteration a substep; 0 if both ends
+                     // are kinematic
 };
 
 /// A spring of the methods on springs, once a pair: a link with its stiffness, a spring of Cloth::springs, or, linear with rest 0 and of
@@ -38,7 +42,7 @@ struct ParticleSpring {
 /// The springs as the GPU reads them: a particle's other ends, four a fetch, and beside each its figures (shared.h, `springs`).
 struct SpringRows {
   std::vector<gpu::uvec2> rows;     // per particle: first four, number of fours
-  std::vector<gpu::uvec4> ends;     // a place that is left over holds the particle itself
+  std::vector<gpu::uvec4> ends;     // an unused entry holds the particle itself
   std::vector<gpu::vec4> springs;   // four for each of `ends`
 };
 
@@ -50,7 +54,7 @@ struct ClothRange {
   std::uint32_t first_anchor, anchors;
 };
 
-/// A mesh collider's place in the arrays: after all cloths. Its particles have no mass that anything could move and no constraint.
+/// A mesh collider's place in the arrays: after all cloths. Its particles are kinematic (inverse mass 0) and have no constraints.
 struct ColliderMesh {
   std::uint32_t collider;                 // Scene::colliders[collider]
   std::uint32_t first_particle, particles;
@@ -58,7 +62,7 @@ struct ColliderMesh {
   std::uint32_t first_triangle, triangles;
 };
 
-/// A particle that the scene moves.
+/// An anchor: a kinematic particle of cloth.
 struct AnchorTarget {
   std::uint32_t cloth, entry;   // Scene::cloths[cloth].anchors[entry]
   std::uint32_t particle;
@@ -73,13 +77,35 @@ struct PairRows {
   std::uint32_t stride = 0;        // pairs in every row, where they are padded to one length; 0: rows tell
 };
 
+/// What effects cook for themselves alone: a struct of each, in its own room, told apart by its type.
+class OwnLists {
+ public:
+  template <class T>
+  T& of() {
+    std::any& held = lists_[typeid(T)];
+    if (!held.has_value()) held.emplace<T>();
+    return *std::any_cast<T>(&held);
+  }
+  /// An empty one where nothing was cooked.
+  template <class T>
+  const T& of() const {
+    static const T none{};
+    const auto at = lists_.find(typeid(T));
+    return at == lists_.end() ? none : *std::any_cast<T>(&at->second);
+  }
+
+ private:
+  std::map<std::type_index, std::any> lists_;
+};
+
 struct CookedFabric {
   std::vector<ClothRange> cloths;
   std::vector<ColliderMesh> collider_meshes;
   std::vector<gpu::vec4> positions;          // particles: xyz (m), w inverse mass (1/kg), 0 for anchors
-  std::vector<gpu::vec4> velocities;         // particles: xyz (m/s), w the material's index as bits: the cloth's, or cloths + mesh collider's
+  std::vector<gpu::vec4> velocities;         // particles: xyz (m/s), w the material's index as bits: the cloth's, or cloths + mesh
+                                             // collider's
   std::vector<float> split_weights;          // particles: n w (mass split) or w (count), see stretch.comp
-  std::vector<float> iterate_weights;        // particles: what a particle takes of the sum over its links, see stretch.comp
+  std::vector<float> iterate_weights;        // particles: weight of the sum over a particle's links, see stretch.comp
   std::vector<StretchLink> links;
   PairRows stretch;                          // entries: gpu::pack_link with the gain, or the compliance with several iterations
   std::vector<gpu::uvec4> coloured_links;    // gpu::pack_coloured, colour after colour: no two of a colour share a particle; without
@@ -89,7 +115,6 @@ struct CookedFabric {
   PairRows bend;                             // entries: (particle, coefficient bits); one iteration a substep only
   PairRows bend_uses;                        // entries: (bend, K w bits); several iterations only
   std::vector<gpu::Hinge> hinges;            // of cloths that bend about their meshes; these have no `bends`
-  PairRows hinge_uses;                       // entries: (4 hinge + which of its particles, w bits)
   std::vector<ParticleSpring> springs;       // methods on springs only
   double largest_step = 0;                   // s: a longer substep of mass_spring or verlet could blow up
   SpringRows spring_rows;
@@ -104,11 +129,12 @@ struct CookedFabric {
   std::vector<Triangle> triangles;           // over particles: of cloths, then of mesh colliders
   std::uint32_t cloth_triangles = 0;         // how many of them are cloth
   std::vector<gpu::uvec2> edges;             // over particles: of all triangles, each once; lower particle first
-  std::vector<gpu::vec4> rest;               // particles: xyz where they are at rest (m), a mesh collider's in its own axes, w thickness (m);
-                                             // only with contacts
+  std::vector<gpu::vec4> rest;               // particles: xyz rest position (m), a mesh collider's in its own axes, w thickness (m); only
+                                             // with contacts
   double mean_edge = 0;                      // m, over the edges of cloth; only with contacts
+  OwnLists own;                              // of effects whose lists nobody else reads
   double h = 0;                              // s, the substep that coefficients were cooked for
-  std::vector<std::string> notes;            // one sentence a kind of thing that was mended, left out or clamped
+  std::vector<std::string> notes;            // one sentence a kind of thing that was repaired, left out or clamped
 };
 
 /// Substeps a frame, with the default filled in.
@@ -128,7 +154,7 @@ std::vector<Vec3> anchor_targets(const Scene& scene, const CookedFabric& fabric,
 /// Where a mesh collider's particles are, in their order, when the collider stands so.
 std::vector<Vec3> collider_points(const CookedFabric& fabric, const ColliderMesh& mesh, Vec3 centre, const Rotation& rotation);
 
-/// Particles that the scene moves: all anchors, then those of mesh colliders.
+/// The number of kinematic particles: all anchors, then those of mesh colliders.
 std::uint32_t kinematic_particles(const CookedFabric& fabric);
 
 /// Particles and render vertices of cloth: those of mesh colliders come after them.

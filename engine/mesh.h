@@ -53,9 +53,9 @@ struct Mesh {
   RenderMesh render;
   std::vector<std::uint32_t> point_of;      // render vertex -> point; every point has at least one render vertex
   std::vector<Vec3> points;                 // m, rest pose; numbered in the order of their first render vertices, where they lie
-  std::vector<Triangle> triangles;          // over points; each valid, no two the same; triangles[i] is render.triangles[i] through point_of
-  std::vector<WingedEdge> edges;            // manifold after mending; each pair of points once, sorted by (smaller, greater) point
-  std::vector<std::string> mended;          // one sentence a kind of fault, with its count; empty for a clean mesh
+  std::vector<Triangle> triangles;          // over points: render.triangles[i] through point_of; each valid, no two the same
+  std::vector<WingedEdge> edges;            // manifold after repair; each pair of points once, sorted by (smaller, greater) point
+  std::vector<std::string> mended;          // repairs: one sentence a kind of fault, with its count; empty for a clean mesh
   double weld_tolerance = 0;                // m
 };
 
@@ -74,11 +74,12 @@ struct Mesh {
 /// The centre of cell (i, j) is render vertex (cells_x + 1)(cells_y + 1) + j cells_x + i. Points and render vertices are the same.
 Mesh make_grid(const Grid& grid);
 
-inline constexpr std::uint32_t kMostVertices = 4'000'000;   // of a file: 2000 x 2000, far above what can be simulated; stops nonsense files early
+// Of a file: 2000 x 2000, far above what can be simulated. Stops nonsense files early.
+inline constexpr std::uint32_t kMostVertices = 4'000'000;
 
-/// Reads glTF, GLB or OBJ: all triangle primitives of the default scene, node transforms applied (a mirroring one turns the winding
-/// back outwards), missing normals and UVs made. Lines and points are left out, with a sentence in `mended`.
-/// Vertices of a glTF keep their order; those of an OBJ, or of primitives without indices, are joined where they agree in everything.
+/// Reads glTF, GLB or OBJ: all triangle primitives of the default scene, node transforms applied (a mirroring one turns the
+/// winding back outwards), missing normals and UVs made. Lines and points are left out, with a sentence in `mended`. Vertices
+/// of a glTF keep their order; those of an OBJ, or of primitives without indices, are joined where they agree in everything.
 /// Errors: missing, cut short or foreign file; a glTF that needs an extension, or uses sparse or quantised accessors;
 /// no triangle; a vertex that is not finite; more than kMostVertices vertices.
 Result<Mesh> load_mesh(const std::filesystem::path& file);
@@ -86,22 +87,24 @@ Result<Mesh> load_mesh(const std::filesystem::path& file);
 /// Applies a transform (scale, then rotation, then translation) to positions, normals and tangents.
 void transform_mesh(Mesh& mesh, const Transform& transform);
 
-/// Welds and mends; what load_mesh does after reading. `render` needs positions and triangles. Normals, tangents and UVs are as many as
-/// the positions or none; an entry that is missing, not finite or (normals, tangents) zero is made:
+/// Welds and repairs; what load_mesh does after reading. `render` needs positions and triangles. Normals, tangents and UVs
+/// are as many as the positions or none; an entry that is missing, not finite or (normals, tangents) zero is made:
 ///   normals    smooth over the welded points, so both sides of a seam get the same one
 ///   UVs        projected onto the two longest axes of the bounding box, the longer one 0 ... 1
 ///   tangents   from the UVs; any perpendicular where the UVs are degenerate
-/// Welding: vertices within weld_tolerance = 1e-6 x the bounding box's diagonal become one point, transitively (a chain of close
-/// vertices is one point); which vertices meet depends on positions only, never on the order of triangles.
-/// Mended with a counted sentence: vertices of no triangle (dropped, so render indices shift), triangles with a repeated point or an area
-/// below 1e-12 x diagonal^2, duplicate triangles (the first stays), inconsistent winding (the majority of a connected piece
-/// wins; normals are then made anew), edges of more than two triangles, pieces that cannot be oriented.
+/// Welding: vertices within weld_tolerance = 1e-6 x the bounding box's diagonal become one point, transitively (a chain of
+/// close vertices is one point); which vertices become one depends on positions only, never on the order of triangles.
+/// Repaired, with a counted sentence in `mended`: vertices of no triangle (dropped, so render indices shift), triangles with
+/// a repeated point or an area below 1e-12 x diagonal^2, duplicate triangles (the first stays), inconsistent winding (the
+/// majority of a connected piece wins; normals are then made anew), edges of more than two triangles, pieces that cannot be
+/// oriented.
 /// Errors: see load_mesh; also lists of unequal length and indices out of range.
 Result<Mesh> weld_mesh(RenderMesh render);
 
-/// Winged edges of a triangle list, each pair of points once, so that no constraint is ever doubled. `non_manifold` (may be null)
-/// receives the number of edges with more than two triangles or with two of the same orientation. Such an edge keeps its first triangle
-/// and the first that runs the other way; the surplus triangles hang on by their points, as if a boundary ran there.
+/// Winged edges of a triangle list, each pair of points once, so that no constraint is ever doubled. `non_manifold` (may be
+/// null) receives the number of edges with more than two triangles or with two of the same orientation. Such an edge keeps
+/// its first triangle and the first that runs the other way; the surplus triangles hang on by their points, as if a boundary
+/// ran there.
 std::vector<WingedEdge> winged_edges(std::span<const Triangle> triangles, std::uint32_t* non_manifold);
 
 /// Unit normals, weighted by the angle at each corner, so that they do not depend on how a face is cut into triangles.

@@ -1,4 +1,4 @@
-// What is measured on positions, in double precision: strain and the hash. Works on exported positions alone.
+// Strain and the hash, from exported positions alone; strain in double precision.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

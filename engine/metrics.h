@@ -1,4 +1,4 @@
-// Figures about a state of the cloth, from positions alone.
+// Figures of a state of the cloth, from positions alone.
 #pragma once
 
 #include <cstdint>

@@ -52,7 +52,7 @@ struct Fabric {
   double bend = 1e-5;           // N m: flexural rigidity (Kawabata's B); 0 with `bending: false` only
   double damping = 0.1;         // 1/s: v *= exp(-damping h)
   double friction = 0.4;        // Coulomb, >= 0
-  double thickness = 0.002;     // m: distance kept to colliders
+  double thickness = 0.002;     // m: separation from colliders
   bool operator==(const Fabric&) const = default;
 };
 
@@ -132,7 +132,7 @@ struct Collider {
   ColliderShape shape = ColliderShape::plane;
   std::string mesh;             // meshes only: a glTF/GLB/OBJ file, relative to the scene; its surface is met from both sides
   double scale = 1;             // meshes only, > 0
-  double thickness = 0.002;     // m, meshes only: it and the fabric's, halved, is the distance kept
+  double thickness = 0.002;     // m, meshes only: the separation is the mean of it and the fabric's
   Vec3 centre;                  // m; a point of the plane, where a mesh's origin lies, or the middle of the others
   Vec3 normal{0, 1, 0};         // unit, planes only
   double radius = 0.5;          // m, spheres and capsules
@@ -145,7 +145,7 @@ struct Collider {
   Vec3 colour{0.5f, 0.5f, 0.5f};
 };
 
-/// How a substep is solved; the README's section on solvers tells them apart.
+/// How a substep is solved; engine/README.md tells them apart.
 /// `automatic`, in JSON "auto", is replaced by what SolverSettings::budget_ms buys when a simulation is created (reference/choice.h).
 enum class Method { jacobi, gauss_seidel, chebyshev, mass_spring, verlet, implicit, automatic };
 
@@ -156,7 +156,7 @@ enum class Averaging { mass_split, count };  // momentum-conserving (Tonge 2012)
 
 struct SolverSettings {
   double rate = 60;             // Hz: frames a second; a substep lasts 1 / (rate substeps)
-  std::uint32_t substeps = 0;   // 0: the default that the README gives its reasons for
+  std::uint32_t substeps = 0;   // 0: the default (engine/reference/README.md says why)
   std::uint32_t iterations = 1; // 1 ... 1000
   Method method = Method::jacobi;
   std::optional<double> budget_ms = {};   // of a frame; method automatic only
@@ -167,18 +167,20 @@ struct SolverSettings {
   double longest_advance = 0.1; // s: a longer advance() is clamped to this, and the surplus reported
 };
 
-/// Pairs that there may be room for, 52 bytes each: what a device with a few GiB has for them.
+/// The largest capacity for candidate pairs, 52 bytes each: what a device with a few GiB has for them.
 inline constexpr std::uint32_t kMostCandidates = 1u << 26;
 
 /// Cloth against cloth, itself included, and against mesh colliders. Off unless the scene asks for it or has a mesh collider.
 struct Contacts {
   bool enabled = false;
-  double recover = 0.25;        // m/s, >= 0: how fast a pair that is closer than it should be is taken apart, and an anchor that cloth held back catches up
-  std::uint32_t capacity = 0;   // pairs there is room for at the start; 0: chosen. advance() enlarges it and repeats the frame
+  double recover = 0.25;        // m/s, >= 0: how fast a pair closer than its separation is pushed apart, and how fast an anchor that
+                                // cloth held back catches up with its target
+  std::uint32_t capacity = 0;   // candidate pairs at the start; 0: chosen. advance() enlarges it and repeats the frame
   double cell = 0;              // m, cell of the spatial hash; 0: chosen
-  double detection_margin = 0;  // m, how far a particle may stray from its path before pairs are searched again; 0: chosen
+  double detection_margin = 0;  // m, how far a particle may stray from its predicted trajectory before the next detection; 0: chosen
   std::uint32_t iterations = 4; // 1 ... 100: of contacts, in each of the solver's iterations
-  double kinematic_lag_limit = 8;          // times the larger thickness of the two, >= 0: how far behind its target cloth may hold an anchor or a mesh collider before it is driven through
+  double kinematic_lag_limit = 8;   // times the larger thickness of the two, >= 0: how far behind its target cloth may hold an
+                                    // anchor or a mesh collider before it is driven through
   bool operator==(const Contacts&) const = default;
 };
 
@@ -229,7 +231,7 @@ Scene default_scene(const std::filesystem::path& mesh, Vec3 low, Vec3 high);
 /// Silk, cotton, denim, leather with their figures; nothing for another name. Sources stand beside the table.
 std::optional<Fabric> fabric_preset(std::string_view name);
 
-/// Whether cloth meets cloth: asked for, or needed by a mesh collider.
+/// Whether contacts are on: asked for, or needed by a mesh collider.
 bool contacts_on(const Scene& scene);
 
 /// Methods that solve springs, the scene's or those that the fabric makes, instead of constraints.
@@ -252,10 +254,10 @@ std::string method_fault(const Scene& scene);
 /// Indices of the colliders that are meshes. They are part of what is simulated; the others are formulas.
 std::vector<std::uint32_t> mesh_colliders(const Scene& scene);
 
-/// How a collider stands before its keys turn it: takes +y to a capsule's axis and the world's axes to a box's or a mesh's.
+/// The rotation of a collider before its keys rotate it: takes +y to a capsule's axis and the world's axes to a box's or a mesh's.
 Rotation rest_rotation(const Collider& collider);
 
-/// The turn by `degrees` about `axis` (unit).
+/// The rotation by `degrees` about `axis` (unit).
 Rotation rotation_about(Vec3 axis, double degrees);
 
 /// First b, then a.

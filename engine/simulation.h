@@ -8,28 +8,29 @@
 //
 // Everything is allocated and compiled in create; a frame only records. Three ways to run a frame:
 //   advance  submits and waits; for tools and tests
-//   submit   submits and returns at once; `ready` is signalled when the frame can be drawn
+//   submit   submits and returns at once; ready_semaphore() is signalled when the frame can be drawn
 //   record   records into the host's own command buffer, which the host submits on Weft's queue family
 //
 // Time: a simulation takes fixed substeps of 1 / (rate substeps) seconds, so that the material does not change with the
-// frame rate. What is left over is kept for the next frame; a frame longer than Scene::solver.longest_advance is
-// clamped, and the surplus is in the report, never silently lost.
+// frame rate. The rest of a frame is carried over to the next one. A frame longer than SolverSettings::longest_advance is
+// clamped, and Advance::clamped reports the surplus.
 //
 // Threads: a Simulation may be used from any thread, by one at a time. Several may share a device.
 //
-// Contacts (Scene::contacts): no vertex, edge or triangle of cloth crosses another. The promise ends where anchors or mesh colliders
-// are driven through cloth that cannot go away, or through each other, and where cloth crosses itself from the start.
+// Contacts (Scene::contacts): no vertex, edge or triangle of cloth crosses another. This does not hold where anchors or mesh
+// colliders are driven through each other or through cloth that cannot give way, nor where cloth crosses itself at the start.
 //
-// Far from the origin of the world floats are coarse: a millimetre at 10 km. A simulation therefore works about an origin of its own near
-// the cloth, which is the world's for cloth within 8 m of that. What a host says and draws is in its world: targets, colliders' poses,
-// render vertices. Particles, the cooked fabric and the meshes are about origin().
+// Origin: far from the origin of the world floats are coarse, a millimetre at 10 km. A simulation therefore has an origin of
+// its own near the cloth; it is the world's for cloth within 8 m of that. What a host sets and draws is in world space:
+// targets, colliders' poses, render vertices. Particles, the cooked fabric and the meshes are relative to origin().
 //
-// Errors: what Vulkan refuses is a sentence, with a kind (compute/result.h) that tells a program what to do about it. After one of advance, submit or record the simulation is whole and can go on: the clock has
-// moved by that frame, the cloth may not have. After a lost device everything fails, and all that is left is to destroy it.
+// Errors: what Vulkan refuses is a sentence with a kind (compute/result.h), by which a program can decide what to do. After an
+// error of advance, submit or record the simulation is consistent and can go on: the clock has moved by that frame, the cloth
+// may not have. After a lost device every call fails; the simulation can only be destroyed.
 //
-// Limitations: no wind yet; a mesh collider that turns takes its vertices straight to where they
-// are at the frame's end; anchors are chosen at create and can be moved, not added; hosts that record must record frames in
-// the order they submit them.
+// Limitations: no wind yet; a mesh collider that rotates moves each vertex along a straight line to its place at the frame's
+// end; anchors are chosen at create and can be moved, not added; hosts that record must record frames in the order they submit
+// them.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -54,15 +55,15 @@ namespace weft {
 struct Curve;
 
 struct SimulationOptions {
-  /// A timestamp pair around every pass. Costs time: whole-frame times are taken without.
+  /// A timestamp pair around every pass. It costs time: measure whole frames without.
   bool timings = false;
   /// Time passes on the CPU, each submitted alone, also where the GPU has timestamps.
   bool timings_on_cpu = false;
-  /// Compiled pipelines are kept in this file between runs; empty: not kept.
+  /// A file in which compiled pipelines are saved between runs; empty: none.
   std::filesystem::path pipeline_cache;
   /// Gather through storage buffers instead of texel buffers (shared.h says what that is for).
   bool gather_storage = false;
-  /// What "method": "auto" chooses from (reference/choice.h); null: the curve that is built in. Read in create only.
+  /// What "method": "auto" chooses from (reference/choice.h); null: the built-in curve. Read in create only.
   const Curve* curve = nullptr;
   /// Threads a workgroup; 0 chooses for the device.
   std::uint32_t workgroup = 0;
@@ -72,7 +73,7 @@ struct SimulationOptions {
 struct Advance {
   std::uint32_t substeps = 0;
   double simulated = 0;   // s
-  double clamped = 0;     // s, beyond longest_advance: not simulated, not kept
+  double clamped = 0;     // s, beyond longest_advance: not simulated, now or later
 };
 
 struct PassTiming {
@@ -98,28 +99,35 @@ struct BufferUse {
   std::uint64_t bytes = 0;
 };
 
-/// Counts since create. The first two and contacts_lost are zero in a healthy run.
+/// Counts since create. non_finite, coincident and contacts_overflowed are 0 in a healthy run.
 struct Counts {
-  std::uint32_t non_finite = 0;   // particles put back to their last finite position
-  std::uint32_t coincident = 0;   // links whose ends were at one place, pushed apart along a line of no meaning (springs that only pull, and those of the method implicit: left alone)
-  std::uint32_t contacts_most = 0;   // pairs that could meet, the most that one detection found
-  std::uint32_t contacts_overflowed = 0;   // pairs that found no room and held their particles still instead: with record and submit, and where the device has no more room
-  std::uint32_t truncated = 0;       // times that a particle, or an anchor, was stopped short so that no cloth crosses another; perhaps several times a substep
-  std::uint32_t detections = 0;      // searches for pairs
-  float tracking_error = 0;          // m: how far behind its target cloth held an anchor, or a mesh collider's corner, at most
+  std::uint32_t non_finite = 0;            // particles put back to their last finite position
+  /// Links with both ends at one position, pushed apart in an arbitrary direction. Springs that only pull, and those of the
+  /// method implicit, are left as they are.
+  std::uint32_t coincident = 0;
+  std::uint32_t contacts_most = 0;         // the most candidate pairs that one detection found
+  /// Candidate pairs beyond the capacity, whose particles were held still instead: with record and submit, and where the device
+  /// has no more memory.
+  std::uint32_t contacts_overflowed = 0;
+  std::uint32_t truncated = 0;             // steps of particles and anchors cut short to prevent a crossing; may be several a substep
+  std::uint32_t detections = 0;            // searches for candidate pairs
+  float tracking_error = 0;                // m, the largest distance of an anchor or a mesh collider's vertex, held back, from its target
   // Method implicit only. The norm of a residual r is r . D^-1 r, D the blocks on the matrix's diagonal.
-  std::uint32_t unconverged = 0;     // substeps whose solve left more than 1 % of the free flight's residual
-  std::uint32_t stopped = 0;         // substeps whose solve was broken off with the best there was
-  float residual = 0;                // of the last substep's, before its last iteration: the part that was left
-  std::uint32_t unaccelerated = 0;   // substeps that the method chebyshev finished as jacobi, because its acceleration was not steady
+  std::uint32_t unconverged = 0;           // substeps whose solve left more than 1 % of the free flight's residual
+  std::uint32_t stopped = 0;               // substeps whose solve was stopped early, with the best iterate so far
+  float residual = 0;                      // relative, of the last substep's solve, before its last iteration
+  // Method chebyshev only.
+  std::uint32_t unaccelerated = 0;         // substeps finished as jacobi, because the acceleration diverged
 };
 
 class Simulation {
  public:
-  /// Loads the scene's meshes, cooks, allocates, compiles. `device` must outlive the simulation.
+  /// Loads the scene's meshes, cooks, allocates, compiles. `device` must outlive the simulation. Errors: a number in the scene
+  /// that is not finite; a mesh that cannot be loaded or cooked; a method that cannot solve the scene; more dispatches a frame
+  /// than can be recorded; what Vulkan refuses.
   static Result<std::unique_ptr<Simulation>> create(const compute::Device& device, const Scene& scene,
                                                     const SimulationOptions& options = {});
-  /// The same with meshes that the caller made: one a cloth, already where the cloth hangs at rest, then one a mesh collider, in the
+  /// The same with meshes that the caller made: one a cloth, in its rest pose in world space, then one a mesh collider, in the
   /// collider's own axes.
   static Result<std::unique_ptr<Simulation>> create(const compute::Device& device, const Scene& scene, std::vector<Mesh> meshes,
                                                     const SimulationOptions& options = {});
@@ -127,90 +135,103 @@ class Simulation {
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  /// Simulates `seconds` >= 0, submits and waits. Errors: seconds not finite or negative; a lost device.
+  /// Simulates `seconds` >= 0, submits and waits. Where candidate pairs overflowed it enlarges their capacity and repeats the
+  /// frame. Errors: `seconds` not finite or negative; what Vulkan refuses.
   Result<Advance> advance(double seconds);
 
-  /// Simulates `seconds`, waiting on the GPU for `waits` first; returns at once. The frame may be drawn by what waits for
-  /// ready_semaphore() to reach ready_value(). At most two frames are under way: a third waits for the first.
+  /// Simulates `seconds`, waiting on the GPU for `waits` first; returns at once. The frame can be drawn once
+  /// ready_semaphore(), a timeline, has reached ready_value(). At most two frames are in flight: a third waits for the first.
+  /// Errors: as advance.
   Result<Advance> submit(double seconds, std::span<const VkSemaphoreSubmitInfo> waits = {});
   VkSemaphore ready_semaphore() const;
   std::uint64_t ready_value() const;
 
   /// Records `seconds` into the host's command buffer (recording state, outside a render pass, on the queue family of the
-  /// device). Barriers to and from vertex input, host copies and earlier frames are recorded too. Whatever else is called next that waits, or
-  /// advance or submit, needs the host's frames done: it may give contacts more room, in other buffers, and reads what the last frame counted.
+  /// device). Barriers to and from vertex input, host copies and earlier frames are recorded too. Before advance, submit and
+  /// every call that waits the host's recorded frames must be done: these calls may replace the buffers of contacts, and read
+  /// the last frame's counters. Errors: `seconds` not finite or negative.
   Result<Advance> record(VkCommandBuffer commands, double seconds);
 
-  /// Of every render vertex, cloth after cloth, then mesh collider after mesh collider: RGBA32F, 16 bytes apart. Valid until the simulation is destroyed.
+  /// Positions (m, world space) and unit normals of every render vertex, cloth after cloth, then mesh collider after mesh
+  /// collider: RGBA32F, 16 bytes apart. Valid until the simulation is destroyed.
   FrameView positions() const;
   FrameView normals() const;
 
-  /// Targets for the end of the next frame, in world space, in CookedFabric::anchors' order from `first` on; they replace the
-  /// scene's keys for these anchors from now on. Among contacts an anchor may wait for cloth in its way, up to eight times the larger thickness of the two from there, or what Scene::contacts.kinematic lag limit says. Errors: beyond the last anchor; not finite, or 1e10 m away or more.
+  /// Targets for the end of the next frame (m, world space), in CookedFabric::anchors' order from `first` on. The host drives
+  /// these anchors from now on, instead of the scene's keys. With contacts, cloth in an anchor's way can hold it back from its
+  /// target, by at most Contacts::kinematic_lag_limit (8) times the larger thickness of the two. Errors: beyond the last anchor;
+  /// a target that is not finite, or 1e10 m away or more. Nothing has changed then.
   Result<void> move_anchors(std::uint32_t first, std::span<const Vec3> targets);
-  /// Pose for the end of the next frame, whole (a capsule or a box without a rotation stands along its own axes); replaces the scene's
-  /// keys for this collider. It turns there the shorter way round. Errors: no such collider; not finite; a normal or rotation of length 0.
+  /// The complete pose for the end of the next frame (world space; a capsule or a box without a rotation stands along its own
+  /// axes). The host drives this collider from now on, instead of the scene's keys. It rotates by the shorter arc. Errors: no
+  /// such collider; a pose that is not finite, or 1e10 m away or more; a normal or rotation of length 0.
   Result<void> move_collider(std::uint32_t collider, const ColliderPose& pose);
-  /// Is there at once, without a way there that cloth could meet, and a wish of move_collider is forgotten; keys take it on from there. With
-  /// write_positions, which does the same to cloth and its anchors, a host sets a scene elsewhere. Of a mesh collider: waits. Errors: as
-  /// move_collider; a lost device.
+  /// Puts the collider there at once; it meets no cloth on the way. A pending pose of move_collider is dropped; keys, where they
+  /// drive the collider, move it on from there. Together with write_positions, which does the same to cloth and its anchors,
+  /// this teleports a scene. Waits if it is a mesh collider. Errors: as move_collider; what Vulkan refuses.
   Result<void> place_collider(std::uint32_t collider, const ColliderPose& pose);
-  /// From the next frame on (m/s^2). Errors: not finite.
+  /// From the next frame on (m/s^2). Errors: not finite, or 1e10 m/s^2 or more.
   Result<void> set_gravity(Vec3 gravity);
 
-  /// Where particles' positions count from, in the host's world (m); chosen at create.
+  /// The origin of the particles' positions, in world space (m); chosen at create.
   Vec3 origin() const;
 
   /// Seconds simulated so far.
   double time() const;
-  /// Where the scene's colliders are now.
+  /// Poses of the scene's colliders at the last frame's end (world space), in the scene's order; valid until colliders() is
+  /// called again.
   std::span<const ColliderPose> colliders() const;
 
-  /// Of the last frame that was finished by advance or submit; empty without SimulationOptions::timings. On devices without timestamps the
-  /// figures are the CPU's around each pass, and timed_on_cpu() says so.
+  /// Of the last frame of advance or submit; empty without SimulationOptions::timings. On devices without timestamps the CPU
+  /// measures each pass, and timed_on_cpu() is true.
   std::vector<PassTiming> timings() const;
   std::vector<DispatchTime> dispatch_times() const;
   bool timed_on_cpu() const;
   /// Milliseconds on the GPU from a frame's first to its last command; 0 without timings.
   double gpu_milliseconds() const;
 
-  /// What the scene's plan made: passes with their dispatches a frame, and buffers with their bytes.
+  /// What the scene's plan consists of: passes with their dispatches a frame, and buffers with their bytes.
   std::vector<PassUse> passes() const;
   std::vector<BufferUse> buffers() const;
   Counts counts() const;
 
+  /// As given to create, with the solver settings chosen where its method is "auto".
   const Scene& scene() const;
-  /// One a cloth, about origin(), then one a mesh collider.
+  /// One a cloth, relative to origin(), then one a mesh collider, in its own axes.
   const std::vector<Mesh>& meshes() const;
   const CookedFabric& fabric() const;
   const compute::Device& device() const;
 
-  /// Copies all particles back, cloths' and mesh colliders' (CookedFabric's order; about origin()). Waits for the last submitted frame.
+  /// Copies back all particles, of cloths and mesh colliders, in CookedFabric's order: xyz position relative to origin() (m), w
+  /// inverse mass (1/kg); xyz velocity (m/s), w the material's index as bits. Waits for the last submitted frame.
   Result<std::vector<gpu::vec4>> read_positions() const;
   Result<std::vector<gpu::vec4>> read_velocities() const;
-  /// Overwrites the state of all particles, mesh colliders' too (CookedFabric's order; about origin(); w is ignored): a pose to start from. Waits. A place
-  /// or a velocity that is not finite, or 1e10 and more, is counted in Counts::non_finite and mended: the particle stays, or goes along with
-  /// its neighbours, and is at rest; all others are as they would be without it. Anchors are led to where they are put until keys or move_anchors
-  /// say otherwise: one that waits for cloth (move_anchors) and is written where it was read waits no more.
+  /// Overwrites the positions or velocities of all particles, of mesh colliders too (CookedFabric's order, units as above; w is
+  /// ignored). Waits. A value that is not finite, or of 1e10 or more, is counted in Counts::non_finite and sanitized: the
+  /// particle stays where it is, or moves as its neighbours do, with velocity 0; no other particle is affected. A written
+  /// position is also an anchor's target until keys or move_anchors set another: an anchor that cloth held back, written where
+  /// it was read, gives up its former target. Errors: another number of values than particles; what Vulkan refuses.
   Result<void> write_positions(std::span<const gpu::vec4> positions);
   Result<void> write_velocities(std::span<const gpu::vec4> velocities);
-  /// The whole state, to go on from here later, in another process or to try something out. Waits; frames that a host has recorded must be done.
+  /// The whole state, to continue from later or in another process (engine/snapshot.h). Waits; frames that a host has recorded
+  /// must be done.
   Result<Snapshot> save() const;
-  /// Goes on from there: what follows is bitwise the same as after save() (with submit and record, which do not wait for room for contacts,
-  /// if there was as much room then). Waits. Errors: a snapshot of another scene, or one that this scene cannot be in: nothing has changed
-  /// then. No memory: the simulation is in one of the two states, and what follows may search for contacts once more.
+  /// Continues from a snapshot: what follows is bitwise the same as after save(). With submit and record, which do not repeat
+  /// frames in which contacts overflowed, this also takes the same capacity for contacts as then. Waits. Errors: a snapshot of
+  /// another scene, or a state that this scene cannot be in; nothing has changed then. No memory: the simulation is in one of
+  /// the two states, and the next frame may detect contacts once more.
   Result<void> restore(const Snapshot& snapshot);
-  /// Whether restore would take it. Errors: as restore, without memory's.
+  /// Whether restore would accept it. Errors: as restore, except for want of memory.
   Result<void> fits(const Snapshot& snapshot) const;
-  /// What the renderer sees, copied back: positions and normals of all render vertices. Waits.
+  /// Positions (m, world space) and normals of all render vertices, copied back. Waits.
   Result<std::vector<Vec3>> read_vertex_positions() const;
   Result<std::vector<Vec3>> read_vertex_normals() const;
 
  private:
   struct State;
   explicit Simulation(std::unique_ptr<State> state);
-  static Result<std::unique_ptr<Simulation>> create_at(const compute::Device& device, const Scene& scene, Vec3 origin, std::vector<Mesh> meshes,
-                                                       const SimulationOptions& options);
+  static Result<std::unique_ptr<Simulation>> create_at(const compute::Device& device, const Scene& scene, Vec3 origin,
+                                                       std::vector<Mesh> meshes, const SimulationOptions& options);
   std::unique_ptr<State> state_;
 };
 

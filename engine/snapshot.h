@@ -4,8 +4,9 @@
 //     weft::save_snapshot("now.snapshot", *simulation->save());
 //     simulation->restore(*weft::load_snapshot("now.snapshot"));
 //
-// A snapshot holds what a frame changes and the next one needs, and nothing that is made anew from the scene: it fits the scene and
-// the meshes that it was taken of, and says so by their digest. On another device it can be restored too; there the bits differ as devices do.
+// A snapshot holds what a frame changes and the next one needs, and nothing that is made anew from the scene. It fits only the
+// scene and the meshes it was taken of, and carries their digest. It can be restored on another device; what follows there differs
+// in its bits, as results of different devices do.
 //
 // A file, little-endian and without padding:
 //
@@ -30,16 +31,16 @@
 namespace weft {
 
 struct Snapshot {
-  /// An anchor that the host leads.
+  /// An anchor that the host drives.
   struct AnchorLead {
     std::uint32_t anchor = 0;   // in CookedFabric::anchors' order
-    bool waits = false;         // the target is the next frame's
+    bool waits = false;         // `target` is pending: for the next frame
     Vec3 target;                // m
   };
   struct ColliderState {
-    bool led = false;           // by the host, instead of by keys
-    bool waits = false;         // the wish is the next frame's
-    ColliderPose pose, wish;
+    bool led = false;           // host-driven, instead of by keys
+    bool waits = false;         // `pending` is for the next frame
+    ColliderPose pose, pending;
   };
   /// A buffer of the GPU, from its start on.
   struct Content {
@@ -51,13 +52,13 @@ struct Snapshot {
   std::uint64_t substeps = 0;    // so far: the clock
   double left_over = 0;          // s, less than a substep: for the next frame
   Vec3 gravity;                  // m/s^2
-  std::uint32_t phase = 0;        // substeps modulo 3, as the solver counts them
-  std::uint32_t capacity = 0;    // candidates there was room for; 0 without contacts
-  std::uint32_t losses_seen = 0; // candidates lost by frames that submit has made room after
+  std::uint32_t phase = 0;       // substeps modulo 3, as the solver counts them
+  std::uint32_t capacity = 0;    // of candidate pairs; 0 without contacts
+  std::uint32_t losses_seen = 0; // candidates that overflowed in frames after which submit has enlarged the capacity
   std::vector<AnchorLead> anchors;
   std::vector<ColliderState> colliders;   // of every collider of the scene
   std::vector<Content> contents;
-  std::vector<std::byte> note;   // the host's own, given back as it is: how far its run was, say
+  std::vector<std::byte> note;   // the host's own bytes, given back unchanged: how far its run was, say
 };
 
 /// Of everything in a scene and its fabric that the simulation depends on: not of names, frames, camera, light and appearance.
@@ -65,8 +66,8 @@ std::uint64_t digest_of(const Scene& scene, const CookedFabric& fabric);
 
 std::vector<std::byte> snapshot_bytes(const Snapshot& snapshot);
 
-/// Errors: bytes that are no snapshot, of another version, cut, longer than they say, or damaged. Allocates no more than a small multiple of
-/// what it is given. Whether the snapshot fits a simulation is for restore to say.
+/// Errors: bytes that are no snapshot, of another version, cut, longer than they say, or damaged. Allocates no more than a small
+/// multiple of what it is given. Whether the snapshot fits a simulation is checked by restore.
 Result<Snapshot> parse_snapshot(std::span<const std::byte> bytes);
 
 /// Whole or not at all: under a temporary name in the same folder, then renamed.

@@ -39,7 +39,8 @@ build() {
   shift 2
   (( $# == 0 )) || targets=(--target "$@")
   if command -v ccache >/dev/null; then
-    launcher=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+    # It does not know what stands in a precompiled header.
+    launcher=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON)
   fi
   echo "Building $preset into $root/build/$preset"
   (cd "$root" && cmake --log-level=WARNING --preset "$preset" "${launcher[@]}") >/dev/null || return

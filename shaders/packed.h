@@ -10,7 +10,7 @@ namespace weft::gpu {
 // error up to 2^-19), a response with 7 (below 0.4 %), and one bit for links that only pull.
 //
 // With one iteration a substep nothing in an XPBD multiplier changes but C, so the response is the gain 1 / (W_a + W_b + omega alpha/h^2)
-// (kg; engine/cook/cook.cpp says why omega), computed when cooking: the pass neither adds masses nor divides by them. Both ends have the
+// (kg; engine/fabric.cpp says why omega), computed when cooking: the pass neither adds masses nor divides by them. Both ends have the
 // same bits of it, so momentum is conserved. With several iterations the response is the compliance alpha (m/N).
 //
 //   x: [31..24] response exponent   [23..0] index

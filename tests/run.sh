@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds and runs every test: first those that need no device under the sanitizers, then those of
-# threads under the thread sanitizer, then all of them optimised. The whole suite comes last, so that its result is what the output ends with.
+# threads under the thread sanitizer, then all of them optimised. The whole suite comes last, so that the output ends with its
+# result.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 source "$root/samples/packages.sh"
@@ -14,10 +15,10 @@ fi
 install_missing "${packages_to_run[@]}" "${packages_to_test[@]}"
 
 build "$root" asan weft_assets weft_cpu_tests fuzz_mesh fuzz_scene fuzz_snapshot
-ctest --test-dir "$root/build/asan" --output-on-failure --no-tests=error -L '^cpu$'
+ctest --test-dir "$root/build/asan" -j "$(nproc)" --output-on-failure --no-tests=error -L '^cpu$'
 
 build "$root" tsan weft_thread_tests
 "$root/build/tsan/bin/weft_thread_tests"
 
 build "$root" ci
-ctest --test-dir "$root/build/ci" --output-on-failure --no-tests=error
+ctest --test-dir "$root/build/ci" -j "$(nproc)" --output-on-failure --no-tests=error

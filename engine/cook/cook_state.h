@@ -1,4 +1,4 @@
-// What cooking hands from effect to effect: the scene, the arrays as they grow, and the cloth at hand. Internal.
+// The state of cooking that effects share: the scene, the arrays as they grow, and the current cloth. Internal.
 #pragma once
 
 #include <span>
@@ -22,13 +22,13 @@ class CookState {
 
   const Scene& scene() const { return scene_; }
   CookedFabric& fabric() { return fabric_; }
-  /// Of the cloth at hand: point -> particle.
+  /// Of the current cloth: point -> particle.
   std::span<const std::uint32_t> particle_of() const { return particle_of_; }
   void set_particles(std::vector<std::uint32_t> particle_of) { particle_of_ = std::move(particle_of); }
 
-  /// With one iteration a substep a pass moves particles by omega / (W + s) of what a constraint asks for. Over-relaxation is meant for the
-  /// masses that Jacobi splits, W, and not for the cloth's compliance: omega / (W + s) = 1 / (W / omega + alpha / h^2). So s / alpha is
-  /// omega / h^2 (1/s^2).
+  /// s / alpha = omega / h^2 (1/s^2), for s in the step omega / (W + s) with which a single iteration corrects a constraint.
+  /// Over-relaxation applies to the masses that Jacobi splits, W, and not to the cloth's compliance alpha: omega / (W + s) =
+  /// 1 / (W / omega + alpha / h^2).
   double softening() const;
 
   template <class... Parts>
@@ -36,7 +36,7 @@ class CookState {
     fabric_.notes.push_back(fail(cloth.name, ": ", parts..., ".").message);
   }
 
-  /// Of each particle, until they are laid out.
+  /// The tethers of each particle, until they are laid out.
   std::vector<std::vector<gpu::Tether>> tethers;
 
  private:

@@ -1,7 +1,7 @@
-// Order of particles: neighbours in the cloth become neighbours in memory.
+// Reverse Cuthill-McKee order of particles: neighbours in the cloth become neighbours in memory.
 //
-// This work is based on: Cuthill and McKee 1969, reversed after George 1971. A breadth-first walk from a vertex at the rim,
-// visiting neighbours by rising degree; on a grid it runs along anti-diagonals whose neighbours are a row length apart.
+// This work is based on: Cuthill and McKee 1969, reversed after George 1971. A breadth-first search from a vertex at the rim visits
+// neighbours by rising degree; on a grid it runs along anti-diagonals whose neighbours are a row length apart.
 #include <algorithm>
 
 #include "engine/cook/parts.h"
@@ -45,7 +45,7 @@ std::vector<std::uint32_t> locality_order(const Mesh& mesh) {
   std::vector<bool> seen(mesh.points.size()), tried(mesh.points.size());
   for (std::uint32_t point = 0; point < mesh.points.size(); ++point) {
     if (seen[point]) continue;
-    // The vertex that a first walk reaches last lies at the rim.
+    // The last vertex of a first search lies at the rim.
     trial.clear();
     walk(neighbours, point, tried, trial);
     walk(neighbours, trial.back(), seen, order);

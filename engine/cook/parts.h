@@ -1,4 +1,4 @@
-// What the files of the cook (fabric*.cpp) share; not part of the public API.
+// Declarations that the sources of cooking share; not part of the public API.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -11,8 +11,8 @@
 
 namespace weft::cooking {
 
-// Softer than this (m/N) pulls with nothing that could be seen, and its quotient by h^2 would not be finite any more: infinity
-// times a multiplier of zero is no number, and takes a particle's other links along.
+// A larger compliance (m/N) has no visible effect, and divided by h^2 it would not stay finite: infinity times a multiplier
+// of zero is NaN, which spreads to the particle's other links.
 inline constexpr double kSoftest = 1e12;
 
 inline Eigen::Vector3d vector(Vec3 v) { return {v.x, v.y, v.z}; }
@@ -20,7 +20,7 @@ inline Eigen::Vector3d vector(Vec3 v) { return {v.x, v.y, v.z}; }
 /// order[k] is the point that becomes the cloth's k-th particle: reverse Cuthill-McKee (1969) over the mesh's edges.
 std::vector<std::uint32_t> locality_order(const Mesh& mesh);
 
-/// A link with the stiffness of the strip of cloth that it stands for.
+/// A link between two points, with the stiffness of the strip of cloth that it represents.
 struct Spring {
   std::uint32_t a, b;      // points
   double rest;             // m
@@ -37,8 +37,9 @@ struct Stiffness {
 /// direction: see engine/effects/stretch/links.cpp.
 std::vector<Spring> springs(const Mesh& mesh, const Stiffness& stiffness);
 
-/// Links that only pull between points `steps` edges apart on a straight line of edges: see engine/effects/stretch/far_links.cpp. Up to half of the
-/// stiffness of those edges (the first of `near`, in the mesh's order) moves over to them; `is_diagonal` edges make no line.
+/// Appends to `near` links that only pull, between points `steps` edges apart on a straight line of edges: see
+/// engine/effects/stretch/far_links.cpp. Up to half of the stiffness of those edges (the first of `near`, in the mesh's
+/// order) moves over to them. Edges that are `is_diagonal` belong to no line.
 void add_far_links(const Mesh& mesh, const std::vector<bool>& is_diagonal, std::uint32_t steps, std::vector<Spring>& near);
 
 /// A spring of Cloth::springs, which pushes and pulls.
@@ -52,7 +53,8 @@ struct NeighbourSpring {
 /// engine/effects/spring/springs.cpp.
 std::vector<NeighbourSpring> neighbour_springs(const Mesh& mesh, const weft::Springs& springs, bool straight);
 
-/// The longest step of symplectic Euler that is stable in every pose, s; infinite where nothing moves: see engine/effects/spring/longest_step.cpp.
+/// The longest step of symplectic Euler that is stable in every pose (s); infinite where nothing moves: see
+/// engine/effects/spring/longest_step.cpp.
 double largest_step(std::span<const ParticleSpring> springs, std::span<const gpu::vec4> positions);
 
 /// The bending matrix of stencils over particles, as linear springs.
@@ -60,27 +62,28 @@ void add_bending_springs(std::span<const gpu::Bend> bends, std::vector<ParticleS
 
 SpringRows spring_rows(std::span<const ParticleSpring> springs, std::size_t particles);
 
-/// Which Jacobi converges with, whatever the pose.
+/// The weight of damped Jacobi, with which it converges in every pose.
 double jacobi_weight(std::span<const ParticleSpring> springs);
 
-/// Parts the links into colours, so that no two of one share a particle: see engine/effects/gauss_seidel/colours.cpp.
+/// Colours the links so that no two of a colour share a particle: see engine/effects/gauss_seidel/colours.cpp.
 void colour_links(CookedFabric& fabric);
 
 /// Bending stencils over points; split_weight is left at 0. `clamped` counts slivers whose cotangents were limited.
 std::vector<gpu::Bend> bend_stencils(const Mesh& mesh, double rigidity, std::uint32_t& clamped);
 
-/// Hinges of a cloth that bends about its mesh, `particle_of` its points; lay_out_hinges adds masses and uses. Returns how many slivers'
-/// stiffness was limited. See engine/effects/dihedral/hinges.cpp.
+/// Dihedral elements of a cloth that bends about its mesh's angles, over the particles of its points; lay_out_hinges adds
+/// masses and uses. Returns the number of elements softened because they lie on slivers. See
+/// engine/effects/dihedral/hinges.cpp.
 std::uint32_t add_hinges(const Mesh& mesh, std::span<const std::uint32_t> particle_of, double rigidity, CookedFabric& fabric);
 void lay_out_hinges(Averaging averaging, CookedFabric& fabric);
 
 /// The nearest `count` of `anchors` (points) to every point with their geodesic distances, nearest first; fewer where fewer
-/// are connected. See geodesic.cpp.
-struct Reach {
+/// are connected. See engine/effects/tether/geodesic.cpp.
+struct AnchorDistance {
   std::uint32_t anchor;    // index into `anchors`
   double distance;         // m
 };
-std::vector<std::vector<Reach>> nearest_anchors(const Mesh& mesh, std::span<const std::uint32_t> anchors, std::uint32_t count);
+std::vector<std::vector<AnchorDistance>> nearest_anchors(const Mesh& mesh, std::span<const std::uint32_t> anchors, std::uint32_t count);
 
 /// The points that each of the cloth's anchor entries chooses. Errors name the entry.
 struct AnchorChoice {
@@ -88,23 +91,24 @@ struct AnchorChoice {
 };
 Result<std::vector<AnchorChoice>> choose_anchors(const weft::Cloth& cloth, const Mesh& mesh);
 
-/// The rest poses of the cloth's particles; what add_collider_mesh adds comes after them.
+/// Rest positions of the cloth's particles; add_collider_mesh appends those of mesh colliders.
 void add_rest(CookedFabric& fabric);
 
-/// Puts a cloth's particles where its `start` says, with its velocity: see engine/cook/start.cpp. Last of all: what is cooked is cooked at rest.
+/// Sets a cloth's positions and velocities to those of its `start`: see engine/cook/start.cpp. Comes last: all else is cooked
+/// at rest.
 void take_start(const weft::Cloth& cloth, const ClothRange& range, CookedFabric& fabric);
 
-/// Appends a mesh collider, where the scene's keys have it at time 0. Errors: too many particles.
+/// Appends a mesh collider in its pose at time 0, by the scene's keys. Errors: too many particles.
 Result<void> add_collider_mesh(const Scene& scene, std::uint32_t collider, const Mesh& mesh, CookedFabric& fabric);
 
-/// All edges of all triangles, and how long those of cloth are.
+/// Adds all edges of all triangles, and the mean length of those of cloth.
 void add_edges(CookedFabric& fabric);
 
 enum class Padding { owner, repeated };
 
-/// Lists of (id, payload) pairs, packed two a fetch; a place that is left over holds the list's own number or the last id, and
-/// payload 0. Where that adds no more than the fraction `most_padding`, all rows are padded to one length with pairs of the list's
-/// own number and payload 0; 0: never.
+/// Lists of (id, payload) entries, packed two a fetch. An unused place has payload 0 and, as its id, the list's own number
+/// (owner) or the last id (repeated). Where that adds no more than the fraction `most_padding`, all rows are padded to one
+/// length with such places of the list's own number; 0: never.
 PairRows pack_rows(std::span<const std::vector<gpu::uvec2>> lists, Padding padding, double most_padding = 0);
 
 }  // namespace weft::cooking

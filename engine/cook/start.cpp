@@ -1,13 +1,13 @@
-// How cloths start that do not start at rest: stretched, folded, thrown, or so badly off that only a robust solver comes back.
-// Everything else was cooked from the rest pose, so a start changes where particles are and how fast, and nothing about the cloth.
+// Starting poses of cloths that do not start at rest: stretched, folded, thrown, or so far from rest that only a robust
+// solver recovers. Everything else is cooked from the rest pose: a start changes positions and velocities, and nothing about
+// the cloth.
 //
-// Poses are told along the axes of the rest pose's bounding box, the longest first. A fold bends that side round an arc:
+// Poses are described along the axes of the rest pose's bounding box, the longest first. A fold bends that side round an arc:
 //
 //        __________            half the angle to either side of the middle; a radius of 0 is an edge
 //       (__________
 //
-// A mesh that is not flat turns with it: what is off the plane through its particle nearest to the middle stays as far off.
-//
+// A mesh that is not flat turns with it: particles keep their distance from the plane through the particle nearest to the middle.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,11 +22,11 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kMostStretch = 0.3;
-constexpr std::uint32_t kSeed = 1;   // of what is scrambled: the same in every process
+constexpr std::uint32_t kSeed = 1;   // of StartPose::scrambled: the same in every process
 
 struct Box {
   Vector3d centre, half;
-  std::array<int, 3> axes;   // by their extent, the longest first; of two as long the first
+  std::array<int, 3> axes;   // by extent, the longest first; of equal ones the lower index first
 };
 
 Box box_of(std::span<const gpu::vec4> positions) {
@@ -40,10 +40,10 @@ Box box_of(std::span<const gpu::vec4> positions) {
   return box;
 }
 
-// From -1 to 1: the generator's words are the same everywhere, its distributions are not.
+// Uniform in -1 ... 1. The words of std::mt19937 are the same in every standard library, its distributions are not.
 double random_part(std::mt19937& words) { return 2 * (words() / 4294967296.0) - 1; }
 
-// Of the particle nearest to the middle of the longest side: how high it is.
+// The height of the particle nearest to the middle of the longest side.
 double height_of_fold(std::span<const gpu::vec4> positions, const Box& box) {
   double nearest = INFINITY, height = 0;
   for (const gpu::vec4& p : positions) {

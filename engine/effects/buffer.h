@@ -1,7 +1,7 @@
-// A buffer is one row: name, element, length, first contents, lifetime. Rows stand in the rooms of the effects that own them.
+// A buffer is one row: name, element, length, first contents, lifetime. Rows stand in the headers of the effects that own them.
 //
-// Shaders call a buffer by the name in its row; which passes touch it, and how, is read from their code. A buffer that no pass of a scene
-// touches does not exist there. Lengths and contents are functions of what was cooked.
+// Shaders call a buffer by the name in its row; which passes touch it, and how, is reflected from their code. A buffer that no pass
+// of a scene touches does not exist there. Lengths and contents are functions of what was cooked.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@
 
 namespace weft {
 
-/// What the declarations of an effect are functions of.
+/// The argument of an effect's declarations.
 struct Cooked {
   const Scene& scene;
   const CookedFabric& fabric;
@@ -26,9 +26,9 @@ struct Cooked {
 
 enum class Lifetime {
   cooked,    // as it was cooked, for good
-  told,      // by the host, where a frame begins
-  kept,      // what a frame leaves to the next: put back with a frame that is taken back, and part of a snapshot
-  cleared,   // one word everywhere, between any two frames
+  told,      // written by the host at the start of a frame
+  kept,      // what a frame leaves to the next: restored by a rollback, and part of a snapshot
+  cleared,   // every word has one value between any two frames
   scratch    // made anew before it is read
 };
 
@@ -60,11 +60,11 @@ struct Buffer {
   Texel texel = Texel::none;
   Lifetime lifetime = Lifetime::scratch;
   std::uint64_t (*length)(const Cooked&) = nullptr;      // elements; an empty buffer gets one
-  Contents (*contents)(const Cooked&) = nullptr;         // at first; null: every word is `word`, where its lifetime asks for any
+  Contents (*contents)(const Cooked&) = nullptr;         // initial; null: every word is `word`, in lifetimes kept and cleared
   std::uint32_t word = 0;
-  bool grows = false;                                     // in proportion to the room for contacts, while running
+  bool grows = false;                                     // with the capacity for contacts, while running
   Access access = Access::shaders;
-  const Buffer* lies_in = nullptr;                        // shares that buffer's memory, which is not in use then
+  const Buffer* lies_in = nullptr;                        // shares that buffer's memory while that buffer is not in use
 };
 
 template <class Element>
@@ -80,7 +80,12 @@ using Length = std::uint64_t (*)(const Cooked&);
 
 template <class Element>
 constexpr Buffer buffer(std::string_view name, Lifetime lifetime, Length length, Contents (*contents)(const Cooked&) = nullptr) {
-  return {.name = name, .element_bytes = sizeof(Element), .texel = texel_of<Element>(), .lifetime = lifetime, .length = length, .contents = contents};
+  return {.name = name,
+          .element_bytes = sizeof(Element),
+          .texel = texel_of<Element>(),
+          .lifetime = lifetime,
+          .length = length,
+          .contents = contents};
 }
 template <class Element>
 constexpr Buffer scratch(std::string_view name, Length length) {
@@ -92,7 +97,7 @@ constexpr Buffer cleared(std::string_view name, Length length, std::uint32_t wor
   row.word = word;
   return row;
 }
-/// Grows with the room for contacts.
+/// Grows with the capacity for contacts.
 constexpr Buffer growing(Buffer row) {
   row.grows = true;
   return row;
@@ -106,17 +111,38 @@ const auto& member_of(const auto& whole) {
   else
     return member_of<Inner...>(whole.*Member);
 }
+
+template <auto Member>
+struct OwnerOf;
+template <class T, class Value, Value T::*Member>
+struct OwnerOf<Member> {
+  using Type = T;
+};
 }  // namespace detail
 
 /// A list that was cooked, as it lies: cooked<gpu::uvec4, &CookedFabric::stretch, &PairRows::pairs>("stretch_links").
 template <class Element, auto... Members>
 constexpr Buffer cooked(std::string_view name) {
   return buffer<Element>(
-      name, Lifetime::cooked, [](const Cooked& s) { return std::uint64_t(std::span(detail::member_of<Members...>(s.fabric)).size_bytes() / sizeof(Element)); },
+      name, Lifetime::cooked,
+      [](const Cooked& s) { return std::uint64_t(std::span(detail::member_of<Members...>(s.fabric)).size_bytes() / sizeof(Element)); },
       [](const Cooked& s) { return lying(detail::member_of<Members...>(s.fabric)); });
 }
 
-// Lengths that many have.
+/// The same of a list that an effect cooked for itself alone (CookedFabric::own):
+/// own<gpu::uvec2, &DihedralLists::uses, &PairRows::rows>("hinge_use_rows").
+template <class Element, auto Member, auto... Inner>
+constexpr Buffer own(std::string_view name) {
+  using Lists = typename detail::OwnerOf<Member>::Type;
+  return buffer<Element>(
+      name, Lifetime::cooked,
+      [](const Cooked& s) {
+        return std::uint64_t(std::span(detail::member_of<Member, Inner...>(s.fabric.own.of<Lists>())).size_bytes() / sizeof(Element));
+      },
+      [](const Cooked& s) { return lying(detail::member_of<Member, Inner...>(s.fabric.own.of<Lists>())); });
+}
+
+// Lengths that many buffers have.
 namespace lengths {
 inline std::uint64_t one(const Cooked&) { return 1; }
 inline std::uint64_t particles(const Cooked& s) { return s.fabric.positions.size(); }

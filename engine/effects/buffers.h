@@ -1,4 +1,4 @@
-// All buffers that C++ names.
+// The headers of all buffers.
 #pragma once
 
 #include "engine/effects/anchor/anchor.h"

@@ -1,5 +1,5 @@
-// An effect is one declaration: what calls for it, what it cooks, its buffers, its passes, the constants that they are specialised to and
-// told, and whether the reference has it. All effects there are stand in list.h.
+// An effect is one declaration: what calls for it, what it cooks, its buffers, its passes, their specialization constants and uniform
+// values, and whether the reference has it. list.h lists all effects.
 //
 // A scene that does not call for an effect has none of it: no pipeline, no byte, no dispatch. Where an effect is no pass of its own but a
 // part of other passes (a tether is satisfied where the iteration ends), it is a constant that these are specialised to.
@@ -38,8 +38,8 @@ enum class Stage { frame_begin, substep_begin, force, detect, assemble, linear, 
 struct Threads {
   Length count;                         // what the shader is told
   Length groups = nullptr;              // of workgroups; null: as many as `count` threads need
-  std::uint32_t arguments = kCounted;   // where in gpu::Detection the GPU itself has left the numbers of workgroups, in bytes
-  bool grows = false;                   // in proportion to the room for contacts
+  std::uint32_t arguments = kCounted;   // offset in gpu::Detection of the workgroup counts that the GPU writes, in bytes
+  bool grows = false;                   // with the capacity for contacts
   static constexpr std::uint32_t kCounted = UINT32_MAX;   // the CPU counts
 };
 
@@ -71,21 +71,21 @@ struct Needs {
 };
 
 struct Pass {
-  const char* name;                              // of the shader in the effect's room, in timings, labels and reports
+  const char* name;                              // of the shader in the effect's folder; in timings, labels and reports
   Stage stage;
   Threads threads;
   Changes changes = Changes::nothing;
   bool can_finalize = false;                     // the last of these in an iteration ends it (motion/finalize.glsl)
   bool (*when)(const Needs&) = nullptr;          // null: always when the effect is called for
-  const char* with_contacts = "";                // what its label ends in where it looks after contacts, too
+  const char* with_contacts = "";                // what its label ends in with contacts, which it watches, too
   bool collides = false;                         // puts particles out of colliders, which its label says then
-  bool only_towards_targets = false;             // not where nothing that the host or keys lead has a way to go
+  bool only_towards_targets = false;             // without contacts, skipped in frames in which no target moves
   std::uint32_t rounds = 1;                      // dispatches one after another; the round is in push.flags
   std::vector<Range> (*ranges)(const Cooked&) = nullptr;   // instead: a dispatch for each
 };
 
-/// A slice of the uniform buffer, which frames tell to all passes that read SLICE(..., name). What changes while running is the solver's to
-/// tell (Solver::tell).
+/// A slice of the uniform buffer, updated each frame, for all passes that read SLICE(..., name). The solver sets what changes while
+/// running (Solver::tell).
 struct Slice {
   std::string_view name = {};
   Contents (*first)(const Cooked&) = nullptr;
@@ -95,7 +95,7 @@ struct Slice {
 enum class Reference {
   absent,       // not at all: comparisons refuse scenes with it
   modelled,     // it is among the reference's energies or motions
-  a_way_to      // it is a way to a solution, and the reference goes another way to the same
+  a_way_to      // it is a method, and the reference reaches the same solution by another
 };
 
 struct Effect {
@@ -108,14 +108,14 @@ struct Effect {
   void (*specialize)(const Cooked&, Constants&) = nullptr;
   Slice slice = {};
   Reference reference = Reference::absent;
-  /// A cloth's share of what it cooks; what comes after all cloths; and lists as the GPU reads them, when all particles are known.
+  /// Cooks one cloth; then kinematic bodies, after all cloths; then the lists as the GPU reads them, when all particles are known.
   /// Errors are sentences without the cloth's path.
   Result<void> (*cook)(cooking::CookState&, const cooking::ClothInput&) = nullptr;
   Result<void> (*cook_bodies)(cooking::CookState&, std::span<const Mesh> collider_meshes) = nullptr;   // particles that are no cloth
   void (*lay_out)(cooking::CookState&) = nullptr;
 };
 
-/// Each in its room.
+/// Each in its own folder.
 namespace effects {
 #define WEFT_DECLARE(name) extern const Effect name;
 WEFT_EFFECTS(WEFT_DECLARE)
@@ -128,7 +128,7 @@ inline const Effect& effect(EffectId id) { return *all_effects()[static_cast<std
 
 /// Every row, effect by effect.
 std::span<const Buffer* const> all_buffers();
-/// Where a row is among them: its number. Rows are told apart by their address.
+/// A row's number: its index among all_buffers(). Rows are identified by their address.
 std::size_t number_of(const Buffer& row);
 /// The row of that name; null where there is none.
 const Buffer* buffer_named(std::string_view name);

@@ -1,4 +1,5 @@
-# The names in engine/effects/list.h, as WEFT_EFFECTS; and weft_add_effects, which adds the folder of each in the room at hand, where it has one.
+# WEFT_EFFECTS: the names in engine/effects/list.h. weft_add_effects: adds the subdirectory of each effect that has one with a
+# CMakeLists.txt.
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/list.h)
 file(READ ${CMAKE_CURRENT_LIST_DIR}/list.h WEFT_EFFECTS)
 string(REGEX MATCHALL "\n  EFFECT\\([a-z_]+\\)" WEFT_EFFECTS "${WEFT_EFFECTS}")

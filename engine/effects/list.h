@@ -1,7 +1,8 @@
 // Every effect there is. Within a stage of a frame their passes run in this order.
 //
-// An effect is a room of this name: its passes and twins in shaders/, its declaration and its cooking in engine/effects/, its tests in
-// tests/effects/. C++ makes the table of effects from this list (effects.h), and CMake the list of folders to build.
+// An effect is a folder of this name: its passes and reference kernels in shaders/, its declaration and its cooking in
+// engine/effects/, its tests in tests/effects/. C++ makes the table of effects from this list (effects.h), and CMake the
+// list of folders to build.
 #pragma once
 
 #define WEFT_EFFECTS(EFFECT) \

@@ -1,5 +1,5 @@
-// Edges from triangles: half-edges are brought together by counting, not hashing, so the order never depends on a
-// library's hash and the cost is linear. The same runs of half-edges serve the winged edges and the winding.
+// Edges from triangles: half-edges are matched by a counting sort, not by hashing, so the order never depends on a library's
+// hash and the cost is linear. The same runs of half-edges serve the winged edges and the winding.
 #include <algorithm>
 #include <cassert>
 

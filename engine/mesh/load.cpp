@@ -1,4 +1,4 @@
-// Files to render meshes, through assimp. assimp only decodes (and triangulates polygons); welding, mending and everything
+// Reads files into render meshes, through assimp. assimp only decodes (and triangulates polygons); welding, repair and everything
 // else that decides what the cloth is happens in engine/mesh/weld.cpp, the same for every format.
 #include <algorithm>
 #include <array>
@@ -216,7 +216,7 @@ Result<Mesh> load(const std::filesystem::path& file) {
 }   // namespace
 
 Result<Mesh> load_mesh(const std::filesystem::path& file) {
-  // assimp throws on some damaged files, and memory can run out on any; neither may reach a caller.
+  // assimp throws on some damaged files, and memory can run out on any; no exception may leave this function.
   try {
     return load(file);
   } catch (const std::exception& problem) {

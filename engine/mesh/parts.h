@@ -1,4 +1,4 @@
-// What the mesh sources share with each other and with nobody else.
+// Declarations that the mesh sources share; internal to them.
 #pragma once
 
 #include <Eigen/Core>
@@ -50,12 +50,15 @@ void complete_normals(RenderMesh& render, std::span<const std::uint32_t> point_o
 void complete_uvs(RenderMesh& render);
 void complete_tangents(RenderMesh& render);
 
-/// The geometry of a glTF or GLB file as a small GLB in memory: one scene's nodes, triangle meshes, float attributes, one buffer, and
-/// nothing else. Every length and index in it has been checked. `folder` is where the file's relative URIs start from.
-/// Errors: not JSON, nested too deeply, cut short, a reference or a range out of bounds, a required extension, sparse or quantised accessors.
+/// The geometry of a glTF or GLB file as a small GLB in memory: one scene's nodes, triangle meshes, float attributes, one
+/// buffer, and nothing else. Every length and index in it has been checked. `folder` is where the file's relative URIs start
+/// from.
+/// Errors: not JSON, nested too deeply, cut short, a reference or a range out of bounds, a required extension, sparse or quantised
+/// accessors.
 Result<std::string> gltf_geometry(const std::string& content, const std::filesystem::path& folder);
 
-/// The geometry of an OBJ file as another OBJ: v, vt, vn and f only, indices positive and in range. The elements left out are counted.
+/// The geometry of an OBJ file as another OBJ: v, vt, vn and f only, indices positive and in range. The elements left out are
+/// counted.
 /// Errors: a line that does not read as what it claims to be, an index without its vertex, no face.
 struct ObjGeometry {
   std::string text;

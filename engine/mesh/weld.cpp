@@ -1,9 +1,9 @@
-// From what a file draws to what can be simulated: weld by position, then mend, and say what was mended.
+// From a render mesh to one that can be simulated: weld by position, then repair, and report every repair.
 //
-// Welding sorts vertices into cells so small that all of one cell meet (tolerance / sqrt(3) a side), and then looks at cells up to two
-// away. Cells are sorted by one integer key, x slowest; the neighbours of a whole row of cells are then a run in the same list that only
-// moves forward, so the search is linear and needs no hash. Points are the sets of a union-find that keeps the lowest vertex as
-// the root: the result does not depend on the order in which pairs are found.
+// Welding sorts vertices into cells so small that all vertices of a cell are welded (tolerance / sqrt(3) a side), and then
+// compares cells up to two apart. Cells are sorted by one integer key, x slowest; the neighbours of a whole row of cells are
+// then a run in the same list that only moves forward, so the search is linear and needs no hash. Points are the sets of a
+// union-find that keeps the lowest vertex as the root: the result does not depend on the order in which pairs are found.
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -53,13 +53,14 @@ std::string count_of(std::size_t count, const char* one, const char* many) {
 /// For each vertex the lowest one that it is welded to. `used` vertices only; the others stay alone.
 std::vector<std::uint32_t> weld(std::span<const Vec3> positions, const std::vector<std::uint8_t>& used, const Vector3d& low,
                                 double tolerance) {
-  // The diagonal is a million tolerances, so a coordinate is below sqrt(3) million cells: 21 bits, with room for two cells around.
+  // The diagonal is a million tolerances, so a coordinate is below sqrt(3) million cells: 21 bits, with two cells to spare on
+  // either side.
   struct Cell {
     std::uint64_t key;
     std::uint32_t vertex;
   };
   constexpr std::uint64_t x_step = std::uint64_t{1} << 42, y_step = std::uint64_t{1} << 21;
-  const double cells_per_metre = std::numbers::sqrt3 / (tolerance * (1 - 1e-9));   // a hair smaller, for rounding's sake
+  const double cells_per_metre = std::numbers::sqrt3 / (tolerance * (1 - 1e-9));   // cells slightly smaller, to allow for rounding
   std::vector<Cell> cells;
   cells.reserve(positions.size());
   for (std::uint32_t v = 0; v < positions.size(); ++v) {
@@ -81,12 +82,12 @@ std::vector<std::uint32_t> weld(std::span<const Vec3> positions, const std::vect
   const std::size_t cell_count = start.size();
   start.push_back(cells.size());
 
-  const double reach = tolerance * tolerance;
-  const auto meet = [&](std::size_t left, std::size_t right) {
+  const double squared_tolerance = tolerance * tolerance;
+  const auto weld_cells = [&](std::size_t left, std::size_t right) {
     if (sets.root(cells[start[left]].vertex) == sets.root(cells[start[right]].vertex)) return;
     for (std::size_t l = start[left]; l < start[left + 1]; ++l)
       for (std::size_t r = start[right]; r < start[right + 1]; ++r)
-        if ((wide(positions[cells[l].vertex]) - wide(positions[cells[r].vertex])).squaredNorm() <= reach) {
+        if ((wide(positions[cells[l].vertex]) - wide(positions[cells[r].vertex])).squaredNorm() <= squared_tolerance) {
           sets.join(cells[l].vertex, cells[r].vertex);
           return;
         }
@@ -102,7 +103,7 @@ std::vector<std::uint32_t> weld(std::span<const Vec3> positions, const std::vect
         const std::uint64_t key = cells[start[c]].key + row;
         const std::uint64_t lowest = own_row ? key + 1 : key - 2;
         while (first < cell_count && cells[start[first]].key < lowest) ++first;
-        for (std::size_t n = first; n < cell_count && cells[start[n]].key <= key + 2; ++n) meet(c, n);
+        for (std::size_t n = first; n < cell_count && cells[start[n]].key <= key + 2; ++n) weld_cells(c, n);
       }
     }
 
@@ -137,7 +138,7 @@ Result<void> check_lists(const RenderMesh& render) {
   return {};
 }
 
-/// Keeps the triangles that have an area and are no copies; `lowest` is what weld returned.
+/// The triangles that have an area and are no duplicates; `lowest` is what weld returned.
 std::vector<Triangle> sound_triangles(const RenderMesh& render, std::span<const std::uint32_t> lowest, double diagonal,
                                       std::vector<std::string>& mended) {
   struct Key {
@@ -200,7 +201,7 @@ std::vector<std::uint32_t> drop_unused(RenderMesh& render) {
   return old_index;
 }
 
-void mend_winding(Mesh& mesh) {
+void repair_winding(Mesh& mesh) {
   const parts::Orientation orientation = parts::orient(mesh.triangles);
   for (const std::uint32_t t : orientation.turn) {
     std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
@@ -255,7 +256,7 @@ Result<Mesh> weld_mesh(RenderMesh render) {
   mesh.triangles.reserve(mesh.render.triangles.size());
   for (const Triangle& t : mesh.render.triangles) mesh.triangles.push_back({mesh.point_of[t[0]], mesh.point_of[t[1]], mesh.point_of[t[2]]});
 
-  mend_winding(mesh);
+  repair_winding(mesh);
   std::uint32_t non_manifold = 0;
   mesh.edges = winged_edges(mesh.triangles, &non_manifold);
   if (non_manifold)

@@ -33,23 +33,25 @@ CurvePoint expected(const Samples& samples, std::uint64_t particles) {
   return at;
 }
 
-// Plain averaging, which lets a free cloth drift, is on curves for comparison and never chosen.
+// Plain averaging lets a free cloth drift: it is on curves for comparison, and never chosen.
 bool offered(const CurvePoint& point) { return point.assignments.find("averaging=count") == std::string::npos; }
 
 std::map<SettingKey, Samples> settings_of(const Curve& curve, bool tethers) {
   std::map<SettingKey, Samples> settings;
   for (const CurvePoint& point : curve.points)
-    if (point.tethers == tethers && point.particles > 0 && offered(point) && counts(point, &CurvePoint::strain_rms)) settings[key_of(point)].push_back(point);
+    if (point.tethers == tethers && point.particles > 0 && offered(point) && counts(point, &CurvePoint::strain_rms))
+      settings[key_of(point)].push_back(point);
   for (auto& [key, samples] : settings)
     std::sort(samples.begin(), samples.end(), [](const CurvePoint& a, const CurvePoint& b) { return a.particles < b.particles; });
   return settings;
 }
 
-// What a curve's assignments say, by the rules that hold for a scene's.
+// The solver settings of a curve's assignments, parsed by the rules for scenes.
 Result<SolverSettings> solver_of(const CurvePoint& setting) {
   std::vector<Assignment> assignments;
   std::istringstream words(setting.assignments);
-  for (std::string word; words >> word;) assignments.push_back({word.substr(0, word.find('=')), word.substr(std::min(word.find('=') + 1, word.size()))});
+  for (std::string word; words >> word;)
+    assignments.push_back({word.substr(0, word.find('=')), word.substr(std::min(word.find('=') + 1, word.size()))});
   assignments.push_back({"solver.substeps", std::to_string(setting.substeps)});
   assignments.push_back({"solver.iterations", std::to_string(setting.iterations)});
   auto scene = parse_scene(R"({"cloths": [{"grid": {}}]})", {}, assignments);
@@ -72,7 +74,8 @@ Result<Choice> choose(const Curve& curve, double budget_ms, std::uint64_t partic
 Result<Scene> with_choice(const Scene& scene, std::uint64_t particles, const Curve& curve, std::string& note) {
   if (scene.solver.method != Method::automatic) return scene;
   if (!scene.solver.budget_ms) return fail("solver.method: \"auto\" needs solver.budget_ms");
-  const bool tethers = std::any_of(scene.cloths.begin(), scene.cloths.end(), [](const Cloth& c) { return c.tethers && !c.anchors.empty(); });
+  const bool tethers =
+      std::any_of(scene.cloths.begin(), scene.cloths.end(), [](const Cloth& c) { return c.tethers && !c.anchors.empty(); });
   const auto choice = choose(curve, *scene.solver.budget_ms, particles, tethers);
   if (!choice) return fail(choice.why());
   const CurvePoint& setting = choice->setting;
@@ -83,8 +86,9 @@ Result<Scene> with_choice(const Scene& scene, std::uint64_t particles, const Cur
   Scene chosen = scene;
   chosen.solver = *solver;
   char figures[200];
-  std::snprintf(figures, sizeof figures, ", %u substeps x %u iterations: %.3g ms and %.2g %% rms strain expected for %llu particles", setting.substeps,
-                setting.iterations, setting.ms_median, 100 * setting.strain_rms, static_cast<unsigned long long>(particles));
+  std::snprintf(figures, sizeof figures, ", %u substeps x %u iterations: %.3g ms and %.2g %% rms strain expected for %llu particles",
+                setting.substeps, setting.iterations, setting.ms_median, 100 * setting.strain_rms,
+                static_cast<unsigned long long>(particles));
   note = "solver: " + setting.row + figures + " by the curve of " + curve.scene + " on " + curve.device + " of " + curve.date +
          (choice->fits ? "." : "; nothing fits the budget.");
   return chosen;
@@ -102,8 +106,8 @@ Curve condensed(const Curve& curve) {
   std::erase_if(small.points, [&](const CurvePoint& point) { return !kept.contains({point.tethers, key_of(point)}); });
   for (CurvePoint& point : small.points) {
     point.passes.clear();
-    for (const CurveError figure : {&CurvePoint::ms_p95, &CurvePoint::ms_gpu, &CurvePoint::strain_mean, &CurvePoint::strain_max, &CurvePoint::solver_error,
-                                    &CurvePoint::time_error, &CurvePoint::total_error})
+    for (const CurveError figure : {&CurvePoint::ms_p95, &CurvePoint::ms_gpu, &CurvePoint::strain_mean, &CurvePoint::strain_max,
+                                    &CurvePoint::solver_error, &CurvePoint::time_error, &CurvePoint::total_error})
       point.*figure = CurvePoint::kUnknown;
   }
   return small;

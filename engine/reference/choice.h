@@ -1,11 +1,11 @@
-// "solver": {"method": "auto", "budget_ms": 2}: which settings to take, from a measured curve.
+// "solver": {"method": "auto", "budget_ms": 2}: chooses settings from a measured accuracy curve.
 //
-// A curve tells milliseconds and strain of settings at a few resolutions. At another number of particles both are
-// interpolated between the nearest two (as powers of it); beyond the largest, milliseconds grow with the particles and the strain stays;
-// below the smallest, both stay. The setting with the least strain among those that fit is taken, the cheapest where none does;
-// plain averaging never, because it does not conserve momentum.
+// A curve has milliseconds and strain of settings at a few resolutions. At another number of particles both are interpolated
+// between the nearest two, as power laws; beyond the largest, milliseconds grow with the particles and the strain stays;
+// below the smallest, both stay. The setting with the least strain among those that fit is taken, the cheapest where none
+// does; plain averaging never, because it does not conserve momentum.
 //
-// Limitations: a curve is of one scene and one frame rate; contacts and colliders cost more than it knows.
+// Limitations: a curve is measured on one scene at one frame rate; the cost of contacts and colliders is not in it.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace weft {
 
 struct Choice {
   CurvePoint setting;      // row, assignments, substeps and iterations; milliseconds and strain as expected here
-  bool fits = true;        // false: even this, the cheapest, takes longer
+  bool fits = true;        // false: even this one, the cheapest, exceeds the budget
 };
 
 /// Errors: a curve without a point that counts.
@@ -29,10 +29,10 @@ Result<Choice> choose(const Curve& curve, double budget_ms, std::uint64_t partic
 /// scene comes back as it is. Errors: those of choose; an assignment in the curve that no scene knows.
 Result<Scene> with_choice(const Scene& scene, std::uint64_t particles, const Curve& curve, std::string& note);
 
-/// Measured on the software driver; for devices that nobody has measured. choice_table.cpp says by which command.
+/// Measured on the software driver, for devices without a curve of their own. choice_table.cpp names the command.
 Curve builtin_curve();
 
-/// What a choice needs of a curve: milliseconds and rms strain of the settings that are on a front at some resolution.
+/// The part of a curve that choose needs: milliseconds and rms strain of the settings on the front of some resolution.
 Curve condensed(const Curve& curve);
 
 }  // namespace weft

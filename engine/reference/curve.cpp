@@ -11,7 +11,7 @@
 namespace weft {
 namespace {
 
-// A column is a name and a member, so that writer and reader cannot disagree.
+// One list of columns, name and member, for the writer and the reader.
 template <class Visitor, class Point>
 void columns(Visitor&& v, Point& p) {
   v("row", p.row);
@@ -34,7 +34,7 @@ void columns(Visitor&& v, Point& p) {
   v("passes", p.passes);
 }
 
-// Commas and line ends would break a line apart.
+// Without commas and control characters, which separate columns and lines.
 std::string plain(std::string text) {
   std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c == ',' || c < 0x20; }, ' ');
   return text;
@@ -141,8 +141,9 @@ std::vector<CurvePoint> points_of(const Curve& curve, std::uint32_t cells, bool 
 }
 
 std::string curve_csv(const Curve& curve) {
-  std::string text = std::string(kFirstLine) + "\n# device: " + plain(curve.device) + "\n# scene: " + plain(curve.scene) + "\n# date: " + plain(curve.date) +
-                     "\n# frames: " + text_of(curve.frames) + "\n# key: " + plain(curve.key) + '\n' + header() + '\n';
+  std::string text = std::string(kFirstLine) + "\n# device: " + plain(curve.device) + "\n# scene: " + plain(curve.scene) +
+                     "\n# date: " + plain(curve.date) + "\n# frames: " + text_of(curve.frames) + "\n# key: " + plain(curve.key) + '\n' +
+                     header() + '\n';
   for (const CurvePoint& point : curve.points) {
     std::string line;
     columns([&](const char*, const auto& value) { line += text_of(value) + ','; }, point);

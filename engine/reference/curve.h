@@ -1,7 +1,7 @@
-// The accuracy curve: what settings of the solver cost and how wrong they are, measured side by side on one device.
+// The accuracy curve: cost and error of the solver's settings, measured side by side on one device.
 //
-// A point is one setting at one resolution, its milliseconds and its errors taken from the same run. The front of a set of
-// points is what is left when every point goes that another one beats in both. `weft accuracy` measures curves; choice.h picks
+// A point is one setting at one resolution, with its milliseconds and its errors from the same run. The (Pareto) front of a set of
+// points is the subset that no other point beats in both. `weft accuracy` measures curves; choice.h picks
 // from them. Plain values and text, no Vulkan.
 #pragma once
 
@@ -21,7 +21,7 @@ struct CurvePoint {
   static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
   std::string row;              // the solver's name in the sweep
-  std::string assignments;      // what makes a scene use it, as `--set` takes it, separated by blanks: "solver.relaxation=1"
+  std::string assignments;      // that make a scene use it, as `--set` takes them, separated by blanks: "solver.relaxation=1"
   std::uint32_t cells = 0;      // of the longest side of a grid; 0: a mesh as it is
   std::uint64_t particles = 0;
   bool tethers = false;

@@ -9,8 +9,8 @@ namespace {
 // Relative error of a packed rest length (shared.h, Link).
 constexpr double kPacking = 0x1p-17;
 
-// What resists its particles this many times more than their masses do is stiff: up to there conjugate gradients are as fast
-// without a factor (measured on 33 x 33 and 100 x 100 particles of cotton, at h and h / 16).
+// An energy is stiff that resists its particles this many times more than their masses do. Below that, conjugate gradients are as
+// fast without a factor (measured on 33 x 33 and 100 x 100 particles of cotton, at h and h / 16).
 constexpr double kStiff = 1000;
 
 Preconditioned part(bool stiff, bool neighbours) {
@@ -18,7 +18,7 @@ Preconditioned part(bool stiff, bool neighbours) {
   return neighbours ? Preconditioned::whole : Preconditioned::left_out;
 }
 
-// Lengths against the shortest two-sided link beside them tell edges from links of several edges.
+// Tells edges from links of several edges, by their lengths relative to the shortest two-sided link beside them.
 class Neighbourhood {
  public:
   explicit Neighbourhood(const CookedFabric& fabric) : shortest_(fabric.positions.size(), INFINITY), longest_(fabric.positions.size(), 0) {
@@ -36,13 +36,15 @@ class Neighbourhood {
     return std::isfinite(shortest) ? std::max(1.0, link.rest / shortest) : 1;
   }
   /// Whether it is about as long as an edge.
-  bool neighbours(const StretchLink& link) const { return !link.only_pulls || link.rest <= 2 * std::max(longest_[link.a], longest_[link.b]); }
+  bool neighbours(const StretchLink& link) const {
+    return !link.only_pulls || link.rest <= 2 * std::max(longest_[link.a], longest_[link.b]);
+  }
 
  private:
   std::vector<double> shortest_, longest_;   // m, two-sided links at each particle
 };
 
-// As it was before it was packed, where the cooked pose tells; m.
+// The rest length before packing, where the cooked pose has it (m).
 double rest_length(const CookedFabric& fabric, const StretchLink& link) {
   const gpu::vec4 &a = fabric.positions[link.a], &b = fabric.positions[link.b];
   const double cooked = std::hypot(double(a.x) - b.x, double(a.y) - b.y, double(a.z) - b.z);
@@ -70,7 +72,10 @@ Energies energies_of(const CookedFabric& fabric, double h) {
       add(static_cast<std::uint32_t>(k / fabric.tethers_per_particle), tether.anchor, tether.max_distance, 0, 1, true, true);
   for (const gpu::Bend& bend : fabric.bends) {
     const double k1 = bend.k[1], k2 = bend.k[2], k3 = bend.k[3];
-    BendEnergy energy{{bend.particle[0], bend.particle[1], bend.particle[2], bend.particle[3]}, {-(k1 + k2 + k3), k1, k2, k3}, 0, Preconditioned::diagonal};
+    BendEnergy energy{{bend.particle[0], bend.particle[1], bend.particle[2], bend.particle[3]},
+                      {-(k1 + k2 + k3), k1, k2, k3},
+                      0,
+                      Preconditioned::diagonal};
     double weight = 0;
     for (int j = 0; j < 4; ++j) weight += energies.inverse_masses[energy.particle[j]] * energy.k[j] * energy.k[j];
     energy.stiffness = 1 / std::max(bend.compliance / (h * h), kSoftening * weight);

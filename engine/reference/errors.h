@@ -1,9 +1,9 @@
-// How far a run is from the reference, and what a pose tells by itself.
+// Errors of a run against the reference, and figures of a pose by itself.
 //
 //   solver error   rms distance of a run to the reference with the same time step
 //   time error     rms distance of the reference with that step to the one with a sixteenth of it
 //
-// over all particles and frames, relative to the sheet's size. Both are errors of what was simulated, not of the cloth's.
+// over all particles and frames, relative to the sheet's size. Both are errors of the simulation, not of the model of cloth.
 #pragma once
 
 #include <span>
@@ -32,8 +32,8 @@ Errors errors_of(const Trajectory& run, const Trajectory& same_step, const Traje
 /// |length / rest - 1| over the links that both push and pull, as weft::measure_strain has it, of a pose in double precision.
 Strain measure_strain(const CookedFabric& fabric, const Positions& pose);
 
-/// What should be kept, or change as known, of the particles that are not held: velocities are differences of two poses `seconds`
-/// apart, the rest is of the later one. Rigid links and tethers have no energy.
+/// Momenta and energies of the particles that are not held: conserved, or changing in a known way. Velocities are differences
+/// of two poses `seconds` apart, all else is of the later one. Rigid links and tethers have no energy.
 struct Balance {
   Eigen::Vector3d momentum;           // kg m/s
   Eigen::Vector3d angular_momentum;   // kg m^2/s, about the origin

@@ -60,7 +60,8 @@ ImplicitEquations ImplicitSystem::assemble(std::span<const ImplicitTarget> targe
     equations.diagonal[i] = equations.masses[i] * Matrix::Identity();
     equations.flight.col(i) = keep_[i] * (velocities.col(i) + h_ * gravity_);
   }
-  for (const ImplicitTarget& target : targets) equations.flight.col(target.particle) = (target.position - positions.col(target.particle)) / h_;
+  for (const ImplicitTarget& target : targets)
+    equations.flight.col(target.particle) = (target.position - positions.col(target.particle)) / h_;
 
   Columns impulse = Columns::Zero(3, particles);   // h f - h^2 K v*
   equations.couplings.reserve(springs_.size());
@@ -80,7 +81,8 @@ ImplicitEquations ImplicitSystem::assemble(std::span<const ImplicitTarget> targe
     const auto* first = equations.filter.data() + cloth.first_particle;
     if (std::all_of(first, first + cloth.particles, [](const Matrix& m) { return m.isIdentity(0); })) equations.free.push_back(cloth);
   }
-  // Apart from what is decided: then the inverse leads from the directions that are left to themselves, and with it go the bounds above.
+  // Prescribed directions are decoupled, so that the inverse maps free directions to free directions, and the bounds in
+  // implicit.h hold.
   equations.inverse.assign(equations.diagonal.size(), Matrix::Zero());
   for (std::size_t i = 0; i < equations.diagonal.size(); ++i)
     if (const double mass = equations.masses[static_cast<Eigen::Index>(i)]; mass > 0) {
@@ -92,8 +94,9 @@ ImplicitEquations ImplicitSystem::assemble(std::span<const ImplicitTarget> targe
   return equations;
 }
 
-// A particle that would end below a plane is put onto it: its free flight gets the speed across the plane that leads there, and
-// its residual loses that direction. Not where the springs would pull it off, its neighbours in free flight.
+// A particle that would end below a plane is put onto it: its free flight gets the speed across the plane that leads there,
+// and the filter takes that direction out of its residual. Not where the springs would pull it off, with its neighbours in
+// free flight.
 void ImplicitSystem::meet_planes(ImplicitEquations& equations, Columns& impulse) const {
   const Columns free = equations.flight;
   for (Eigen::Index i = 0; i < positions.cols(); ++i) {
@@ -103,14 +106,14 @@ void ImplicitSystem::meet_planes(ImplicitEquations& equations, Columns& impulse)
       const double height = plane.normal.dot(positions.col(i) - plane.point) - thickness_[i];
       const double change = -height / h_ - plane.normal.dot(equations.flight.col(i));
       if (change <= 0 || change <= plane.normal.dot(pushed)) continue;
-      // In a corner only along what the planes before have left.
+      // In a corner only along the directions that the planes before have left free.
       const Vector left = equations.filter[i] * plane.normal;
       if (left.squaredNorm() < 1e-6) continue;
       equations.flight.col(i) += change / left.squaredNorm() * left;
       equations.filter[i] -= left * left.transpose() / left.squaredNorm();
     }
   }
-  // The springs see the flight as it is now.
+  // The springs' impulses follow the changed flight.
   const Columns changed = equations.flight - free;
   for (const ImplicitEquations::Coupling& c : equations.couplings) {
     const Vector pushed = c.block * (changed.col(c.a) - changed.col(c.b));
@@ -129,7 +132,7 @@ ImplicitSolution ImplicitSystem::solve(const ImplicitEquations& equations) const
 void ImplicitSystem::move(const ImplicitEquations& equations, const ImplicitSolution& solution, std::span<const ImplicitTarget> targets) {
   velocities = equations.flight + solution.change;
   positions += h_ * velocities;
-  // Springs that should have taken a particle off a plane may have failed to.
+  // An unfinished solve may leave below a plane a particle that the springs should have pulled off.
   for (Eigen::Index i = 0; i < positions.cols(); ++i)
     for (const Plane& plane : planes_) {
       const double depth = thickness_[i] - plane.normal.dot(positions.col(i) - plane.point);

@@ -5,24 +5,24 @@
 // with the springs' stiffness K and damping D at x (shaders/implicit/implicit.ref.h). That is one Newton step of implicit Euler.
 //
 // The matrix is a mass on every particle and a 3x3 block on every spring, A = M + sum (e_a - e_b) B (e_a - e_b)^T, all of them
-// positive semidefinite: whatever the pose, there is one answer and both solvers go towards it.
+// positive semidefinite: in any pose there is one solution, and both solvers converge to it.
 //  - Conjugate gradients, preconditioned by the blocks on the diagonal, with the filter of Baraff and Witkin (section 5.3):
-//    a particle's directions that something else decides are taken out of every residual.
+//    directions of a particle that are prescribed (held particles, colliders) are removed from every residual.
 //  - Damped block Jacobi, dv <- dv + w D^-1 (b - A dv). A pair's [B -B; -B B] is at most twice its diagonal and a bending
 //    stencil of four particles at most four times, so no eigenvalue of D^-1 A is above 2, or 4: any w below 1, or 1/2,
-//    converges. Under w = 2/3, or 1/3, no mode overshoots by more than a third however few iterations there are; that is what
-//    keeps the motion bounded when the solver is stopped early (README, "The implicit particle system").
+//    converges. With w = 2/3, or 1/3, no mode overshoots by more than a third however few iterations there are, so the motion
+//    stays bounded when the solver is stopped early (engine/README.md, "Implicit").
 //
-// The first iteration goes from the free flight towards the velocity before the substep, as far as brings it nearest to the
-// answer. In free fall that is nowhere, in a cloth that hangs at rest it is all the way: both are exact after one iteration. From
-// the free flight alone every substep would leave a part of the fall unsolved, and a cloth at rest would sag.
+// The first iteration is a line search from the free flight towards the velocity before the substep, the guess. In free fall
+// its step is zero, and in a cloth that hangs at rest it goes all the way: both are exact after one iteration. From the free
+// flight alone every substep would leave a part of the fall unsolved, and a cloth at rest would sag.
 //
-// Momentum: what springs do to a cloth that nothing holds sums to zero, but what a solver has not solved yet does not. The
-// mean change of such a cloth's velocity is taken off at the end; that is the best constant correction in the norm of A.
+// Momentum: the springs of a free cloth conserve it, but an unfinished solve does not. The mean change of such a cloth's
+// velocity is subtracted at the end, which is the best constant correction in the norm of A.
 //
-// Planes constrain the direction across them: a particle that would end below goes onto the plane, and its residual loses that
-// direction, unless the springs would pull it off. Should they fail to, it is put onto the plane after the solve. On the device all
-// colliders that have a distance do so, with friction (shaders/implicit/implicit_wall.glsl).
+// Planes constrain the direction across them: a particle that would end below goes onto the plane, and the filter takes that
+// direction out of its residual, unless the springs would pull it off. If they fail to, it is projected onto the plane after
+// the solve. On the GPU all colliders with a signed distance do so, with friction (shaders/implicit/implicit_wall.glsl).
 //
 // Limitations: springs only; planes that stand still, without friction; no tethers; one thread.
 #pragma once
@@ -56,11 +56,11 @@ struct ImplicitEquations {
   Columns right;                   // b, filtered (kg m/s)
   Columns flight;                  // v* (m/s)
   Columns guess;                   // the velocity before less v*, filtered (m/s)
-  std::vector<ClothRange> free;    // cloths that nothing holds or meets
+  std::vector<ClothRange> free;    // cloths without a held or constrained particle
 
   Columns times(const Columns& p) const;         // A p, not filtered
   Columns filtered(Columns p) const;
-  void keep_momentum(Columns& change) const;     // of the free cloths
+  void keep_momentum(Columns& change) const;     // conserves that of the free cloths
   /// |b - A dv| over |b|, both filtered: 0 is solved, 1 is nothing done.
   double residual(const Columns& change) const;
 };
@@ -69,7 +69,7 @@ struct ImplicitSolution {
   Columns change;                  // dv (m/s)
   std::uint32_t iterations = 0;    // that were made
   double residual = 0;             // |b - A dv| over |b|
-  bool stopped = false;            // the error began to grow, or the arithmetic broke down: `change` is the best there was
+  bool stopped = false;            // the error began to grow, or the arithmetic broke down: `change` is the best so far
 };
 
 /// At most so many iterations, fewer where the residual falls to `tolerance`. Always finite.
@@ -77,13 +77,13 @@ ImplicitSolution solve_conjugate_gradients(const ImplicitEquations& equations, s
 /// `weight`: see above; one that does not converge is stopped when the error grows.
 ImplicitSolution solve_jacobi(const ImplicitEquations& equations, std::uint32_t iterations, double weight, double tolerance = 0);
 
-/// Where a held particle is at the substep's end.
+/// The position of a held particle at the substep's end.
 struct ImplicitTarget {
   std::uint32_t particle;
   Vector position;                 // m
 };
 
-/// Substeps so far.
+/// Counts of the substeps so far.
 struct ImplicitReport {
   std::uint64_t steps = 0;
   std::uint64_t not_converged = 0; // whose residual stayed above kConverged
@@ -102,7 +102,7 @@ class ImplicitSystem {
   ImplicitEquations assemble(std::span<const ImplicitTarget> targets = {}) const;
   /// Solves them as the scene says.
   ImplicitSolution solve(const ImplicitEquations& equations) const;
-  /// Moves on by what was solved.
+  /// Advances velocities and positions by a solution.
   void move(const ImplicitEquations& equations, const ImplicitSolution& solution, std::span<const ImplicitTarget> targets = {});
   /// All three.
   void step(std::span<const ImplicitTarget> targets = {});
@@ -122,7 +122,7 @@ class ImplicitSystem {
   SolverSettings settings_;
   Vector gravity_;
   double h_ = 0;
-  Eigen::VectorXd inverse_masses_, keep_, thickness_;   // 1/kg, of the velocity in a substep, m
+  Eigen::VectorXd inverse_masses_, keep_, thickness_;   // 1/kg; damping factor of the velocity in a substep; m
   std::vector<ParticleSpring> springs_;
   std::vector<ClothRange> cloths_;
   std::vector<Plane> planes_;

@@ -14,7 +14,7 @@ Columns preconditioned(const ImplicitEquations& equations, const Columns& r) {
   return z;
 }
 
-// Goes along the guess to where the error is least in the norm of A; r follows. An iteration.
+// Line search along the guess, to the least error in the norm of A; updates r. Counts as an iteration.
 void follow_guess(const ImplicitEquations& equations, ImplicitSolution& solution, Columns& r) {
   const Columns image = equations.filtered(equations.times(equations.guess));
   const double curvature = product(equations.guess, image);
@@ -56,8 +56,9 @@ double ImplicitEquations::residual(const Columns& change) const {
   return whole > 0 ? (right - filtered(times(change))).norm() / whole : 0;
 }
 
-// Baraff and Witkin 1998, section 5.3, with nothing prescribed: what is, stands in the free flight already. Errors fall in every
-// iteration in the norm of A, so that stopping at any time leaves the best there was.
+// Preconditioned conjugate gradients with the filter of Baraff and Witkin 1998, section 5.3. Prescribed velocities are in the
+// free flight already. The error in the norm of A falls in every iteration, so the last iterate is the best whenever the
+// solve stops.
 ImplicitSolution solve_conjugate_gradients(const ImplicitEquations& equations, std::uint32_t iterations, double tolerance) {
   ImplicitSolution solution{Columns::Zero(3, equations.right.cols())};
   const double whole = equations.right.norm();
@@ -70,7 +71,7 @@ ImplicitSolution solve_conjugate_gradients(const ImplicitEquations& equations, s
     const Columns image = equations.filtered(equations.times(p));
     const double curvature = product(p, image);
     if (!(curvature > 0) || !std::isfinite(gamma / curvature)) {
-      solution.stopped = r.norm() > 1e-12 * whole;   // at the end of what doubles resolve there is nothing left to do
+      solution.stopped = r.norm() > 1e-12 * whole;   // a residual at the rounding of doubles is solved
       break;
     }
     solution.change += gamma / curvature * p;
@@ -85,8 +86,8 @@ ImplicitSolution solve_conjugate_gradients(const ImplicitEquations& equations, s
   return solution;
 }
 
-// The residual is measured as r . D^-1 r: in that norm I - w A D^-1 is symmetric, so where Jacobi converges it falls in every
-// iteration, and where it grows Jacobi does not converge.
+// Damped block Jacobi. The residual is measured as r . D^-1 r: in that norm I - w A D^-1 is symmetric, so the residual falls
+// in every iteration if Jacobi converges, and where it grows Jacobi does not.
 ImplicitSolution solve_jacobi(const ImplicitEquations& equations, std::uint32_t iterations, double weight, double tolerance) {
   ImplicitSolution solution{Columns::Zero(3, equations.right.cols())};
   const double whole = equations.right.norm();

@@ -1,5 +1,5 @@
-// Counts where cloth crosses cloth: the judge of self-collision. It shares nothing with the passes it judges: no hash, no
-// shader, no tolerance. A tree of boxes finds candidates, exact predicates decide.
+// Counts crossings of cloth with cloth, to check self-collision. It shares nothing with the passes that it checks: no hash, no
+// shader, no tolerance. A tree of bounding boxes finds candidates, exact predicates decide.
 //
 // An edge and a triangle that share no vertex cross when the closed segment and the closed triangle have a point in common:
 //
@@ -39,7 +39,8 @@ struct Crossing {
 /// The first `limit` crossings in the order of edge, then triangle. `triangles` may be those of several cloths; each pair of
 /// vertices is one edge however many triangles have it. Indices must be in range. Triangles with a corner that is not finite
 /// are left out, and so are their edges unless another triangle has them. One core; O(n log n) for cloth that is apart.
-/// Triangles from `first_passive` on are passive: their edges, unless another triangle has them, are tested against the others only.
+/// Triangles from `first_passive` on are passive: their edges, unless another triangle has them, are tested against the
+/// others only.
 std::vector<Crossing> find_crossings(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t limit,
                                      std::size_t first_passive = kNone);
 

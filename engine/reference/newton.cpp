@@ -35,9 +35,10 @@ Result<Trajectory> integrate_newton(const Scene& scene, const CookedFabric& fabr
   const Eigen::Vector3d gravity(scene.gravity.x, scene.gravity.y, scene.gravity.z);
   TimeStep problem(energies_of(fabric, h));
   Positions x(3, particles), v = Positions::Zero(3, particles);
-  Eigen::VectorXd keep(particles);
+  Eigen::VectorXd damping(particles);
   for (const ClothRange& cloth : fabric.cloths)
-    keep.segment(cloth.first_particle, cloth.particles).setConstant(std::exp(-scene.cloths[static_cast<std::size_t>(&cloth - fabric.cloths.data())].fabric.damping * h));
+    damping.segment(cloth.first_particle, cloth.particles)
+        .setConstant(std::exp(-scene.cloths[static_cast<std::size_t>(&cloth - fabric.cloths.data())].fabric.damping * h));
   for (Eigen::Index i = 0; i < particles; ++i) {
     const gpu::vec4& p = fabric.positions[static_cast<std::size_t>(i)];
     x.col(i) << p.x, p.y, p.z;
@@ -50,10 +51,11 @@ Result<Trajectory> integrate_newton(const Scene& scene, const CookedFabric& fabr
   for (std::uint32_t frame = 0; frame < frames; ++frame) {
     const Positions to = anchor_places(scene, fabric, (frame + 1) / scene.solver.rate);
     for (std::uint32_t step = 0; step < *steps; ++step) {
-      v = (v.colwise() + h * gravity) * keep.asDiagonal();
+      v = (v.colwise() + h * gravity) * damping.asDiagonal();
       Positions y = x + h * v;
       const double fraction = static_cast<double>(step + 1) / *steps;
-      for (Eigen::Index k = 0; k < from.cols(); ++k) y.col(fabric.anchors[static_cast<std::size_t>(k)].particle) = from.col(k) + fraction * (to.col(k) - from.col(k));
+      for (Eigen::Index k = 0; k < from.cols(); ++k)
+        y.col(fabric.anchors[static_cast<std::size_t>(k)].particle) = from.col(k) + fraction * (to.col(k) - from.col(k));
       problem.begin(y);
       trajectory.not_converged += !problem.solve(settings.tolerance, h * h * gravity.norm(), settings.most_steps);
       const Positions& u = problem.displacement();

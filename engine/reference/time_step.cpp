@@ -7,7 +7,7 @@
 namespace weft::reference {
 namespace {
 
-// What is left over of a sum counts as nothing when it is less than the rounding of the terms, a few operations each.
+// A sum counts as zero when it is below the rounding of its terms, of a few operations each.
 constexpr double kRounded = 4 * std::numeric_limits<double>::epsilon();
 
 // Ends closer than this (m) have no direction; the engine leaves such a link out too.
@@ -16,8 +16,8 @@ constexpr double kCoincident = 1e-10;
 // A Newton step need not solve its system better than the next one can use.
 constexpr double kForcing = 1e-3;
 
-// More conjugate gradients than this and the kept factor is too old. A new one costs as much as a few dozen of them.
-constexpr std::uint32_t kKinematicLagLimit = 40;
+// The factor is renewed after a linear solve with more iterations than this. A new factor costs as much as a few dozen iterations.
+constexpr std::uint32_t kMostWithOldFactor = 40;
 constexpr std::uint32_t kMostGradients = 1000;
 
 // Pairs of particles that have a block in the factor.
@@ -28,14 +28,17 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> factored_pairs(const Energi
   for (const BendEnergy& bend : energies.bends)
     for (int i = 1; i < 4; ++i)
       for (int j = 0; j < i; ++j)
-        if (bend.part == Preconditioned::whole && bend.particle[i] != bend.particle[j]) pairs.emplace_back(bend.particle[i], bend.particle[j]);
+        if (bend.part == Preconditioned::whole && bend.particle[i] != bend.particle[j])
+          pairs.emplace_back(bend.particle[i], bend.particle[j]);
   return pairs;
 }
 
 }  // namespace
 
 TimeStep::TimeStep(Energies energies)
-    : energies_(std::move(energies)), masses_(energies_.inverse_masses.size()), factor_(static_cast<std::uint32_t>(masses_.size()), factored_pairs(energies_)) {
+    : energies_(std::move(energies)),
+      masses_(energies_.inverse_masses.size()),
+      factor_(static_cast<std::uint32_t>(masses_.size()), factored_pairs(energies_)) {
   for (Eigen::Index i = 0; i < masses_.size(); ++i) masses_[i] = energies_.inverse_masses[i] > 0 ? 1 / energies_.inverse_masses[i] : 1;
   now_.u = Positions::Zero(3, masses_.size());
   now_.lambda = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(energies_.links.size()));
@@ -46,11 +49,11 @@ void TimeStep::begin(const Positions& free_motion) {
   y_ = free_motion;
   State same = now_, further{2 * now_.u - before_.u, 2 * now_.lambda - before_.lambda};
   before_ = std::move(now_);
-  // Long steps overshoot, and a link turned over by a guess would stay so: that has more of a potential.
+  // The guess with the lower potential: with long steps extrapolation overshoots, and a link that it turned over would stay so.
   now_ = evaluate(further).potential < evaluate(same).potential ? std::move(further) : std::move(same);
 }
 
-// l of a bend and the size of what it is summed up from; from differences: the same wherever the cloth is.
+// l of a bending stencil, and the size of its terms. Summed from differences, so that it is the same wherever the cloth is.
 TimeStep::Curl TimeStep::curl(const BendEnergy& bend, const Positions& u) const {
   Curl curl{Eigen::Vector3d::Zero(), 0};
   const std::uint32_t first = bend.particle[0];
@@ -62,14 +65,14 @@ TimeStep::Curl TimeStep::curl(const BendEnergy& bend, const Positions& u) const 
   return curl;
 }
 
-// Also lets go of the multipliers of slack links.
+// The residual of a state. Sets the multipliers of slack links to 0.
 TimeStep::Residual TimeStep::evaluate(State& state) const {
   Residual residual;
   residual.frames.reserve(energies_.links.size());
   residual.force = state.u * masses_.asDiagonal();
   residual.potential = 0.5 * residual.force.cwiseProduct(state.u).sum();
-  Eigen::VectorXd terms = Eigen::VectorXd::Zero(masses_.size());   // kg m, what a particle's force is summed up from
-  double asked = 0;                                                // m, by links
+  Eigen::VectorXd terms = Eigen::VectorXd::Zero(masses_.size());   // kg m, the size of a particle's force terms
+  double asked = 0;                                                // m, the largest correction that a link asks for
   for (std::size_t e = 0; e < energies_.links.size(); ++e) {
     const LinkEnergy& link = energies_.links[e];
     double& lambda = state.lambda[static_cast<Eigen::Index>(e)];
@@ -87,8 +90,10 @@ TimeStep::Residual TimeStep::evaluate(State& state) const {
     terms[link.a] += std::abs(lambda);
     terms[link.b] += std::abs(lambda);
     if (active && !(link.only_pulls && c < 0)) residual.potential += c * c / (2 * link.softness);
-    if (active && std::abs(value) > kRounded * link.rest) asked = std::max(asked, std::abs(value) * link.weight / (link.weight + link.softness));
-    else residual.frames.back().value = 0;
+    if (active && std::abs(value) > kRounded * link.rest)
+      asked = std::max(asked, std::abs(value) * link.weight / (link.weight + link.softness));
+    else
+      residual.frames.back().value = 0;
   }
   for (const BendEnergy& bend : energies_.bends) {
     const auto [l, size] = curl(bend, state.u);
@@ -107,7 +112,7 @@ TimeStep::Residual TimeStep::evaluate(State& state) const {
   return residual;
 }
 
-// The matrix of a Newton step times p. `projected` leaves out what makes it indefinite: links under compression buckle.
+// The matrix of a Newton step times p. `projected` leaves out the negative part, which links under compression have.
 Positions TimeStep::apply(const Residual& at, const Eigen::VectorXd& lambda, const Positions& p, bool projected) const {
   Positions result = p * masses_.asDiagonal();
   for (std::size_t e = 0; e < energies_.links.size(); ++e) {
@@ -123,7 +128,8 @@ Positions TimeStep::apply(const Residual& at, const Eigen::VectorXd& lambda, con
   }
   for (const BendEnergy& bend : energies_.bends) {
     const auto [p0, p1, p2, p3] = bend.particle;
-    const Eigen::Vector3d l = bend.k[1] * (p.col(p1) - p.col(p0)) + bend.k[2] * (p.col(p2) - p.col(p0)) + bend.k[3] * (p.col(p3) - p.col(p0));
+    const Eigen::Vector3d l =
+        bend.k[1] * (p.col(p1) - p.col(p0)) + bend.k[2] * (p.col(p2) - p.col(p0)) + bend.k[3] * (p.col(p3) - p.col(p0));
     for (int j = 0; j < 4; ++j) result.col(bend.particle[j]) += bend.stiffness * bend.k[j] * l;
   }
   for (Eigen::Index i = 0; i < masses_.size(); ++i)
@@ -131,12 +137,13 @@ Positions TimeStep::apply(const Residual& at, const Eigen::VectorXd& lambda, con
   return result;
 }
 
-// The projected matrix, as much of it as a preconditioner knows.
+// Factorises the preconditioner: the projected matrix without the parts that `Preconditioned` leaves out.
 void TimeStep::factorise(const Residual& at, const Eigen::VectorXd& lambda) {
   const auto held = [&](std::uint32_t i) { return energies_.inverse_masses[i] == 0; };
   const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
   factor_.clear();
-  for (Eigen::Index i = 0; i < masses_.size(); ++i) factor_.add(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i), masses_[i] * identity);
+  for (Eigen::Index i = 0; i < masses_.size(); ++i)
+    factor_.add(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i), masses_[i] * identity);
   for (std::size_t e = 0; e < energies_.links.size(); ++e) {
     const LinkEnergy& link = energies_.links[e];
     const LinkFrame& frame = at.frames[e];
@@ -150,12 +157,14 @@ void TimeStep::factorise(const Residual& at, const Eigen::VectorXd& lambda) {
   for (const BendEnergy& bend : energies_.bends)
     for (int i = 0; i < 4; ++i)
       for (int j = 0; j <= i; ++j)
-        if (const std::uint32_t a = bend.particle[i], b = bend.particle[j]; !held(a) && !held(b) && (a == b || bend.part == Preconditioned::whole))
+        if (const std::uint32_t a = bend.particle[i], b = bend.particle[j];
+            !held(a) && !held(b) && (a == b || bend.part == Preconditioned::whole))
           factor_.add(a, b, (a == b && i != j ? 2 : 1) * bend.stiffness * bend.k[i] * bend.k[j] * identity);
   factorised_ = factor_.factorise();
 }
 
-bool TimeStep::solve_linear(const Residual& at, const Eigen::VectorXd& lambda, const Positions& rhs, bool projected, double enough, Positions& du) {
+bool TimeStep::solve_linear(const Residual& at, const Eigen::VectorXd& lambda, const Positions& rhs, bool projected, double enough,
+                            Positions& du) {
   const auto dot = [](const Positions& a, const Positions& b) { return a.cwiseProduct(b).sum(); };
   const auto size = [&](const Positions& r) { return (r.colwise().norm().transpose().array() / masses_.array()).maxCoeff(); };
   du = Positions::Zero(3, rhs.cols());
@@ -183,7 +192,7 @@ bool TimeStep::solve(double tolerance, double scale, std::uint32_t most_steps) {
     if (at.size <= target) return true;
     if (step == most_steps || !std::isfinite(at.size)) return false;
     ++newton_steps_;
-    if (!factorised_ || gradients_ > kKinematicLagLimit) factorise(at, now_.lambda);
+    if (!factorised_ || gradients_ > kMostWithOldFactor) factorise(at, now_.lambda);
     if (!factorised_) return false;
 
     Positions rhs = -at.force;
@@ -202,11 +211,12 @@ bool TimeStep::solve(double tolerance, double scale, std::uint32_t most_steps) {
     for (std::size_t e = 0; e < energies_.links.size(); ++e) {
       const LinkEnergy& link = energies_.links[e];
       const LinkFrame& frame = at.frames[e];
-      if (frame.active) dlambda[static_cast<Eigen::Index>(e)] = -(frame.value + frame.normal.dot(du.col(link.a) - du.col(link.b))) / link.softness;
+      if (frame.active)
+        dlambda[static_cast<Eigen::Index>(e)] = -(frame.value + frame.normal.dot(du.col(link.a) - du.col(link.b))) / link.softness;
     }
 
-    // A whole step overshoots the potential of a stiff link by its curvature though it is nearer to the solution (Maratos
-    // effect), so either measure may fall.
+    // Step halving. A whole step can raise the potential of a stiff link, by its curvature, though it is nearer to the solution
+    // (Maratos effect), so a decrease of either measure is enough.
     double length = 1;
     for (int halvings = 0;; ++halvings, length *= 0.5) {
       State next{now_.u + length * du, now_.lambda + length * dlambda};

@@ -1,11 +1,11 @@
-// A run of a scene on the CPU, in double precision: what an accuracy study compares a GPU's run with.
+// The reference: a run of a scene on the CPU, in double precision, with which accuracy studies compare runs on the GPU.
 //
 // The reference takes the same time steps as the engine (implicit Euler, symplectic in gravity and drag) over the same cooked
 // links, bends, tethers and anchors, and solves each step to its end (newton.cpp). So a GPU's distance to it at the same h is
 // the solver's error alone, and the distance between two references, at h and at h / 16, is the error of the time step.
 //
-// Limitations: no colliders, no contacts and no cloth that bends about its mesh; a scene with them is refused. Rigid links and tethers give way by a millionth of
-// what their particles' masses do (energies.h).
+// Limitations: no colliders, no contacts and no cloth that bends about its mesh's angles; a scene with them is refused. Rigid
+// links and tethers give way by a millionth of what their particles' masses do (energies.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -25,7 +25,7 @@ using Positions = Eigen::Matrix3Xd;   // one column a particle, in CookedFabric'
 struct Trajectory {
   double frame_seconds = 0;
   std::vector<Positions> poses;
-  std::uint64_t not_converged = 0;   // steps that ended above the tolerance; said in every report
+  std::uint64_t not_converged = 0;   // steps that ended above the tolerance; every report names them
   std::uint64_t newton_steps = 0;    // of all time steps together
 };
 
@@ -41,8 +41,8 @@ struct NewtonSettings {
 };
 
 /// Newton on the incremental potential, implicit Euler with steps of `h`; `frames` frames at the scene's rate, from the pose
-/// that was cooked, at rest. Errors: a collider, contacts or hinges, an h that does not divide the frame, a run that was stopped or
-/// turned non-finite.
+/// that was cooked, at rest. Errors: a collider, contacts or dihedral elements, an h that does not divide the frame, a run
+/// that was stopped or turned non-finite.
 Result<Trajectory> integrate_newton(const Scene& scene, const CookedFabric& fabric, std::uint32_t frames, const NewtonSettings& settings,
                                     const Progress& progress = {});
 

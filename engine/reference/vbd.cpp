@@ -12,12 +12,13 @@ namespace {
 using Vector = Eigen::Vector3d;
 using Matrix = Eigen::Matrix3d;
 
-// Rigid is what resists its particles this many times more than their masses do.
+// A link is rigid that resists its particles this many times more than their masses do.
 constexpr double kRigid = 1e4;
 
 class Descent {
  public:
-  Descent(Energies energies, const VbdSettings& settings) : energies_(std::move(energies)), settings_(settings), links_(energies_.links.size()) {
+  Descent(Energies energies, const VbdSettings& settings)
+      : energies_(std::move(energies)), settings_(settings), links_(energies_.links.size()) {
     const auto particles = static_cast<std::size_t>(energies_.inverse_masses.size());
     link_uses_.resize(particles);
     bend_uses_.resize(particles);
@@ -64,7 +65,7 @@ class Descent {
 
   double least(const LinkEnergy& link) const { return settings_.start / link.weight; }
 
-  // Greedy, in the order of the particles.
+  // Greedy colouring, in the order of the particles.
   void colour() {
     constexpr std::uint32_t kNoColour = UINT32_MAX;
     std::vector<std::uint32_t> colour_of(link_uses_.size(), kNoColour);
@@ -83,7 +84,7 @@ class Descent {
     }
   }
 
-  // Newton's step in one particle. A link's Hessian loses what makes it indefinite under compression.
+  // Newton's step in one particle. The negative part of a link's Hessian, under compression, is left out.
   Vector change(std::uint32_t i, const Positions& y, const Positions& p) const {
     const double mass = 1 / energies_.inverse_masses[i];
     Vector force = mass * (y.col(i) - p.col(i));
@@ -128,21 +129,26 @@ class Descent {
 }  // namespace
 
 Result<VbdRun> integrate_vbd(const Scene& scene, const CookedFabric& fabric, std::uint32_t frames, const VbdSettings& settings) {
-  if (!scene.colliders.empty()) return fail("colliders[0]: vertex block descent has no colliders here; it was given ", scene.colliders.size());
-  if (!fabric.hinges.empty()) return fail("bend_rest: vertex block descent bends cloth about a flat shape; the scene has ", fabric.hinges.size(), " hinges about its mesh's");
+  if (!scene.colliders.empty())
+    return fail("colliders[0]: vertex block descent has no colliders here; it was given ", scene.colliders.size());
+  if (!fabric.hinges.empty())
+    return fail("bend_rest: vertex block descent bends cloth about a flat shape; the scene has ", fabric.hinges.size(),
+                " hinges about its mesh's");
   if (contacts_on(scene)) return fail("contacts: vertex block descent has none here");
   for (std::size_t c = 0; c < scene.cloths.size(); ++c)
     for (std::size_t a = 0; a < scene.cloths[c].anchors.size(); ++a)
-      if (!scene.cloths[c].anchors[a].keys.empty()) return fail("cloths[", c, "].anchors[", a, "].keys: vertex block descent has no anchors that move here");
+      if (!scene.cloths[c].anchors[a].keys.empty())
+        return fail("cloths[", c, "].anchors[", a, "].keys: vertex block descent has no anchors that move here");
 
   const auto particles = static_cast<Eigen::Index>(fabric.positions.size());
   const double h = fabric.h;
   const auto steps = static_cast<std::uint32_t>(std::lround(1 / (scene.solver.rate * h)));
   const Vector gravity(scene.gravity.x, scene.gravity.y, scene.gravity.z);
   Descent descent(energies_of(fabric, h), settings);
-  Eigen::VectorXd keep(particles), moves(particles);
+  Eigen::VectorXd damping(particles), moves(particles);
   for (const ClothRange& cloth : fabric.cloths)
-    keep.segment(cloth.first_particle, cloth.particles).setConstant(std::exp(-scene.cloths[static_cast<std::size_t>(&cloth - fabric.cloths.data())].fabric.damping * h));
+    damping.segment(cloth.first_particle, cloth.particles)
+        .setConstant(std::exp(-scene.cloths[static_cast<std::size_t>(&cloth - fabric.cloths.data())].fabric.damping * h));
   Positions x(3, particles), v = Positions::Zero(3, particles), before = v;
   for (Eigen::Index i = 0; i < particles; ++i) {
     const gpu::vec4& p = fabric.positions[static_cast<std::size_t>(i)];
@@ -155,10 +161,11 @@ Result<VbdRun> integrate_vbd(const Scene& scene, const CookedFabric& fabric, std
   run.trajectory.frame_seconds = 1 / scene.solver.rate;
   for (std::uint32_t frame = 0; frame < frames; ++frame) {
     for (std::uint32_t step = 0; step < steps; ++step) {
-      const Positions y = x + h * (v.colwise() + h * gravity) * keep.cwiseProduct(moves).asDiagonal();
+      const Positions y = x + h * (v.colwise() + h * gravity) * damping.cwiseProduct(moves).asDiagonal();
       // The share of gravity that was felt in the step before, 0 at rest and 1 in free fall.
-      const Eigen::VectorXd felt = ((v - before).transpose() * gravity / (h * std::max(gravity.squaredNorm(), 1e-20))).cwiseMax(0).cwiseMin(1);
-      Positions p = x + h * (v + h * gravity * felt.transpose()) * keep.cwiseProduct(moves).asDiagonal();
+      const Eigen::VectorXd felt =
+          ((v - before).transpose() * gravity / (h * std::max(gravity.squaredNorm(), 1e-20))).cwiseMax(0).cwiseMin(1);
+      Positions p = x + h * (v + h * gravity * felt.transpose()) * damping.cwiseProduct(moves).asDiagonal();
       descent.step(x, y, p);
       before = v;
       v = (p - x) / h;

@@ -10,7 +10,7 @@
 #pragma once
 
 #include "engine/effects/keys.h"   // made by CMake: of every effect in engine/effects/list.h
-#include "engine/scene/key_fields.h"
+#include "engine/effects/key_fields.h"
 
 namespace weft::scene_fields {
 

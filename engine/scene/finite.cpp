@@ -1,9 +1,9 @@
-// A scene that a program made instead of the reader, which lets nothing pass that is not finite, or too large for
-// shaders: the same tables, looked through for that.
+// Checks a scene that a program made: walks the reader's tables for numbers that are not finite, or too large for shaders. The
+// reader itself lets none through.
 #include <cmath>
 #include <sstream>
 
-#include "engine/solve/sanitize.h"
+#include "engine/finite.h"
 #include "engine/scene/fields.h"
 
 namespace weft {
@@ -17,7 +17,8 @@ struct FiniteCheck {
   std::string path, fault;
 
   void look(const std::string& key, double value) {
-    if (fault.empty() && !std::isfinite(value)) fault = path + key + ": " + (std::isnan(value) ? "not a number" : "infinite") + ", not finite";
+    if (fault.empty() && !std::isfinite(value))
+      fault = path + key + ": " + (std::isnan(value) ? "not a number" : "infinite") + ", not finite";
   }
   template <class T>
   void inside(const std::string& key, T value) {
@@ -30,8 +31,12 @@ struct FiniteCheck {
   void text(std::string_view, const std::string&) {}
   void flag(std::string_view, bool) {}
   void number(std::string_view key, double value, const Range&) { look(std::string(key), value); }
-  void optional_number(std::string_view key, const std::optional<double>& value, const Range&) { look(std::string(key), value.value_or(0)); }
-  void stiffness(std::string_view key, double value, const Range&) { look(std::string(key), value > 0 && std::isinf(value) ? 0 : value); }   // "rigid"
+  void optional_number(std::string_view key, const std::optional<double>& value, const Range&) {
+    look(std::string(key), value.value_or(0));
+  }
+  void stiffness(std::string_view key, double value, const Range&) {
+    look(std::string(key), value > 0 && std::isinf(value) ? 0 : value);   // infinite is "rigid"
+  }
   void whole(std::string_view, std::uint32_t, const Range&) {}
   void whole_list(std::string_view, const std::vector<std::uint32_t>&, const Range&, std::size_t) {}
   template <class E>
@@ -42,7 +47,8 @@ struct FiniteCheck {
     look(std::string(key), double(v.x) + v.y + v.z);
     if (!fault.empty() || is_finite(v)) return;
     std::ostringstream text;
-    text << path << key << ": [" << v.x << ", " << v.y << ", " << v.z << "] is not shorter than " << kFarthest << ", which floats cannot square";
+    text << path << key << ": [" << v.x << ", " << v.y << ", " << v.z << "] is not shorter than " << kTooLarge
+         << ", which floats cannot square";
     fault = text.str();
   }
   void vector2(std::string_view key, Vec2 v, const Range&) { look(key, Vec3{v.x, v.y, 0}); }

@@ -10,7 +10,7 @@ namespace weft {
 namespace {
 
 // With k Jacobi iterations a substep, a mode that an iteration corrects by the fraction b is left with q = (1 - omega b)^k of its
-// violation, and obeys x'' = q (2 x' - x) from substep to substep. That is stable for -1/3 < q <= 1 (README, "Stable
+// violation, and obeys x'' = q (2 x' - x) from substep to substep. That is stable for -1/3 < q <= 1 (engine/README.md, "Stable
 // over-relaxation"). Masses that are split keep b <= 1, so omega < 1 + 3^(-1/k) is stable in every pose. Defaults keep q >= -1/4.
 //
 // Chebyshev's iteration leaves q = T_k((1 - omega b) / rho) / T_k(1 / rho), T_k the Chebyshev polynomial (Golub and Varga 1961). While
@@ -19,7 +19,9 @@ constexpr double kLimit = 3, kDefault = 4;
 
 }  // namespace
 
-double rho_of(const SolverSettings& solver) { return solver.rho != 0 ? solver.rho : 1 / std::cosh(std::acosh(kDefault) / std::max(1u, solver.iterations)); }
+double rho_of(const SolverSettings& solver) {
+  return solver.rho != 0 ? solver.rho : 1 / std::cosh(std::acosh(kDefault) / std::max(1u, solver.iterations));
+}
 
 double most_relaxation(const SolverSettings& solver) {
   return solver.method == Method::chebyshev ? 1 + rho_of(solver) : 1 + std::pow(kLimit, -1.0 / std::max(1u, solver.iterations));
@@ -47,17 +49,20 @@ std::string method_fault(const Scene& scene) {
   const Method method = scene.solver.method;
   const bool automatic = method == Method::automatic;
   if (automatic && !scene.solver.budget_ms) return named + " needs solver.budget_ms, the milliseconds that a frame may take";
-  if (!automatic && scene.solver.budget_ms) return named + " takes the time it takes, and solver.budget_ms is there: \"auto\" chooses by it";
+  if (!automatic && scene.solver.budget_ms)
+    return named + " takes the time it takes, and solver.budget_ms is there: \"auto\" chooses by it";
   if (automatic && (scene.solver.substeps != 0 || scene.solver.iterations != 1))
     return named + " chooses substeps and iterations, and solver has some: leave them away";
   for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
     const Cloth& cloth = scene.cloths[i];
     const std::string path = "cloths[" + std::to_string(i) + "].";
-    if (!on_springs(method) && cloth.springs) return named + " solves no springs, and " + path + "springs are there: \"implicit\" and \"mass_spring\" do";
+    if (!on_springs(method) && cloth.springs)
+      return named + " solves no springs, and " + path + "springs are there: \"implicit\" and \"mass_spring\" do";
     if (on_springs(method) && !cloth.springs && (std::isinf(cloth.fabric.stretch) || std::isinf(cloth.fabric.shear)))
       return named + " needs springs that give way, and " + path + "fabric is \"rigid\": give its stretch and shear in N/m, or springs";
     if (cloth.bend_rest == BendRest::mesh && (on_springs(method) || method == Method::chebyshev))
-      return named + " bends cloth about a flat shape, and " + path + "bend_rest is \"mesh\": \"jacobi\" and \"gauss_seidel\" bend it about the mesh's";
+      return named + " bends cloth about a flat shape, and " + path +
+             "bend_rest is \"mesh\": \"jacobi\" and \"gauss_seidel\" bend it about the mesh's";
     if (method == Method::verlet && cloth.springs && cloth.springs->bend.stiffness > 0)
       return named + " has links to 8 neighbours that only pull, and " + path + "springs.bend is there: \"mass_spring\" has it";
   }
@@ -69,7 +74,8 @@ std::string method_fault(const Scene& scene) {
     // Measured: with them a hung sheet strains up to hundreds of times as much as with Jacobi.
     for (std::size_t i = 0; i < scene.cloths.size(); ++i)
       if (scene.cloths[i].tethers && !scene.cloths[i].anchors.empty())
-        return named + " does not go with tethers, which hold particles back by what it extrapolates: set cloths[" + std::to_string(i) + "].tethers to false";
+        return named + " does not go with tethers, which hold particles back by what it extrapolates: set cloths[" + std::to_string(i) +
+               "].tethers to false";
   }
   return {};
 }

@@ -1,5 +1,5 @@
-// Floats have a millimetre at 10 km and lose it in every substep. What is simulated is therefore told from an origin near the cloth:
-// positions, anchors and colliders are a few metres from it, wherever in the world it lies. Internal.
+// A local origin: floats are a millimetre apart at 10 km, and every substep rounds to that. What is simulated is therefore
+// relative to an origin near the cloth: positions, anchors and colliders are a few metres from it. Internal.
 #pragma once
 
 #include <span>
@@ -10,16 +10,17 @@
 
 namespace weft {
 
-/// A point near the middle of the meshes, in steps so coarse that whole floats of a far scene can be told from it without rounding, and
-/// that it is the world's own origin for everything that hangs within kOriginStep / 2 of that.
+/// The middle of the meshes, rounded to multiples of kOriginStep: coarse enough that subtracting it from positions far away does
+/// not round, and that it is the world's own origin for cloth within kOriginStep / 2 of that.
 inline constexpr float kOriginStep = 16;   // m; floats up to 8 m have 5e-7 m
 Vec3 origin_near(std::span<const Mesh> meshes);
 
-/// The scene as it is told from there. Keys are relative to what they move and stay; so do the camera and the light, which are the
-/// renderer's.
+/// The scene relative to `origin`. Keys stay as they are: they are relative to what they move. So do the camera and the light,
+/// which are the renderer's.
 Scene told_from(Scene scene, Vec3 origin);
 
-/// make_meshes, with scene and meshes told from an origin near the cloths. Far away meshes are made twice: they have been rounded there.
+/// make_meshes, with scene and meshes relative to an origin near the cloths. Meshes far away are made twice: the first ones are
+/// rounded.
 struct Near {
   Scene scene;
   std::vector<Mesh> meshes;

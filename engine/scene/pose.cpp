@@ -33,7 +33,8 @@ Rotation rotation_about(Vec3 axis, double degrees) { return narrowed(rotation_of
 Rotation rest_rotation(const Collider& collider) {
   if (collider.shape == ColliderShape::box || collider.shape == ColliderShape::mesh) return rotation_about(collider.axis, collider.degrees);
   if (collider.shape != ColliderShape::capsule) return {};
-  return narrowed(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitY(), Eigen::Vector3d(collider.axis.x, collider.axis.y, collider.axis.z)));
+  return narrowed(
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitY(), Eigen::Vector3d(collider.axis.x, collider.axis.y, collider.axis.z)));
 }
 
 Rotation operator*(const Rotation& a, const Rotation& b) { return narrowed((widened(a) * widened(b)).normalized()); }

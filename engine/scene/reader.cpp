@@ -66,7 +66,8 @@ class Reader {
     if (!value->is_string()) return wrong(key, *value, "text");
     const std::string& text = value->get_ref<const std::string&>();
     constexpr std::size_t kLongest = 1000;
-    if (text.size() > kLongest) return fault(key, "is " + std::to_string(text.size()) + " bytes long, more than " + std::to_string(kLongest));
+    if (text.size() > kLongest)
+      return fault(key, "is " + std::to_string(text.size()) + " bytes long, more than " + std::to_string(kLongest));
     out = text;
   }
 

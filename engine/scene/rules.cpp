@@ -34,7 +34,8 @@ void check_times(const std::string& path, const std::vector<Key>& keys, Faults& 
 
 void check(const Read& read, const Anchor::Box& box) {
   for (const char* needed : {"low", "high"})
-    if (!read.json.contains(needed)) read.faults.add(read.path, join("has no \"", needed, "\": a box is given by its low and high corners"));
+    if (!read.json.contains(needed))
+      read.faults.add(read.path, join("has no \"", needed, "\": a box is given by its low and high corners"));
   const float low[] = {box.low.x, box.low.y, box.low.z}, high[] = {box.high.x, box.high.y, box.high.z};
   for (int i = 0; i < 3; ++i)
     if (low[i] > high[i]) read.faults.add(join(read.path, ".low[", i, "]"), join(low[i], " is more than ", high[i], ", its high (m)"));
@@ -56,7 +57,8 @@ void check(const Read& read, const Cloth& cloth) {
   if (cloth.bending && cloth.fabric.bend == 0)
     read.faults.add(read.path + ".fabric.bend", "0 is not above 0 (N m); for a cloth that does not resist bending say \"bending\": false");
   if (!cloth.bending && cloth.bend_rest == BendRest::mesh)
-    read.faults.add(read.path + ".bend_rest", "\"mesh\" is the shape that a cloth bends about, and this one does not resist bending: leave one of the two away");
+    read.faults.add(read.path + ".bend_rest",
+                    "\"mesh\" is the shape that a cloth bends about, and this one does not resist bending: leave one of the two away");
   for (std::size_t i = 0; i < cloth.anchors.size(); ++i) {
     const Anchor& anchor = cloth.anchors[i];
     const std::string path = join(read.path, ".anchors[", i, "]");
@@ -71,7 +73,8 @@ void check(const Read& read, const Collider& collider) {
   for (const scene_fields::ShapeKey& own : scene_fields::kShapeKeys)
     if (!own.of[shape] && read.json.contains(own.key))
       read.faults.add(join(read.path, ".", own.key), join("a ", scene_fields::kShapes[shape], " has no ", own.key));
-  if (collider.shape == ColliderShape::mesh && !read.json.contains("mesh")) read.faults.add(read.path, "has no \"mesh\": the file that it is made of");
+  if (collider.shape == ColliderShape::mesh && !read.json.contains("mesh"))
+    read.faults.add(read.path, "has no \"mesh\": the file that it is made of");
   check_times(read.path + ".keys", collider.keys, read.faults);
 }
 

@@ -1,4 +1,4 @@
-// Rules that bind several keys of one object together: what a table of single keys cannot say. Internal.
+// Rules for several keys of one object together, which a table of single keys cannot express. Internal.
 #pragma once
 
 #include <nlohmann/json.hpp>

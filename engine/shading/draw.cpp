@@ -33,7 +33,7 @@ void Shading::State::record_solids(VkPipeline pipeline, std::uint32_t view) {
   vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
   vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &set, 0, nullptr);
   for (shading::Solid solid : solids) {
-    // A plane has no end, so as an obstacle to the sun it would be night on one side of it.
+    // A plane has no end: as a shadow caster it would darken everything on one side of it.
     if (view == WEFT_VIEW_SUN && solid.shape == WEFT_SHAPE_PLANE) continue;
     solid.view = view;
     vk.vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(solid), &solid);

@@ -20,7 +20,7 @@ struct Box {
   }
 };
 
-// What hangs from a moving anchor goes with it.
+// Cloth follows its moving anchors.
 void add_moved(Box& box, const Box& what, std::span<const Key> keys) {
   for (const Key& key : keys) {
     box.add(what.low + key.translate);
@@ -28,7 +28,7 @@ void add_moved(Box& box, const Box& what, std::span<const Key> keys) {
   }
 }
 
-// How far a collider goes from its centre, however it is turned.
+// The largest distance of a collider's points from its centre (m).
 float reach_of(const Collider& collider) {
   if (collider.shape == ColliderShape::box) return 0.5f * length(collider.size);
   return static_cast<float>(collider.radius + (collider.shape == ColliderShape::capsule ? 0.5 * collider.length : 0));
@@ -67,7 +67,7 @@ Extent extent_of(const Scene& scene, std::span<const std::span<const Vec3>> mesh
   for (const Collider& collider : scene.colliders)
     if (collider.shape == ColliderShape::plane && collider.normal.y > 0.7f) box.low.y = std::min(box.low.y, collider.centre.y);
   const Vec3 size = box.high - box.low;
-  // Cloth swings out of its rest place.
+  // Cloth swings away from its rest place.
   return {0.5f * (box.low + box.high), std::max(0.6f * length(size), 1e-3f)};
 }
 
@@ -101,7 +101,7 @@ Solid solid_of(const Collider& collider, const ColliderPose& pose, const Frame& 
   const float period = 2 * tile;
   const Vec3 away = target - pose.centre;
   const Vec3 centre = pose.centre + std::round(dot(away, x) / period) * period * x + std::round(dot(away, z) / period) * period * z;
-  // Beyond three times `fade` nothing but horizon is left of it.
+  // Beyond three times `fade` only the horizon's colour is left.
   const float half = std::ceil((3 * frame.fade + length(target - frame.eye)) / period) * period;
   solid.shape = WEFT_SHAPE_PLANE;
   solid.axis_x = with_zero(half * x);

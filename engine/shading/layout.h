@@ -1,4 +1,4 @@
-// Where the solids of a scene stand in a picture, and how large everything is.
+// The places of a scene's solids in a picture, and the extent of everything.
 #pragma once
 
 #include <span>

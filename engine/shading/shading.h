@@ -31,8 +31,8 @@ struct ShadedCloth {
   double transmission = 0.15;  // fraction of light from behind that shines through, 0 ... 1
 };
 
-/// One frame. Views are RGBA32F and hold the vertices of every cloth and mesh collider in create's order. Writes made on the device's queue
-/// are waited for; writes from elsewhere through `ready`.
+/// One frame. Views are RGBA32F and hold the vertices of every cloth and mesh collider in create's order. Writes on the
+/// device's queue are waited for; writes from elsewhere must be signalled by `ready`.
 struct Poses {
   FrameView positions, normals;
   std::span<const ColliderPose> colliders;  // as many as the scene has
@@ -51,7 +51,7 @@ class Shading {
   Shading(const Shading&) = delete;
   Shading& operator=(const Shading&) = delete;
 
-  /// Pictures from now on are taken from here.
+  /// Sets the camera of the pictures that follow.
   void look_from(const Camera& camera);
 
   /// Draws, waits and reads back: sRGB, opaque.

@@ -1,4 +1,4 @@
-// A frame: how many substeps it takes, where the scene's kinematic.targets and colliders go, and the three ways to run it.
+// A frame: how many substeps it takes, where anchors and colliders go, and the three ways to run it.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -14,28 +14,30 @@ gpu::vec3 gpu_vector(Vec3 v) { return {v.x, v.y, v.z}; }
 
 bool same(const gpu::vec3& a, const gpu::vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
-// The turn from one rotation to another the shorter way round, as an axis times an angle (rad).
+// The rotation from one to another by the shorter arc, as an axis times an angle (rad).
 Vec3 spin_between(const Rotation& from, const Rotation& to) {
-  const Rotation turn = to * Rotation{-from.x, -from.y, -from.z, from.w};
-  const Vec3 sine = (turn.w < 0 ? -1.0f : 1.0f) * Vec3{turn.x, turn.y, turn.z};
+  const Rotation relative = to * Rotation{-from.x, -from.y, -from.z, from.w};
+  const Vec3 sine = (relative.w < 0 ? -1.0f : 1.0f) * Vec3{relative.x, relative.y, relative.z};
   const float size = length(sine);
-  return size > 0 ? (2 * std::atan2(size, std::abs(turn.w)) / size) * sine : Vec3{};
+  return size > 0 ? (2 * std::atan2(size, std::abs(relative.w)) / size) * sine : Vec3{};
 }
 
-// Keys may turn by more than half a turn in a frame, which the rotations alone do not tell.
+// Keys may rotate by more than half a turn in a frame, which the two rotations alone do not show.
 Vec3 spin_between(const Key& from, const Key& to) {
   if (!(from.axis == to.axis)) return spin_between(rotation_about(from.axis, from.degrees), rotation_about(to.axis, to.degrees));
   return static_cast<float>((to.degrees - from.degrees) * std::numbers::pi / 180) * to.axis;
 }
 
 using Stopwatch = std::chrono::steady_clock;
-double milliseconds(Stopwatch::time_point from, Stopwatch::time_point to) { return std::chrono::duration<double, std::milli>(to - from).count(); }
+double milliseconds(Stopwatch::time_point from, Stopwatch::time_point to) {
+  return std::chrono::duration<double, std::milli>(to - from).count();
+}
 
 }  // namespace
 
 ColliderPose keyed_pose(const Collider& collider, const Key& key) {
-  const Rotation turn = rotation_about(key.axis, key.degrees);
-  return {collider.centre + key.translate, rotated(turn, collider.normal), turn * rest_rotation(collider)};
+  const Rotation rotation = rotation_about(key.axis, key.degrees);
+  return {collider.centre + key.translate, rotated(rotation, collider.normal), rotation * rest_rotation(collider)};
 }
 
 // Whole substeps that fit; the rest waits for the next frame. A millionth of a substep counts as rounding, so that 1/60 s
@@ -57,15 +59,15 @@ Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input)
   return advance;
 }
 
-// Where a collider is at the frame's end; what it turns by on its way there (rad) is returned.
+// Moves a collider to its pose at the frame's end; returns its rotation in this frame, as an axis times an angle (rad).
 Vec3 Simulation::State::move_collider_on(std::uint32_t collider) {
   const Collider& described = scene.colliders[collider];
   ColliderPose& pose = bodies.poses[collider];
   Vec3 spin;
-  if (std::optional<ColliderPose>& wish = bodies.pending[collider]) {
-    spin = spin_between(pose.rotation, wish->rotation);
-    pose = *wish;
-    wish.reset();
+  if (std::optional<ColliderPose>& pending = bodies.pending[collider]) {
+    spin = spin_between(pose.rotation, pending->rotation);
+    pose = *pending;
+    pending.reset();
   } else if (!bodies.is_host_driven[collider] && !described.keys.empty()) {
     const Key key = pose_at(described.keys, now());
     const ColliderPose to = keyed_pose(described, key);
@@ -83,7 +85,7 @@ const ColliderMesh* Simulation::State::mesh_of(std::uint32_t collider) const {
   return nullptr;
 }
 
-// Their particles are led like kinematic.targets, each straight to its next place.
+// Their particles are kinematic targets, as anchors are: each moves along a straight line to its next position.
 void Simulation::State::move_collider_meshes() {
   auto at = kinematic.targets.begin() + static_cast<std::ptrdiff_t>(fabric.anchors.size());
   for (const ColliderMesh& mesh : fabric.collider_meshes) {
@@ -118,18 +120,19 @@ void Simulation::State::move_scene(FrameInput& input) {
     const ColliderPose from = bodies.poses[k];
     const Vec3 spin = move_collider_on(k);
     const ColliderPose& to = bodies.poses[k];
-    const Vec3 half_size = described.shape == ColliderShape::box ? 0.5f * described.size : Vec3{0, static_cast<float>(0.5 * described.length), 0};
-    const Rotation& turn = from.rotation;
+    const Vec3 half_size =
+        described.shape == ColliderShape::box ? 0.5f * described.size : Vec3{0, static_cast<float>(0.5 * described.length), 0};
+    const Rotation& start = from.rotation;
     bodies.colliders.push_back({static_cast<float>(described.radius), static_cast<float>(described.friction), gpu_vector(from.centre),
-                         gpu_vector(to.centre), gpu_vector(from.normal), gpu_vector(to.normal), gpu_vector(spin),
-                         {turn.x, turn.y, turn.z, turn.w}, gpu_vector(half_size)});
+                                gpu_vector(to.centre), gpu_vector(from.normal), gpu_vector(to.normal), gpu_vector(spin),
+                                {start.x, start.y, start.z, start.w}, gpu_vector(half_size)});
   }
   kinematic.are_dirty = input.anchors_move;
   input.anchors = kinematic.targets;
   input.colliders = bodies.colliders;
 }
 
-void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool keep) {
+void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool save) {
   using compute::Use;
   compute::Recorder recorder(*device, commands, timestamps);
   recorder.barrier(Use::all, Use::compute | Use::transfer | Use::indirect);   // earlier frames, and the renderer that still reads them
@@ -137,7 +140,7 @@ void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput&
     copy_saved(commands, true);
     recorder.barrier(Use::transfer, Use::compute | Use::transfer | Use::indirect);
   }
-  if (keep) {
+  if (save) {
     copy_saved(commands, false);
     recorder.barrier(Use::transfer, Use::compute | Use::transfer);
   }
@@ -155,29 +158,32 @@ void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput&
   recorder.barrier(Use::transfer, Use::host | Use::transfer);
 }
 
-Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits, bool keep) {
+Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits, bool save) {
   FrameSlot& slot = queue.slots[queue.submitted % queue.slots.size()];
   if (slot.value > 0)
     if (auto done = compute::wait_for(*device, queue.ready.get(), slot.value); !done) return done;
   compute::Timestamps* timestamps = options.timings && !timed_on_cpu() ? &slot.timestamps : nullptr;
   if (timestamps != nullptr) timestamps->rewind();
-  const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT, nullptr};
+  const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
+                                       nullptr};
   if (const VkResult began = device->vk().vkBeginCommandBuffer(slot.commands, &begin); began != VK_SUCCESS)
     return fail("a frame's command buffer could not be begun: ", compute::result_name(began));
-  const std::uint32_t parity = solver->parity(), turn = solver->phase();
+  const std::uint32_t parity = solver->parity(), phase = solver->phase();
   const auto give_up = [&](Error why) {   // the next frame begins as if this one had not been recorded
     solver->set_parity(parity);
-    solver->set_phase(turn);
+    solver->set_phase(phase);
     return why;
   };
-  record_frame(slot.commands, input, timestamps, keep);
+  record_frame(slot.commands, input, timestamps, save);
   if (const VkResult ended = device->vk().vkEndCommandBuffer(slot.commands); ended != VK_SUCCESS)
     return give_up(fail("a frame's command buffer could not be ended: ", compute::result_name(ended)));
   if (timestamps != nullptr) timestamps->reset();
   const std::uint64_t value = queue.submitted + 1;
   const VkCommandBufferSubmitInfo commands{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO, nullptr, slot.commands, 0};
-  const VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, queue.ready.get(), value, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
-  const VkSubmitInfo2 work{VK_STRUCTURE_TYPE_SUBMIT_INFO_2, nullptr, 0, static_cast<std::uint32_t>(waits.size()), waits.data(), 1, &commands, 1, &signal};
+  const VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, queue.ready.get(), value,
+                                     VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
+  const VkSubmitInfo2 work{
+      VK_STRUCTURE_TYPE_SUBMIT_INFO_2, nullptr, 0, static_cast<std::uint32_t>(waits.size()), waits.data(), 1, &commands, 1, &signal};
   if (auto done = device->submit(work); !done) return give_up(done.take_error());
   rollback.frame_is_torn = false;
   // Only what was really submitted may be waited for.
@@ -187,11 +193,12 @@ Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<
 }
 
 // For devices without timestamps: every dispatch is submitted alone and timed on the CPU, waking and waiting included.
-Result<void> Simulation::State::run_pass_by_pass(const FrameInput& input, bool keep) {
+Result<void> Simulation::State::run_pass_by_pass(const FrameInput& input, bool save) {
   queue.cpu_times.clear();
-  if (keep)
-    if (auto done = compute::run_once(*device, "weft kept frame", [&](VkCommandBuffer commands) { copy_saved(commands, false); }); !done) return done;
-  rollback.frame_is_torn = keep;
+  if (save)
+    if (auto done = compute::run_once(*device, "weft saved frame", [&](VkCommandBuffer commands) { copy_saved(commands, false); }); !done)
+      return done;
+  rollback.frame_is_torn = save;
   const auto start = Stopwatch::now();
   const auto steps = solver->frame(input);
   const auto run = [&](const Solver::Step* step) {
@@ -244,7 +251,9 @@ Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) {
   return advance;
 }
 
-bool Simulation::State::timed_on_cpu() const { return options.timings && (options.timings_on_cpu || !queue.slots[0].timestamps.supported()); }
+bool Simulation::State::timed_on_cpu() const {
+  return options.timings && (options.timings_on_cpu || !queue.slots[0].timestamps.supported());
+}
 
 bool Simulation::timed_on_cpu() const { return state_->timed_on_cpu(); }
 
@@ -254,7 +263,8 @@ std::vector<DispatchTime> Simulation::dispatch_times() const {
   auto times = state_->queue.last_timed->timestamps.read();
   if (!times) return {};
   std::vector<DispatchTime> dispatches;
-  for (const compute::PassTime& time : *times) dispatches.push_back({state_->queue.last_timed->timestamps.names()[time.name], time.begin_ms, time.end_ms});
+  for (const compute::PassTime& time : *times)
+    dispatches.push_back({state_->queue.last_timed->timestamps.names()[time.name], time.begin_ms, time.end_ms});
   return dispatches;
 }
 

@@ -1,4 +1,4 @@
-// The structure of a frame, in one place: it is walked to list dispatches, to count them, and to refuse what would be too many.
+// The structure of a frame, in one place: walked to list dispatches, to count them, and to refuse too many.
 //
 //     frame_begin
 //     for each substep:
@@ -23,7 +23,9 @@ struct FrameShape {
   std::uint32_t solver_iterations() const { return implicit ? 1 : iterations; }
 };
 
-inline FrameShape shape_of(const Scene& scene) { return {scene.solver.iterations, scene.contacts.iterations, scene.solver.method == Method::implicit}; }
+inline FrameShape shape_of(const Scene& scene) {
+  return {scene.solver.iterations, scene.contacts.iterations, scene.solver.method == Method::implicit};
+}
 
 /// Where in a frame a stage runs. `iteration` counts those of the solve in Stage::linear, else those of the substep.
 struct Moment {

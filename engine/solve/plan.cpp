@@ -1,3 +1,4 @@
+// The order of the passes, their specialisation, and what they touch.
 #include "engine/solve/plan.h"
 
 #include <algorithm>
@@ -13,7 +14,7 @@ const Slice* slice_named(std::string_view name) {
   return nullptr;
 }
 
-// A block or a texel buffer is called by its row's name and one of these.
+// The name of a block or of a texel buffer is its row's name and an ending. Empty where the ending is another.
 std::string_view without_ending(std::string_view name, std::string_view ending) {
   return name.ends_with(ending) ? name.substr(0, name.size() - ending.size()) : std::string_view();
 }
@@ -31,7 +32,7 @@ std::vector<const Pass*> passes_of(const Needs& needs) {
 
 bool is_own_finalizer(const Pass& pass) { return std::string_view(pass.name) == "finalize"; }
 
-// The last of the passes that can end an iteration does; the pass that does nothing else is there only for iterations that have no other, or
+// The last pass of an iteration finalizes it, if it can; the pass `finalize` exists only for iterations that have no other pass, or
 // whose last pass cannot.
 const Pass* finalizer_of(std::vector<const Pass*>& passes) {
   const auto changes = [](const Pass* pass) { return pass->stage == Stage::iteration && !is_own_finalizer(*pass); };
@@ -72,7 +73,8 @@ Result<PlannedPass::Resource> resource_of(const compute::Binding& binding, Plan&
   if (texels && row->texel == Texel::none) return fail(row->name, " has elements that no texel buffer holds");
   const Buffer& memory = row->lies_in != nullptr ? *row->lies_in : *row;
   const std::size_t number = number_of(memory);
-  auto at = std::find_if(plan.buffers.begin(), plan.buffers.end(), [&](const Plan::PlannedBuffer& b) { return number_of(*b.row) >= number; });
+  auto at =
+      std::find_if(plan.buffers.begin(), plan.buffers.end(), [&](const Plan::PlannedBuffer& b) { return number_of(*b.row) >= number; });
   if (at == plan.buffers.end() || at->row != &memory) at = plan.buffers.insert(at, {&memory});
   (texels ? at->texels : at->storage) = true;
   return PlannedPass::Resource{binding, PlannedPass::Resource::Kind::buffer, number};
@@ -126,7 +128,9 @@ Result<Plan> make_plan(const Needs& needs, compute::Specializer& specializer) {
   return plan;
 }
 
-std::uint64_t bytes_of(const Buffer& row, const Cooked& subject) { return std::max<std::uint64_t>(1, row.length(subject)) * row.element_bytes; }
+std::uint64_t bytes_of(const Buffer& row, const Cooked& subject) {
+  return std::max<std::uint64_t>(1, row.length(subject)) * row.element_bytes;
+}
 
 std::vector<Range> ranges_of(const Pass& pass, const Cooked& subject) {
   if (pass.ranges != nullptr) return pass.ranges(subject);

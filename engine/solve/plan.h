@@ -1,8 +1,8 @@
 // The plan: from what a scene calls for to the passes that run and the buffers that exist.
 //
-// Of every effect that the scene calls for the plan takes the passes, specialises their code (compute/specialize.h) and reflects what is
-// left: what passes touch is the list of buffers, of bindings and of barriers. An effect that a scene does not call for therefore has no
-// pipeline, no byte and no dispatch. No Vulkan here.
+// The plan takes the passes of every effect that the scene calls for, specialises their code (compute/specialize.h) and reflects
+// what is left: what the passes touch determines the buffers, the bindings and the barriers. An effect that a scene does not call
+// for therefore has no pipeline, no byte and no dispatch. No Vulkan here.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@
 namespace weft {
 
 struct PlannedPass {
-  /// Where a binding of the shader leads.
+  /// What a binding of the shader refers to.
   struct Resource {
     compute::Binding binding;
     enum class Kind { buffer, slice } kind = Kind::buffer;

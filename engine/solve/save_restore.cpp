@@ -1,8 +1,8 @@
 // Saving and restoring the whole state.
 //
-// Between frames both iterates are where the particles are, so that they follow from positions, and it does not matter which of them a frame
-// begins with; where anchors are led the next frame tells the GPU.
-// Everything is looked at before anything is changed, so that a snapshot that does not fit leaves the simulation as it was.
+// Between frames both iterates equal the positions, so they are not saved, and it does not matter with which of them a frame
+// begins. The next frame uploads the kinematic targets. Everything is checked before anything is changed: a snapshot that does not
+// fit leaves the simulation as it was.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -36,25 +36,25 @@ bool is_pose(const ColliderPose& pose) {
 Result<void> check_values(const char* name, const std::vector<gpu::vec4>& values, const std::vector<gpu::vec4>& cooked) {
   for (std::size_t i = 0; i < values.size(); ++i)
     if (!is_finite(values[i]) || std::memcmp(&values[i].w, &cooked[i].w, sizeof(float)) != 0)
-      return fail("the snapshot's ", name, " of particle ", i, " are not such as a simulation has");
+      return fail("the snapshot's ", name, " of particle ", i, " are not finite, or have another w than the scene's");
   return {};
 }
 
-// Of the candidates only those that there are, and none where the next substep searches first: there may be new room for them that was never
-// written. Of others no more than is used: the rest of their memory was never written either.
+// Of the candidates only those that were found, and none where the next substep detects first: a buffer that has just grown was
+// never written. Of other buffers the part in use: the rest of their memory was never written either.
 std::size_t bytes_of(const Solver& solver, const Buffer& row, const gpu::Detection& detection, std::uint32_t capacity) {
   if (&row != &buffers::candidates) return static_cast<std::size_t>(solver.used_bytes(row));
   return detection.needs_detection != 0 ? 0 : std::min(detection.candidates, capacity) * sizeof(gpu::uvec4);
 }
 
-// Whichever thread came first wrote its candidate first. Nothing that a frame does depends on it, and neither shall the file.
+// Sorts candidates, which threads append in any order. No frame depends on that order, and neither may the file.
 void put_in_order(std::vector<std::byte>& bytes) {
   std::vector<gpu::uvec4> candidates = elements<gpu::uvec4>(bytes);
   std::ranges::sort(candidates, {}, [](const gpu::uvec4& packed) { return std::tuple(packed.x, packed.y, packed.z, packed.w); });
   if (!bytes.empty()) std::memcpy(bytes.data(), candidates.data(), bytes.size());
 }
 
-// Of a snapshot: where the particles are led that others lead, the vertices of mesh colliders among them.
+// The name of a snapshot's kinematic targets, of anchors and of mesh colliders' vertices.
 constexpr const char* kAnchors = "anchors";
 
 std::vector<gpu::Anchor> anchors_of(const Snapshot& snapshot) {
@@ -62,25 +62,26 @@ std::vector<gpu::Anchor> anchors_of(const Snapshot& snapshot) {
   return bytes ? elements<gpu::Anchor>(*bytes) : std::vector<gpu::Anchor>();
 }
 
-bool leads_alike(const gpu::Anchor& a, const gpu::Anchor& b) {
+bool have_same_particle(const gpu::Anchor& a, const gpu::Anchor& b) {
   return a.particle == b.particle && is_finite(Vec3{a.to.x, a.to.y, a.to.z});
 }
 
-// Pairs are of a particle and a triangle, or of two edges, and room is at most doubled beyond those that were found (grow_capacity).
-std::uint64_t most_room(const CookedFabric& fabric) {
+// Pairs are of a particle and a triangle, or of two edges; the capacity is at most twice what was found (grow_capacity).
+std::uint64_t most_candidates(const CookedFabric& fabric) {
   const std::uint64_t edges = fabric.edges.size();
   return std::min<std::uint64_t>(2 * (fabric.positions.size() * fabric.triangles.size() + edges * edges / 2), kMostCandidates);
 }
 
 gpu::Detection detection_of(const Snapshot& snapshot) {
   gpu::Detection detection{};
-  if (const auto* bytes = find(snapshot, "detection"); bytes && bytes->size() >= sizeof detection) std::memcpy(&detection, bytes->data(), sizeof detection);
+  if (const auto* bytes = find(snapshot, "detection"); bytes && bytes->size() >= sizeof detection)
+    std::memcpy(&detection, bytes->data(), sizeof detection);
   return detection;
 }
 
 }  // namespace
 
-// It goes through all that was cooked: not every simulation needs it.
+// Made when first needed: it goes through all that was cooked.
 std::uint64_t Simulation::State::own_digest() {
   if (!digest) digest = digest_of(scene, fabric);
   return *digest;
@@ -99,9 +100,11 @@ Result<Snapshot> Simulation::save() const {
   snapshot.capacity = s.solver->contact_settings().capacity;
   snapshot.losses_seen = s.capacity.overflow_seen;
   for (std::uint32_t k = 0; k < s.kinematic.is_host_driven.size(); ++k)
-    if (s.kinematic.is_host_driven[k]) snapshot.anchors.push_back({k, s.kinematic.pending[k].has_value(), s.kinematic.pending[k].value_or(Vec3())});
+    if (s.kinematic.is_host_driven[k])
+      snapshot.anchors.push_back({k, s.kinematic.pending[k].has_value(), s.kinematic.pending[k].value_or(Vec3())});
   for (std::size_t k = 0; k < s.bodies.poses.size(); ++k)
-    snapshot.colliders.push_back({s.bodies.is_host_driven[k], s.bodies.pending[k].has_value(), s.bodies.poses[k], s.bodies.pending[k].value_or(ColliderPose())});
+    snapshot.colliders.push_back(
+        {s.bodies.is_host_driven[k], s.bodies.pending[k].has_value(), s.bodies.poses[k], s.bodies.pending[k].value_or(ColliderPose())});
   for (const Buffer* row : s.rollback.rows) {   // `detection` comes before `candidates`
     const compute::Buffer& buffer = s.solver->buffer(*row);
     std::vector<std::byte> bytes(bytes_of(*s.solver, *row, detection_of(snapshot), snapshot.capacity));
@@ -119,46 +122,57 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
     return fail("the snapshot was taken of another scene than ", scene.name.empty() ? "this one" : scene.name,
                 ", or with other settings, fabrics or meshes than it has now");
   const auto unfit = [&](const auto&... what) { return fail("the snapshot is damaged: ", what...); };
-  if (!(snapshot.left_over >= 0 && snapshot.left_over <= fabric.h)) return unfit("of a substep ", snapshot.left_over, " s are left over");
+  if (!(snapshot.left_over >= 0 && snapshot.left_over <= fabric.h))
+    return unfit("the ", snapshot.left_over, " s left over are not between 0 and a substep of ", fabric.h, " s");
   if (!is_finite(snapshot.gravity)) return unfit("its gravity is not finite");
   if (snapshot.phase > 2) return unfit("its phase of ", snapshot.phase, " is above 2");
-  if (const std::uint64_t most = std::max<std::uint64_t>(most_room(fabric), solver->contact_settings().capacity); snapshot.capacity > most)
-    return unfit("room for ", snapshot.capacity, " candidates is more than this scene can take, ", most);
+  if (const std::uint64_t most = std::max<std::uint64_t>(most_candidates(fabric), solver->contact_settings().capacity);
+      snapshot.capacity > most)
+    return unfit("its capacity of ", snapshot.capacity, " candidates is more than this scene can take, ", most);
   for (const Snapshot::AnchorLead& lead : snapshot.anchors)
-    if (lead.anchor >= kinematic.is_host_driven.size() || !is_finite(lead.target)) return unfit("it leads anchor ", lead.anchor, " of ", kinematic.is_host_driven.size(), " to a place that is none");
-  if (snapshot.colliders.size() != bodies.poses.size()) return unfit("it has ", snapshot.colliders.size(), " colliders instead of ", bodies.poses.size());
+    if (lead.anchor >= kinematic.is_host_driven.size() || !is_finite(lead.target))
+      return unfit("it leads anchor ", lead.anchor, " of ", kinematic.is_host_driven.size(), ", or to a target that is not finite");
+  if (snapshot.colliders.size() != bodies.poses.size())
+    return unfit("it has ", snapshot.colliders.size(), " colliders instead of ", bodies.poses.size());
   for (std::size_t k = 0; k < snapshot.colliders.size(); ++k)
-    if (!is_pose(snapshot.colliders[k].pose) || !is_pose(snapshot.colliders[k].wish)) return unfit("the pose of collider ", k, " is not finite");
-  if (snapshot.contents.size() != rollback.rows.size() + 1) return unfit("it has ", snapshot.contents.size(), " buffers instead of ", rollback.rows.size() + 1);
-  if (const auto led = anchors_of(snapshot); !std::equal(led.begin(), led.end(), kinematic.targets.begin(), kinematic.targets.end(), leads_alike))
-    return unfit("its ", led.size(), " anchors are not the scene's ", kinematic.targets.size(), " or are led to a place that is none");
+    if (!is_pose(snapshot.colliders[k].pose) || !is_pose(snapshot.colliders[k].pending))
+      return unfit("the pose of collider ", k, " is not finite");
+  if (snapshot.contents.size() != rollback.rows.size() + 1)
+    return unfit("it has ", snapshot.contents.size(), " buffers instead of ", rollback.rows.size() + 1);
+  if (const auto targets = anchors_of(snapshot);
+      !std::equal(targets.begin(), targets.end(), kinematic.targets.begin(), kinematic.targets.end(), have_same_particle))
+    return unfit("its ", targets.size(), " anchors are not the scene's ", kinematic.targets.size(), " or have targets that are not finite");
   const gpu::Detection found = detection_of(snapshot);
-  if (!(found.margin >= 0 && found.margin < kFarthest)) return unfit("its displacement bounds have no length");
+  if (!(found.margin >= 0 && found.margin < kTooLarge))
+    return unfit("its detection margin is ", found.margin, " m, not from 0 to ", kTooLarge);
   if (found.steps > WEFT_LONGEST_LIFETIME || found.lifetime > WEFT_LONGEST_LIFETIME)
-    return unfit("its last detection is ", found.steps, " substeps ago and was for ", found.lifetime, "; neither is ever above ", WEFT_LONGEST_LIFETIME);
-  if (found.needs_detection == 0 && found.candidates > snapshot.capacity)   // lost pairs ask for a search
-    return unfit("it goes on with ", found.candidates, " candidates and has room for ", snapshot.capacity);
+    return unfit("its last detection is ", found.steps, " substeps ago and valid for ", found.lifetime, "; neither may be above ",
+                 WEFT_LONGEST_LIFETIME);
+  if (found.needs_detection == 0 && found.candidates > snapshot.capacity)   // an overflow calls for a detection
+    return unfit("its ", found.candidates, " candidates are more than its capacity, ", snapshot.capacity);
   for (const Buffer* row : rollback.rows) {
     const compute::Buffer& buffer = solver->buffer(*row);
     const std::size_t wanted = bytes_of(*solver, *row, found, snapshot.capacity);
     const auto* bytes = find(snapshot, buffer.name);
-    if (!bytes || bytes->size() != wanted) return unfit("its buffer ", buffer.name, " has ", bytes ? bytes->size() : 0, " bytes instead of ", wanted);
+    if (!bytes || bytes->size() != wanted)
+      return unfit("its buffer ", buffer.name, " has ", bytes ? bytes->size() : 0, " bytes instead of ", wanted);
     if (row == &buffers::positions)
       if (auto good = check_values("positions", elements<gpu::vec4>(*bytes), fabric.positions); !good) return good;
     if (row == &buffers::velocities)
       if (auto good = check_values("velocities", elements<gpu::vec4>(*bytes), fabric.velocities); !good) return good;
     if (row == &buffers::detected_positions || row == &buffers::trajectories)
       for (const gpu::vec4& at : elements<gpu::vec4>(*bytes))
-        if (!is_finite(at)) return unfit("its buffer ", buffer.name, " leads to a place that is none");
+        if (!is_finite(at)) return unfit("its buffer ", buffer.name, " has a vector that is not finite");
     if (row == &buffers::displacement_bounds)
-      for (const float leash : elements<float>(*bytes))
-        if (!(leash >= 0 && leash < kFarthest)) return unfit("its buffer ", buffer.name, " has one of ", leash, " m");
+      for (const float bound : elements<float>(*bytes))
+        if (!(bound >= 0 && bound < kTooLarge)) return unfit("its buffer ", buffer.name, " has one of ", bound, " m");
     if (row != &buffers::candidates) continue;
     for (const gpu::uvec4& packed : elements<gpu::uvec4>(*bytes)) {
       const gpu::Candidate candidate = gpu::unpack_candidate(packed);
       for (const std::uint32_t particle : candidate.particle)
         if (particle >= fabric.positions.size()) return unfit("a candidate has particle ", particle, " of ", fabric.positions.size());
-      if (!(candidate.separation >= 0 && candidate.separation < kFarthest)) return unfit("a candidate keeps a distance of ", candidate.separation, " m");
+      if (!(candidate.separation >= 0 && candidate.separation < kTooLarge))
+        return unfit("a candidate has a separation of ", candidate.separation, " m");
     }
   }
   return {};
@@ -176,14 +190,15 @@ Result<void> Simulation::restore(const Snapshot& snapshot) {
 Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
   const bool contacts = solver->has(buffers::candidates);
   if (contacts && snapshot.capacity > solver->contact_settings().capacity) {
-    // Once there is more room what was found so far is gone; should anything fail from there on, it must be searched for again.
+    // Growing discards the candidates; should anything fail from there on, they must be detected again.
     if (auto done = detect_anew(); !done) return done;
     if (auto grown = solver->grow(snapshot.capacity); !grown) return grown;
     if (auto done = create_saved(); !done) return done;
   }
   const std::vector<gpu::vec4> iterate = iterates_at(elements<gpu::vec4>(*find(snapshot, "positions")), fabric);
   std::vector<compute::Upload> uploads;
-  for (const Buffer* row : {&buffers::predicted, &buffers::next_iterate}) uploads.push_back({&solver->buffer(*row), std::as_bytes(std::span(iterate))});
+  for (const Buffer* row : {&buffers::predicted, &buffers::next_iterate})
+    uploads.push_back({&solver->buffer(*row), std::as_bytes(std::span(iterate))});
   for (const Buffer* row : rollback.rows) {
     const compute::Buffer& buffer = solver->buffer(*row);
     uploads.push_back({&buffer, *find(snapshot, buffer.name)});
@@ -211,7 +226,7 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
     const Snapshot::ColliderState& state = snapshot.colliders[k];
     bodies.poses[k] = state.pose;
     bodies.is_host_driven[k] = state.led;
-    bodies.pending[k] = state.waits ? std::optional(state.wish) : std::nullopt;
+    bodies.pending[k] = state.waits ? std::optional(state.pending) : std::nullopt;
     bodies.keys[k] = pose_at(scene.colliders[k].keys, now());
   }
   return draw_surface();

@@ -1,19 +1,20 @@
+// Creating a simulation, setting targets, and asking it for figures.
 #include "engine/simulation.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 
-#include "engine/solve/sanitize.h"
 #include "engine/reference/choice.h"
 #include "engine/scene/origin.h"
+#include "engine/solve/sanitize.h"
 #include "engine/solve/state.h"
 
 namespace weft {
 namespace {
 
-constexpr double kMostDispatches = 4e6;   // about 400 MB of steps and commands
-constexpr float kLongestLink = 4e9f;      // m: longer ones have no place in a packed link (packed.h)
+constexpr double kMostDispatches = 4e6;   // of an advance: about 400 MB of steps and commands
+constexpr float kLongestLink = 4e9f;      // m: a packed link holds no longer ones (packed.h)
 
 }  // namespace
 
@@ -26,7 +27,8 @@ Simulation::~Simulation() {
   state_->device->wait_idle();   // the software driver (Mesa 22.3) looks at semaphores for a moment after they are signalled
 }
 
-Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& device, const Scene& scene, const SimulationOptions& options) {
+Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& device, const Scene& scene,
+                                                       const SimulationOptions& options) {
   if (const std::string fault = non_finite_fault(scene); !fault.empty()) return fail(fault);
   auto near = told_near(scene);
   if (!near) return near.take_error();
@@ -46,9 +48,9 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
   return create_at(device, scene, origin, std::move(meshes), options);
 }
 
-// `meshes` are told from the origin, the scene is not.
-Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device& device, const Scene& given, Vec3 origin, std::vector<Mesh> meshes,
-                                                          const SimulationOptions& options) {
+// `meshes` are relative to the origin, the scene is not.
+Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device& device, const Scene& given, Vec3 origin,
+                                                          std::vector<Mesh> meshes, const SimulationOptions& options) {
   const Scene described = origin == Vec3{} ? given : told_from(given, origin);
   std::string chosen_by;
   std::uint64_t points = 0;
@@ -68,7 +70,8 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   if (!fabric) return fabric.take_error();
   state->fabric = std::move(*fabric);
   for (const gpu::vec4& x : state->fabric.positions)
-    if (!is_finite(x)) return fail("a particle would start at (", x.x, ", ", x.y, ", ", x.z, "), which is not finite, or ", kFarthest, " m away or more");
+    if (!is_finite(x))
+      return fail("a particle would start at (", x.x, ", ", x.y, ", ", x.z, "), which is not finite, or ", kTooLarge, " m away or more");
   for (const StretchLink& link : state->fabric.links)
     if (!(link.rest < kLongestLink)) return fail("a link is ", kLongestLink, " m long or longer: scale the mesh down");
   if (!chosen_by.empty()) state->fabric.notes.push_back(chosen_by);
@@ -81,7 +84,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   state->solver = std::move(*solver);
   for (const Plan::PlannedBuffer& planned : state->solver->plan().buffers)
     if (planned.row->lifetime == Lifetime::kept) state->rollback.rows.push_back(planned.row);
-  // A cache that cannot be written costs the next start some time and nothing else.
+  // A cache that cannot be written only makes the next start slower: a note, no error.
   if (!options.pipeline_cache.empty())
     if (auto saved = state->cache.save(); !saved) state->fabric.notes.push_back(saved.error());
 
@@ -97,8 +100,8 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   const double most_substeps = std::max(scene.solver.longest_advance, 1 / scene.solver.rate) / state->fabric.h + 1;
   const double dispatches = state->dispatches_of(most_substeps);
   if (dispatches > kMostDispatches)
-    return fail("solver: the longest advance of ", scene.solver.longest_advance, " s takes about ", dispatches, " dispatches, more than ", kMostDispatches,
-                "; take fewer substeps or iterations, or a shorter longest_advance");
+    return fail("solver: the longest advance of ", scene.solver.longest_advance, " s takes about ", dispatches, " dispatches, more than ",
+                kMostDispatches, "; take fewer substeps or iterations, or a shorter longest_advance");
   auto pool = compute::CommandPool::create(device, "weft");
   if (!pool) return pool.take_error();
   state->queue.pool = std::move(*pool);
@@ -118,7 +121,8 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
     if (auto made = state->create_saved(); !made) return made.take_error();
 
   state->kinematic.targets = anchors_at_rest(state->fabric);
-  for (const AnchorTarget& anchor : state->fabric.anchors) state->kinematic.are_keyed |= !scene.cloths[anchor.cloth].anchors[anchor.entry].keys.empty();
+  for (const AnchorTarget& anchor : state->fabric.anchors)
+    state->kinematic.are_keyed |= !scene.cloths[anchor.cloth].anchors[anchor.entry].keys.empty();
   for (const ColliderMesh& mesh : state->fabric.collider_meshes) state->kinematic.are_keyed |= !scene.colliders[mesh.collider].keys.empty();
   state->kinematic.pending.resize(state->fabric.anchors.size());
   state->kinematic.is_host_driven.resize(state->fabric.anchors.size());
@@ -135,14 +139,15 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   std::stable_sort(state->bodies.order.begin(), state->bodies.order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return scene.colliders[a].shape < scene.colliders[b].shape; });
   std::unique_ptr<Simulation> simulation(new Simulation(std::move(state)));
-  // The surface exists before the first frame: a host may draw at once.
+  // The surface is drawable before the first frame.
   if (auto drawn = simulation->state_->draw_surface(); !drawn) return drawn.take_error();
   return simulation;
 }
 
 FrameView Simulation::positions() const {
   const compute::Buffer& buffer = state_->solver->buffer(buffers::vertex_positions);
-  return {buffer.handle, 0, sizeof(gpu::vec4), VK_FORMAT_R32G32B32A32_SFLOAT, static_cast<std::uint32_t>(state_->fabric.surface_rows.size())};
+  return {buffer.handle, 0, sizeof(gpu::vec4), VK_FORMAT_R32G32B32A32_SFLOAT,
+          static_cast<std::uint32_t>(state_->fabric.surface_rows.size())};
 }
 
 FrameView Simulation::normals() const {
@@ -156,7 +161,7 @@ Result<void> Simulation::move_anchors(std::uint32_t first, std::span<const Vec3>
   if (first > anchors || targets.size() > anchors - first)
     return fail("anchors ", first, " to ", first + targets.size(), " (exclusive) are beyond the simulation's ", anchors);
   for (std::size_t k = 0; k < targets.size(); ++k)
-    if (!is_finite(targets[k])) return fail("the target of anchor ", first + k, " is not finite, or ", kFarthest, " m away or more");
+    if (!is_finite(targets[k])) return fail("the target of anchor ", first + k, " is not finite, or ", kTooLarge, " m away or more");
   for (std::size_t k = 0; k < targets.size(); ++k) {
     state_->kinematic.pending[first + k] = targets[k] - state_->origin;
     state_->kinematic.is_host_driven[first + k] = true;
@@ -167,25 +172,25 @@ Result<void> Simulation::move_anchors(std::uint32_t first, std::span<const Vec3>
 Result<ColliderPose> Simulation::State::checked_pose(std::uint32_t collider, const ColliderPose& pose) const {
   if (collider >= bodies.poses.size()) return fail("collider ", collider, " is not below the scene's ", bodies.poses.size());
   const Rotation& r = pose.rotation;
-  const float turn = std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w);
-  if (!is_finite(pose.centre) || !is_finite(pose.normal) || !std::isfinite(turn))
-    return fail("the pose of collider ", collider, " is not finite, or ", kFarthest, " m away or more");
-  if (!(turn > 1e-6f)) return fail("the rotation of collider ", collider, " is a quaternion of length ", turn, ", not above 1e-6");
-  ColliderPose wish = pose;
-  wish.centre = wish.centre - origin;
-  wish.rotation = {r.x / turn, r.y / turn, r.z / turn, r.w / turn};
-  if (scene.colliders[collider].shape == ColliderShape::plane) {   // a sphere's normal says nothing
+  const float norm = std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w);
+  if (!is_finite(pose.centre) || !is_finite(pose.normal) || !std::isfinite(norm))
+    return fail("the pose of collider ", collider, " is not finite, or ", kTooLarge, " m away or more");
+  if (!(norm > 1e-6f)) return fail("the rotation of collider ", collider, " is a quaternion of length ", norm, ", not above 1e-6");
+  ColliderPose checked = pose;
+  checked.centre = checked.centre - origin;
+  checked.rotation = {r.x / norm, r.y / norm, r.z / norm, r.w / norm};
+  if (scene.colliders[collider].shape == ColliderShape::plane) {   // other shapes ignore it
     const float size = length(pose.normal);
     if (!(size > 1e-6f)) return fail("the normal of collider ", collider, " has a length of ", size, ", not above 1e-6");
-    wish.normal = (1 / size) * pose.normal;
+    checked.normal = (1 / size) * pose.normal;
   }
-  return wish;
+  return checked;
 }
 
 Result<void> Simulation::move_collider(std::uint32_t collider, const ColliderPose& pose) {
-  auto wish = state_->checked_pose(collider, pose);
-  if (!wish) return wish.take_error();
-  state_->bodies.pending[collider] = *wish;
+  auto checked = state_->checked_pose(collider, pose);
+  if (!checked) return checked.take_error();
+  state_->bodies.pending[collider] = *checked;
   state_->bodies.is_host_driven[collider] = true;
   return {};
 }
@@ -198,12 +203,12 @@ Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPo
     if (!positions) return positions.take_error();
     const std::vector<Vec3> points = collider_points(state_->fabric, *mesh, there->centre, there->rotation);
     for (std::size_t k = 0; k < points.size(); ++k) (*positions)[mesh->first_particle + k] = {points[k].x, points[k].y, points[k].z, 0};
-    // What writes positions sets anchors there, too; those that wait for cloth to make way must not be taken for led no further.
-    const std::vector<gpu::Anchor> led = state_->kinematic.targets;
+    // put() makes written positions the targets, too. Anchors that cloth holds back must keep theirs.
+    const std::vector<gpu::Anchor> before = state_->kinematic.targets;
     if (auto done = state_->put(*positions); !done) return done;
-    for (std::size_t k = 0; k < led.size(); ++k) {
-      const bool own = led[k].particle >= mesh->first_particle && led[k].particle - mesh->first_particle < mesh->particles;
-      if (!own) state_->kinematic.targets[k].to = led[k].to;
+    for (std::size_t k = 0; k < before.size(); ++k) {
+      const bool own = before[k].particle >= mesh->first_particle && before[k].particle - mesh->first_particle < mesh->particles;
+      if (!own) state_->kinematic.targets[k].to = before[k].to;
     }
   }
   state_->bodies.poses[collider] = *there;
@@ -212,7 +217,7 @@ Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPo
 }
 
 Result<void> Simulation::set_gravity(Vec3 gravity) {
-  if (!is_finite(gravity)) return fail("the gravity is not finite, or ", kFarthest, " m/s^2 or more");
+  if (!is_finite(gravity)) return fail("the gravity is not finite, or ", kTooLarge, " m/s^2 or more");
   state_->gravity = gravity;
   return {};
 }
@@ -244,7 +249,7 @@ double Simulation::State::dispatches_of(double substeps) const {
 
 std::vector<PassUse> Simulation::passes() const {
   const State& s = *state_;
-  // Springs may have had them divided.
+  // More than the scene's where springs need shorter ones.
   const auto substeps = static_cast<std::uint32_t>(std::lround(1 / (s.scene.solver.rate * s.fabric.h)));
   std::vector<PassUse> uses;
   for (std::size_t k = 0; k < s.solver->plan().passes.size(); ++k) {
@@ -264,8 +269,9 @@ std::vector<BufferUse> Simulation::buffers() const {
 
 Counts Simulation::counts() const {
   const gpu::Counters& counters = state_->counters();
-  return {counters.non_finite, counters.coincident,  counters.contacts_most, counters.contacts_overflowed, counters.truncated, counters.detections,
-          std::bit_cast<float>(counters.tracking_error), counters.unconverged, counters.stopped, counters.residual, counters.unaccelerated};
+  return {counters.non_finite, counters.coincident, counters.contacts_most, counters.contacts_overflowed, counters.truncated,
+          counters.detections, std::bit_cast<float>(counters.tracking_error), counters.unconverged, counters.stopped,
+          counters.residual, counters.unaccelerated};
 }
 
 }  // namespace weft

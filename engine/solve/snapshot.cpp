@@ -43,7 +43,7 @@ void fields(Walk& walk, T& lead) {
 
 template <class Walk, Is<Snapshot::ColliderState> T>
 void fields(Walk& walk, T& state) {
-  walk(state.led), walk(state.waits), walk(state.pose), walk(state.wish);
+  walk(state.led), walk(state.waits), walk(state.pose), walk(state.pending);
 }
 
 template <class Walk, Is<Snapshot::Content> T>
@@ -145,7 +145,8 @@ T number_at(std::span<const std::byte> bytes, std::size_t at) {
 // `head`: the first kHead bytes, or fewer if there are no more; `size`: of all.
 Result<void> check_head(std::span<const std::byte> head, std::uint64_t size) {
   const std::size_t known = std::min(head.size(), kMagic.size());
-  if (known == 0 || std::memcmp(head.data(), kMagic.data(), known) != 0) return fail("this is no snapshot: it does not begin with ", kMagic);
+  if (known == 0 || std::memcmp(head.data(), kMagic.data(), known) != 0)
+    return fail("this is no snapshot: it does not begin with ", kMagic);
   if (head.size() < kHead) return fail("the snapshot is cut: it has ", size, " bytes, and its head alone takes ", kHead);
   const auto version = number_at<std::uint32_t>(head, kMagic.size());
   if (version != kVersion) return fail("the snapshot is of version ", version, "; this Weft reads version ", kVersion);
@@ -173,11 +174,13 @@ std::vector<std::byte> snapshot_bytes(const Snapshot& snapshot) {
 Result<Snapshot> parse_snapshot(std::span<const std::byte> bytes) {
   if (auto good = check_head(bytes.first(std::min(bytes.size(), kHead)), bytes.size()); !good) return good.take_error();
   const auto body = bytes.first(bytes.size() - kEnd);
-  if (digest_of_bytes(body) != number_at<std::uint64_t>(bytes, body.size())) return fail("the snapshot is damaged: its bytes are not those that were written");
+  if (digest_of_bytes(body) != number_at<std::uint64_t>(bytes, body.size()))
+    return fail("the snapshot is damaged: its bytes are not those that were written");
   Reader reader{body.subspan(kHead)};
   Snapshot snapshot;
   fields(reader, snapshot);
-  if (!reader.sound || !reader.left.empty()) return fail("the snapshot is damaged: what it holds does not add up to its ", bytes.size(), " bytes");
+  if (!reader.sound || !reader.left.empty())
+    return fail("the snapshot is damaged: its members do not add up to its ", bytes.size(), " bytes");
   return snapshot;
 }
 

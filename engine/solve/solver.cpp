@@ -14,9 +14,9 @@ namespace {
 
 // `predicted` and `next_iterate` trade places; everything else is itself.
 std::size_t in_role(std::size_t number, std::uint32_t parity) {
-  static const std::size_t predicted = number_of(buffers::predicted), relaxed = number_of(buffers::next_iterate);
+  static const std::size_t predicted = number_of(buffers::predicted), next = number_of(buffers::next_iterate);
   if (parity == 0) return number;
-  return number == predicted ? relaxed : number == relaxed ? predicted : number;
+  return number == predicted ? next : number == next ? predicted : number;
 }
 
 VkFormat texel_format(Texel texel) {
@@ -64,8 +64,8 @@ std::vector<std::byte> first_contents(const Buffer& row, std::uint64_t bytes, co
 
 }  // namespace
 
-Result<Solver> Solver::create(const compute::Device& device, const compute::PipelineCache& cache, const Scene& scene, const CookedFabric& fabric,
-                              const SolverOptions& options) {
+Result<Solver> Solver::create(const compute::Device& device, const compute::PipelineCache& cache, const Scene& scene,
+                              const CookedFabric& fabric, const SolverOptions& options) {
   Solver solver;
   solver.device_ = &device;
   solver.shape_ = shape_of(scene);
@@ -89,7 +89,7 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   return solver;
 }
 
-// All buffers of the plan that grow with the room for contacts, or all others and after them the uniform buffer.
+// The buffers of the plan that grow with the contact capacity; or all others, and after them the uniform buffer.
 Result<compute::Arena> Solver::create_arena(bool grows) const {
   std::vector<compute::BufferRequest> requests;
   const Plan::PlannedBuffer* predicted = plan_.find(buffers::predicted);
@@ -97,7 +97,8 @@ Result<compute::Arena> Solver::create_arena(bool grows) const {
     const Plan::PlannedBuffer& planned = plan_.buffers[k];
     const Buffer& row = *planned.row;
     if (row.grows != grows) continue;
-    compute::BufferRequest request{std::string(row.name), places_[k].bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+    compute::BufferRequest request{std::string(row.name), places_[k].bytes,
+                                   VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT};
     // Both iterates are bound in both roles.
     const bool iterate = predicted != nullptr && (&row == &buffers::predicted || &row == &buffers::next_iterate);
     if (planned.storage || (iterate && predicted->storage)) request.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
@@ -109,13 +110,15 @@ Result<compute::Arena> Solver::create_arena(bool grows) const {
     if (row.access == Access::arguments) request.usage |= VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
     requests.push_back(std::move(request));
   }
-  if (!grows && !told_.empty()) requests.push_back({"slices", told_.size(), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT});
+  if (!grows && !told_.empty())
+    requests.push_back({"slices", told_.size(), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT});
   return compute::Arena::create(*device_, compute::Memory::device, grows ? "weft candidates" : "weft", requests);
 }
 
 Result<void> Solver::create_buffers(const Cooked& subject) {
   std::size_t counts[2] = {0, 0};
-  for (const Plan::PlannedBuffer& planned : plan_.buffers) places_.push_back({bytes_of(*planned.row, subject), counts[planned.row->grows]++});
+  for (const Plan::PlannedBuffer& planned : plan_.buffers)
+    places_.push_back({bytes_of(*planned.row, subject), counts[planned.row->grows]++});
   for (const Slice* slice : plan_.slices) {
     const Contents first = slice->first(subject);
     slices_.push_back({told_.size(), first.bytes().size()});
@@ -149,7 +152,8 @@ Result<void> Solver::create_runs(const Cooked& subject, const compute::PipelineC
     if (planned.pass->threads.groups != nullptr) run.groups = static_cast<std::uint32_t>(planned.pass->threads.groups(subject));
     for (const Range& range : run.ranges)
       if ((std::uint64_t(range.count) + workgroup_ - 1) / workgroup_ > device_->limits().max_workgroups_x)
-        return fail("pass ", planned.label, ": ", range.count, " threads need more workgroups than the device's ", device_->limits().max_workgroups_x);
+        return fail("pass ", planned.label, ": ", range.count, " threads need more workgroups than the device's ",
+                    device_->limits().max_workgroups_x);
     for (const std::uint32_t parity : {0u, 1u}) run.touches[parity] = touches_of(planned, parity);
     if (auto made = create_pipeline(planned, cache, run); !made) return made;
     runs_.push_back(std::move(run));
@@ -171,7 +175,8 @@ Result<void> Solver::create_pipeline(const PlannedPass& planned, const compute::
       storage += resource.binding.kind == compute::Binding::Kind::storage_buffer;
     }
     if (storage > device_->limits().max_storage_buffers_per_stage)
-      return fail("pass ", planned.label, " uses ", storage, " storage buffers; the device has ", device_->limits().max_storage_buffers_per_stage, " a stage");
+      return fail("pass ", planned.label, " uses ", storage, " storage buffers; the device has ",
+                  device_->limits().max_storage_buffers_per_stage, " a stage");
     auto layout = compute::DescriptorLayout::create(*device_, planned.label + kSetNames[set], bindings);
     if (!layout) return layout.take_error();
     run.layouts[set] = std::move(*layout);
@@ -196,11 +201,13 @@ Result<std::vector<Solver::Sets>> Solver::write_sets() const {
         for (const PlannedPass::Resource& resource : plan_.passes[k].resources) {
           if (resource.binding.set != set) continue;
           if (resource.kind == PlannedPass::Resource::Kind::slice)
-            bound.push_back({resource.binding.binding, &arena_[arena_.size() - 1], slices_[resource.number].at, slices_[resource.number].bytes});
+            bound.push_back(
+                {resource.binding.binding, &arena_[arena_.size() - 1], slices_[resource.number].at, slices_[resource.number].bytes});
           else
             bound.push_back({resource.binding.binding, &buffer(*all_buffers()[in_role(resource.number, parity)])});
         }
-        auto written = compute::DescriptorSet::create(*device_, plan_.passes[k].label + kSetNames[set] + (parity == 0 ? " even" : " odd"), runs_[k].layouts[set], bound);
+        auto written = compute::DescriptorSet::create(*device_, plan_.passes[k].label + kSetNames[set] + (parity == 0 ? " even" : " odd"),
+                                                      runs_[k].layouts[set], bound);
         if (!written) return written.take_error();
         all[k].sets[parity][set] = std::move(*written);
       }
@@ -210,7 +217,7 @@ Result<std::vector<Solver::Sets>> Solver::write_sets() const {
 Result<void> Solver::grow(std::uint32_t candidates) {
   if ((std::uint64_t(WEFT_NEAR) * candidates + workgroup_ - 1) / workgroup_ > device_->limits().max_workgroups_x)
     return fail(candidates, " contact candidates need more workgroups than the device's ", device_->limits().max_workgroups_x);
-  const auto set_room = [&](std::uint32_t capacity) {
+  const auto set_capacity = [&](std::uint32_t capacity) {
     for (std::size_t k = 0; k < places_.size(); ++k)
       if (plan_.buffers[k].row->grows) places_[k].bytes = places_[k].bytes / contacts_.capacity * capacity;
     for (std::size_t k = 0; k < runs_.size(); ++k)
@@ -220,7 +227,7 @@ Result<void> Solver::grow(std::uint32_t candidates) {
     tell("contact_settings", contacts_);
   };
   const std::uint32_t before = contacts_.capacity;
-  set_room(candidates);
+  set_capacity(candidates);
   auto arena = create_arena(true);
   if (arena) {
     std::swap(growing_arena_, *arena);
@@ -232,7 +239,7 @@ Result<void> Solver::grow(std::uint32_t candidates) {
     std::swap(growing_arena_, *arena);
     arena = sets.take_error();
   }
-  set_room(before);   // shaders go by it: it must never be more than the buffers have
+  set_capacity(before);   // shaders check against it: it must never exceed the buffers
   return arena.take_error();
 }
 
@@ -252,7 +259,8 @@ std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
       case Stage::iteration: {
         const std::uint32_t k = moment.iteration;
         if (shape_.implicit) push.iteration = shape_.iterations;
-        push.flags = substep_flags | (k == 0 ? WEFT_FIRST_ITERATION : 0) | (k + 1 == shape_.solver_iterations() ? WEFT_LAST_ITERATION : 0) | phase_ << WEFT_PHASE_SHIFT;
+        push.flags = substep_flags | (k == 0 ? WEFT_FIRST_ITERATION : 0) | (k + 1 == shape_.solver_iterations() ? WEFT_LAST_ITERATION : 0) |
+                     phase_ << WEFT_PHASE_SHIFT;
         push.omega = k == 0 ? 1 : static_cast<float>(k == 1 ? 2 / (2 - rho_ * rho_) : 4 / (4 - rho_ * rho_ * push.omega));
         break;
       }
@@ -275,14 +283,14 @@ void Solver::list(Stage stage, const FrameInput& input, const gpu::Push& push) {
   for (std::uint32_t k = 0; k < plan_.passes.size(); ++k) {
     const Pass& pass = *plan_.passes[k].pass;
     if (pass.stage != stage) continue;
-    const bool arrived = pass.only_towards_targets && !input.anchors_move;
-    // With contacts an anchor that was held back may still be on its way.
-    if (arrived && !has(buffers::detection)) continue;
+    const bool at_targets = pass.only_towards_targets && !input.anchors_move;
+    // With contacts, an anchor that cloth held back may not have reached its target.
+    if (at_targets && !has(buffers::detection)) continue;
     for (std::uint32_t round = 0; round < runs_[k].ranges.size(); ++round) {
       gpu::Push told = push;
       told.first = runs_[k].ranges[round].first;
       told.count = runs_[k].ranges[round].count;
-      if (arrived) told.fraction_from = told.fraction_to = 1;
+      if (at_targets) told.fraction_from = told.fraction_to = 1;
       if (pass.rounds > 1) told.flags |= round << WEFT_PASS_SHIFT;
       steps_.push_back({k, parity_, told});
     }

@@ -19,10 +19,10 @@ namespace weft {
 struct SolverOptions {
   bool gather_storage = false;
   std::uint32_t workgroup = 0;   // threads; 0 chooses for the device
-  Vec3 origin = {};              // m: where particles' positions count from, in the world that the renderer draws
+  Vec3 origin = {};              // m: of the particles' positions, in world space
 };
 
-/// What a frame is told by the host. The spans need only live during record.
+/// A frame's input from the host. The spans need only live during record_input.
 struct FrameInput {
   std::uint32_t substeps = 0;
   Vec3 gravity;
@@ -33,8 +33,8 @@ struct FrameInput {
 
 class Solver {
  public:
-  static Result<Solver> create(const compute::Device& device, const compute::PipelineCache& cache, const Scene& scene, const CookedFabric& fabric,
-                               const SolverOptions& options);
+  static Result<Solver> create(const compute::Device& device, const compute::PipelineCache& cache, const Scene& scene,
+                               const CookedFabric& fabric, const SolverOptions& options);
 
   /// One dispatch of a frame.
   struct Step {
@@ -42,17 +42,17 @@ class Solver {
     std::uint32_t parity;  // which of the two iterates is `predicted`
     gpu::Push push;
   };
-  /// Room for this many candidates from now on; those found so far are lost, so that the next substep must detect. The GPU must be done
-  /// with this solver. Errors: no memory; a device limit; the room then stays as it was.
+  /// Sets the capacity for candidates. Those found so far are discarded, so the next substep must detect. The GPU must be done
+  /// with this solver. Errors: no memory; a device limit; the capacity then stays as it was.
   Result<void> grow(std::uint32_t candidates);
 
-  /// Lists a frame's dispatches and moves the iterates' parity on: call once a frame, then record all of it.
+  /// Lists a frame's dispatches and advances the parity of the iterates: call once a frame, then record all of it.
   std::span<const Step> frame(const FrameInput& input);
 
-  /// The dispatches of a frame's end alone: the surface of the pose at hand.
+  /// The dispatches of Stage::frame_end alone: the surface of the current pose.
   std::span<const Step> surface();
 
-  /// Copies what the frame is told into the GPU's buffers; visible to the steps after it.
+  /// Records the copies of a frame's input into the GPU's buffers; visible to the steps after it.
   void record_input(compute::Recorder& recorder, const FrameInput& input);
   void record_step(compute::Recorder& recorder, const Step& step) const;
 
@@ -67,12 +67,12 @@ class Solver {
   /// All of them with their sizes.
   std::vector<const compute::Buffer*> buffers() const;
   const gpu::ContactSettings& contact_settings() const { return contacts_; }
-  /// Which of the two iterates the next frame begins with; a frame that is to be run again needs it back.
+  /// Which of the two iterates the next frame begins with; restored before a frame is repeated.
   std::uint32_t parity() const { return parity_; }
   void set_parity(std::uint32_t parity) { parity_ = parity; }
   /// Substeps modulo 3: where in gpu::Acceleration the next one finds its predecessors.
   std::uint32_t phase() const { return phase_; }
-  void set_phase(std::uint32_t turn) { phase_ = turn; }
+  void set_phase(std::uint32_t phase) { phase_ = phase; }
 
  private:
   // A buffer of the plan: how many bytes of it are used, and where it is.
@@ -88,7 +88,7 @@ class Solver {
     std::vector<Range> ranges;
     std::uint32_t groups = 0;              // of workgroups; 0: as many as a range needs
     compute::Touches touches[2];           // by parity
-    compute::DescriptorLayout layouts[2];  // storage, texels: a device need not have room for all bindings in one
+    compute::DescriptorLayout layouts[2];  // storage, texels: not every device can hold all bindings in one
     compute::OwnedPipelineLayout layout;
     compute::ComputePipeline pipeline;
   };

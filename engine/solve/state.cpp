@@ -26,23 +26,26 @@ Result<std::vector<gpu::vec4>> Simulation::State::read(const Buffer& row, std::s
   if (auto done = wait(); !done) return done.take_error();
   if (auto done = put_frame_back(); !done) return done.take_error();
   std::vector<gpu::vec4> values(count);
-  if (auto done = compute::read_back(*device, solver->buffer(row), std::as_writable_bytes(std::span(values))); !done) return done.take_error();
+  if (auto done = compute::read_back(*device, solver->buffer(row), std::as_writable_bytes(std::span(values))); !done)
+    return done.take_error();
   return values;
 }
 
 Result<void> Simulation::State::check_count(std::span<const gpu::vec4> values) const {
-  return values.size() == fabric.positions.size() ? Result<void>() : fail(values.size(), " values were given for ", fabric.positions.size(), " particles");
+  return values.size() == fabric.positions.size() ? Result<void>()
+                                                  : fail(values.size(), " values were given for ", fabric.positions.size(), " particles");
 }
 
-// The counters with so many more mended. The device must be done: in between they are its.
+// The counters, with `more` added to those sanitized. The device must be done: it counts, too.
 Result<gpu::Counters> Simulation::State::counters_and_sanitized(std::size_t more) {
   gpu::Counters counted{};
-  if (auto done = compute::read_back(*device, solver->buffer(buffers::counters), std::as_writable_bytes(std::span(&counted, 1))); !done) return done.take_error();
+  if (auto done = compute::read_back(*device, solver->buffer(buffers::counters), std::as_writable_bytes(std::span(&counted, 1))); !done)
+    return done.take_error();
   counted.non_finite += static_cast<std::uint32_t>(more);
   return counted;
 }
 
-// All of it, or, where there is no memory, nothing.
+// Uploads all of it or, where there is no memory, nothing.
 Result<void> Simulation::State::write(std::vector<compute::Upload> uploads, const gpu::Counters& counted) {
   uploads.push_back({&solver->buffer(buffers::counters), std::as_bytes(std::span(&counted, 1))});
   if (auto done = compute::upload_all(*device, uploads); !done) return done;
@@ -50,10 +53,14 @@ Result<void> Simulation::State::write(std::vector<compute::Upload> uploads, cons
   return {};
 }
 
-Result<std::vector<gpu::vec4>> Simulation::read_positions() const { return state_->read(buffers::positions, state_->fabric.positions.size()); }
-Result<std::vector<gpu::vec4>> Simulation::read_velocities() const { return state_->read(buffers::velocities, state_->fabric.positions.size()); }
+Result<std::vector<gpu::vec4>> Simulation::read_positions() const {
+  return state_->read(buffers::positions, state_->fabric.positions.size());
+}
+Result<std::vector<gpu::vec4>> Simulation::read_velocities() const {
+  return state_->read(buffers::velocities, state_->fabric.positions.size());
+}
 
-// What write_positions promises, but for the surface.
+// All of write_positions but the surface.
 Result<void> Simulation::State::put(std::span<const gpu::vec4> positions) {
   if (auto good = check_count(positions); !good) return good;
   auto present = read(buffers::positions, positions.size());
@@ -61,21 +68,27 @@ Result<void> Simulation::State::put(std::span<const gpu::vec4> positions) {
   auto velocities = read(buffers::velocities, positions.size());
   if (!velocities) return velocities.take_error();
   std::vector<gpu::vec4> wanted(positions.begin(), positions.end());
-  std::vector<bool> mended;
-  sanitize_positions(fabric, *present, wanted, mended);
-  // w belongs to the solver: inverse mass, split mass or material. Both iterates follow: what a frame does not predict (anchors) it takes from them.
+  std::vector<bool> sanitized;
+  sanitize_positions(fabric, *present, wanted, sanitized);
+  // w belongs to the solver: inverse mass, split mass or material. Both iterates follow: particles that a frame does not predict
+  // (anchors) are read there.
   const std::vector<gpu::vec4> iterate = iterates_at(wanted, fabric);
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     wanted[i].w = (*present)[i].w;
-    if (mended[i]) (*velocities)[i] = {0, 0, 0, (*velocities)[i].w};
+    if (sanitized[i]) (*velocities)[i] = {0, 0, 0, (*velocities)[i].w};
   }
-  auto counted = counters_and_sanitized(static_cast<std::size_t>(std::count(mended.begin(), mended.end(), true)));
+  auto counted = counters_and_sanitized(static_cast<std::size_t>(std::count(sanitized.begin(), sanitized.end(), true)));
   if (!counted) return counted.take_error();
-  // First: paths and displacement bounds must never be those of another pose.
+  // First: predicted trajectories and displacement bounds must never be those of another pose.
   if (solver->has(buffers::detection))
     if (auto done = detect_anew(); !done) return done;
-  const auto upload = [&](const Buffer& row, const std::vector<gpu::vec4>& values) { return compute::Upload{&solver->buffer(row), std::as_bytes(std::span(values))}; };
-  if (auto done = write({upload(buffers::positions, wanted), upload(buffers::predicted, iterate), upload(buffers::next_iterate, iterate), upload(buffers::velocities, *velocities)}, *counted); !done)
+  const auto upload = [&](const Buffer& row, const std::vector<gpu::vec4>& values) {
+    return compute::Upload{&solver->buffer(row), std::as_bytes(std::span(values))};
+  };
+  if (auto done = write({upload(buffers::positions, wanted), upload(buffers::predicted, iterate), upload(buffers::next_iterate, iterate),
+                         upload(buffers::velocities, *velocities)},
+                        *counted);
+      !done)
     return done;
   for (gpu::Anchor& anchor : kinematic.targets) {
     const gpu::vec4& p = wanted[anchor.particle];
@@ -95,13 +108,13 @@ Result<void> Simulation::write_velocities(std::span<const gpu::vec4> velocities)
   if (auto good = s.check_count(velocities); !good) return good;
   auto wanted = read_velocities();   // w belongs to the solver
   if (!wanted) return wanted.take_error();
-  std::size_t lost = 0;
+  std::size_t sanitized = 0;
   for (std::size_t i = 0; i < wanted->size(); ++i) {
     const gpu::vec4& v = velocities[i];
-    lost += !is_finite(v);
+    sanitized += !is_finite(v);
     (*wanted)[i] = is_finite(v) ? gpu::vec4{v.x, v.y, v.z, (*wanted)[i].w} : gpu::vec4{0, 0, 0, (*wanted)[i].w};
   }
-  auto counted = s.counters_and_sanitized(lost);
+  auto counted = s.counters_and_sanitized(sanitized);
   if (!counted) return counted.take_error();
   return s.write({{&s.solver->buffer(buffers::velocities), std::as_bytes(std::span(*wanted))}}, *counted);
 }

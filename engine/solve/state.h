@@ -18,48 +18,50 @@ struct FrameSlot {
   std::uint64_t value = 0;   // of the ready semaphore when it is done; 0: never submitted
 };
 
-/// Where a collider stands when its keys say `key`.
+/// The pose of a collider at a key.
 ColliderPose keyed_pose(const Collider& collider, const Key& key);
 
-/// Time goes in whole substeps; what is left of a frame's seconds waits for the next one.
+/// Time advances in whole substeps; the rest of a frame's seconds is carried over to the next frame.
 struct Clock {
   std::uint64_t substeps = 0;
   double left_over = 0;                        // s, less than a substep
 };
 
-/// Particles that keys or the host lead: all anchors, then the particles of mesh colliders. `targets` has an entry for each of them, `pending` and
-/// `is_host_driven` for the anchors alone. The GPU is told of targets in each frame in which `from` and `to` differ or `are_dirty`.
+/// Kinematic particles, driven by keys or by the host: all anchors, then the particles of mesh colliders. `targets` has an entry
+/// for each of them, `pending` and `is_host_driven` for the anchors alone. Targets are uploaded in every frame in which a `from`
+/// and a `to` differ, or which finds them dirty.
 struct KinematicTargets {
-  std::vector<gpu::Anchor> targets;            // from: where they are; to: where the frame takes them
-  std::vector<std::optional<Vec3>> pending;    // what the host has asked for since the last frame
-  std::vector<bool> is_host_driven;            // by the host from its first target on, instead of by keys
+  std::vector<gpu::Anchor> targets;            // from: at the frame's start; to: at its end (m)
+  std::vector<std::optional<Vec3>> pending;    // targets that the host has set since the last frame (m)
+  std::vector<bool> is_host_driven;            // from the host's first target on, instead of by keys
   bool are_keyed = false;
-  bool are_dirty = false;                      // the GPU's copy is not `targets`: a frame has failed, or they were put somewhere
+  bool are_dirty = false;                      // the GPU's copy is not `targets`: a frame has failed, or positions were written
 };
 
 /// Colliders, an entry each in all lists but the last two.
 struct Bodies {
-  std::vector<ColliderPose> poses;             // where they are
-  std::vector<Key> keys;                       // what the keys said last
-  std::vector<std::optional<ColliderPose>> pending;   // what the host has asked for since the last frame
+  std::vector<ColliderPose> poses;             // at the last frame's end
+  std::vector<Key> keys;                       // the keys' last poses
+  std::vector<std::optional<ColliderPose>> pending;   // poses that the host has set since the last frame
   std::vector<bool> is_host_driven;
   std::vector<ColliderPose> told;              // poses in the host's world
   std::vector<std::uint32_t> order;            // by shape, as the GPU wants them; no meshes
   std::vector<gpu::Collider> colliders;        // of the frame at hand, in that order
 };
 
-/// What it takes to run a frame again. While `frame_is_torn` the solver's buffers are in the middle of a frame, and `saved` is what to put back.
+/// What it takes to repeat a frame. While `frame_is_torn` the solver's buffers are in the middle of a frame, and `saved` holds its
+/// start.
 struct Rollback {
-  std::vector<const Buffer*> rows;             // what a frame leaves to the next one, in the order of rows: Lifetime::kept
+  std::vector<const Buffer*> rows;             // Lifetime::kept: what a frame leaves to the next one, in the order of rows
   compute::Arena saved;                        // with contacts, or passes one by one: a copy of each
-  std::uint32_t candidates = 0;                // how many candidates are in it
+  std::uint32_t candidates = 0;                // number of candidates in it
   bool frame_is_torn = false;
 };
 
-/// Room for contact candidates. It grows by what overflowed since it was last looked at, until the device has no more.
+/// Growth of the capacity for contact candidates: enlarged after each overflow, until the device has no more memory.
 struct ContactCapacity {
-  std::uint32_t overflow_seen = 0;             // candidates that overflowed in frames after which submit has grown
-  bool is_final = false;                       // more was asked for and not to be had: not asked for again
+  std::uint32_t overflow_seen = 0;             // Counters::contacts_overflowed when submit last enlarged the capacity
+  bool is_final = false;                       // the device had no memory for more: not asked for again
 };
 
 /// Frames that Weft submits. Frame n is done when `ready` has reached n; `submitted` is the last n.
@@ -75,7 +77,7 @@ struct FrameQueue {
 struct Simulation::State {
   const compute::Device* device = nullptr;
   Scene described;                             // as the host gave it
-  Scene scene;                                 // told from the origin, as is everything below
+  Scene scene;                                 // relative to the origin, as is everything below
   Vec3 origin;                                 // m, in the host's world
   SimulationOptions options;
   std::vector<Mesh> meshes;
@@ -83,7 +85,7 @@ struct Simulation::State {
   compute::PipelineCache cache;
   std::optional<Solver> solver;
   compute::Arena readback;       // the counters and, with contacts, the detection, copied at every frame's end
-  std::optional<std::uint64_t> digest;   // of the scene and its fabric: what a snapshot must be of; made when it is asked for
+  std::optional<std::uint64_t> digest;   // of the scene and its fabric, for snapshots; made when first needed
   Vec3 gravity;
   Clock clock;
   KinematicTargets kinematic;
@@ -94,16 +96,16 @@ struct Simulation::State {
 
   double now() const { return static_cast<double>(clock.substeps) * fabric.h; }
   bool timed_on_cpu() const;
-  double dispatches_of(double substeps) const;   // of a frame with so many
+  double dispatches_of(double substeps) const;   // of a frame of so many substeps
   Result<Advance> plan_frame(double seconds, FrameInput& input);
   void move_scene(FrameInput& input);
   Result<ColliderPose> checked_pose(std::uint32_t collider, const ColliderPose& pose) const;
   const ColliderMesh* mesh_of(std::uint32_t collider) const;   // null: it is none
   Vec3 move_collider_on(std::uint32_t collider);
   void move_collider_meshes();
-  void record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool keep);
-  Result<void> submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits, bool keep);
-  Result<void> run_pass_by_pass(const FrameInput& input, bool keep);
+  void record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool save);
+  Result<void> submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits, bool save);
+  Result<void> run_pass_by_pass(const FrameInput& input, bool save);
   Result<void> run_to_the_end(const FrameInput& input);
   Result<void> create_saved();
   void copy_saved(VkCommandBuffer commands, bool back) const;

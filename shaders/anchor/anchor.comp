@@ -16,7 +16,7 @@ GATHER(velocities)
 GATHER(materials)
 READ_WRITE(Detection, detection)
 READ_WRITE(Counters, counters)
-#include "contact/displacement_bound.glsl"
+#include "motion/displacement_bound.glsl"
 
 // Its target when this fraction of the frame is over.
 vec3 place_at(Anchor anchor, float fraction) { return fraction == 1 ? anchor.to : anchor.from + fraction * (anchor.to - anchor.from); }

@@ -100,8 +100,8 @@ Hit capsule_distance(Collider c, vec3 p) {
   return Hit(len > 1e-9 ? d / len : vec3(1, 0, 0), len - c.radius);
 }
 
-// The first t with |a + t segment| = radius: half a chord before the point that is nearest to 0. This avoids the cancellation of large squares
-// in the quadratic formula.
+// The first t with |a + t segment| = radius: half a chord before the point that is nearest to 0. This avoids the cancellation of large
+// squares in the quadratic formula.
 float entry_root(vec3 a, vec3 segment, float radius) {
   const float squared = dot(segment, segment), t = -dot(a, segment) / max(squared, 1e-20);
   const vec3 nearest = a + t * segment;

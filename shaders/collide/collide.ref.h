@@ -13,7 +13,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "shaders/stretch/jacobi.ref.h"
+#include "shaders/jacobi.ref.h"
 
 namespace weft::reference {
 

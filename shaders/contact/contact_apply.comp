@@ -15,7 +15,7 @@ READ_WRITE(Counters, counters)
 GATHER(velocities)
 GATHER(materials)
 #include "collide/colliders.glsl"
-#include "contact/displacement_bound.glsl"
+#include "motion/displacement_bound.glsl"
 
 vec3 moved_by_contacts(uint i, vec3 p) {
   if (contact_penetrations[i] != 0) contact_penetrations[i] = 0;
@@ -33,7 +33,7 @@ void main() {
   vec3 p = moved_by_contacts(i, before.xyz);
   if (has_colliders) p = out_of_colliders(FETCH(positions, i).xyz, p, FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)));
   if ((push.flags & WEFT_LAST_ITERATION) != 0) {
-    const vec3 end = held(i, FETCH(positions, i).xyz, p, detection[0].steps);
+    const vec3 end = keep_within_bound(i, FETCH(positions, i).xyz, p, detection[0].steps);
     if (end != p) atomicAdd(counters[0].truncated, 1);
     p = end;
   }

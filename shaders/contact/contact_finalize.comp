@@ -14,7 +14,7 @@ READ_WRITE(Detection, detection)
 READ_WRITE(Counters, counters)
 
 #include "motion/update_velocity.glsl"
-#include "contact/displacement_bound.glsl"
+#include "motion/displacement_bound.glsl"
 
 const uint kOne = 0x3f800000u;   // 1.0
 
@@ -42,7 +42,7 @@ vec3 allowed(uint i, vec3 x, vec3 p) {
   // Where there are candidates contact_apply has kept p within the displacement bound already, before contact_limit.
   const bool contacts = detection[0].touched.x > 0;
   const float fraction = contacts ? fraction_of(i) : 1;
-  const vec3 end = contacts ? p : held(i, x, p, detection[0].steps);
+  const vec3 end = contacts ? p : keep_within_bound(i, x, p, detection[0].steps);
   if (fraction < 1 || end != p) atomicAdd(counters[0].truncated, 1);
   return fraction < 1 ? x + fraction * (end - x) : end;
 }

@@ -53,7 +53,7 @@ vec3 direction(vec3 d, vec4 weights, mat4x3 x, bool edges) {
 }
 
 // Counts the contacts of a particle that can move. Kinematic ones are left out: the corner of a large triangle has thousands of contacts,
-// whose impulses its count would scale down (contact_solve), and contact_finalize does not clear its count.
+// whose impulses its count would scale down (contact_solve), and a count of 0 need not be cleared (contact_finalize).
 void count(uint particle, float weight) {
   if (weight != 0 && FETCH(positions, particle).w != 0) atomicAdd(contact_counts[particle], 1);
 }

@@ -33,8 +33,7 @@ struct Response {
   vec4 particle;    // W_j w_j (1/kg)
   float pair;       // sum W_j w_j^2 / s_j (1/kg), at least `longest`
   float longest;    // the largest |W_j w_j| (1/kg)
-  // The largest number of contacts of one of its particles.
-  uint most_uses;
+  uint most_uses;   // the largest number of contacts of one of its particles
 };
 
 Response response_of(ActiveContact contact, vec4 inverse_masses) {

@@ -9,7 +9,7 @@
 #include <array>
 #include <limits>
 
-#include "shaders/stretch/jacobi.ref.h"
+#include "shaders/jacobi.ref.h"
 
 namespace weft::reference {
 

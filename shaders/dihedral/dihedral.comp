@@ -20,7 +20,7 @@ GATHER(predicted)
 READ(Hinge, hinges)
 READ_WRITE(vec4, hinge_impulses)
 
-// An edge below `shortest` counts as ends at one place (engine/cook/cook.cpp), and a height of the size of its rounding error has no
+// An edge below `shortest` counts as ends at one place (engine/fabric.cpp), and a height of the size of its rounding error has no
 // direction.
 const float shortest = 1e-8, rounded = 1e-6;   // m; relative to the distance of the vertex
 

@@ -14,7 +14,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "shaders/stretch/jacobi.ref.h"
+#include "shaders/jacobi.ref.h"
 
 namespace weft::reference {
 

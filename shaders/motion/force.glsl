@@ -1,7 +1,8 @@
-// force: the only way in for what changes velocities before the constraints are solved (Stage::force, Changes::velocity).
+// force: adds to velocities before the constraints are solved. Passes of Stage::force (Changes::velocity) use nothing else.
 //
-// The velocity update (update_velocity.glsl) takes `predicted` for what free flight made of positions and velocities, to the bit. So velocity
-// and prediction change together. With contacts a changed prediction may leave its displacement bound, and calls for a detection then.
+// The velocity update (update_velocity.glsl) relies on `predicted` being, bit for bit, the prediction from positions and
+// velocities. So velocity and prediction change together. With contacts, a changed prediction may exceed its displacement bound;
+// it then needs detection.
 
 #include "motion/motion.glsl"
 
@@ -9,10 +10,10 @@ GATHER(positions)
 GATHER_WRITE(velocities)
 WRITE(vec4, predicted)
 READ_WRITE(Detection, detection)
-#include "contact/displacement_bound.glsl"
+#include "motion/displacement_bound.glsl"
 
-// Changes particle i's velocity by dv (m/s). Kinematic particles go where they are led. What is not finite, or too large to be squared, is left
-// out: one lost neighbour must not take the particle along.
+// Adds dv (m/s) to particle i's velocity. Kinematic particles are left as they are. A dv that is not finite, or too large to be
+// squared, is ignored: a neighbour that is not finite must not spread.
 void add_velocity(uint i, vec3 dv) {
   const vec4 x = FETCH(positions, i);
   if (x.w == 0 || !(dot(dv, dv) < 1e20)) return;

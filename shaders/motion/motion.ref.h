@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "shaders/stretch/jacobi.ref.h"
+#include "shaders/jacobi.ref.h"
 
 namespace weft::reference {
 

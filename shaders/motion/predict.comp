@@ -13,7 +13,7 @@ GATHER_WRITE(velocities)
 WRITE(vec4, predicted)
 
 READ_WRITE(Detection, detection)
-#include "contact/displacement_bound.glsl"
+#include "motion/displacement_bound.glsl"
 
 vec3 free_flight(uint i, vec3 x) {
   const vec4 v = FETCH(velocities, i);

@@ -26,9 +26,9 @@ vec2 disc_point(int i, int count) {
   return sqrt((float(i) + 0.5) / float(count)) * vec2(cos(angle), sin(angle));
 }
 
-// The share of the sun that reaches a point: 0 ... 1. Percentage-closer soft shadows: first the mean distance to the blockers, which gives
-// the width of the penumbra, then comparisons over that width. `side` is the surface's normal on the sun's side: the point moves a little off
-// its surface, and taps beside it are compared with the surface's own plane, so that nothing shadows itself.
+// The share of the sun that reaches a point: 0 ... 1. Percentage-closer soft shadows: first the mean distance to the blockers, which
+// gives the width of the penumbra, then comparisons over that width. `side` is the surface's normal on the sun's side: the point moves
+// a little off its surface, and taps beside it are compared with the surface's own plane, so that nothing shadows itself.
 float sun_share(vec3 position, vec3 side) {
   const int kSearch = 10, kTaps = 24;
   const float kNarrow = 1.6, kWide = 9.0;  // texels: below, steps show; above, single taps show

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <array>
 
-#include "shaders/stretch/jacobi.ref.h"
+#include "shaders/jacobi.ref.h"
 
 namespace weft::reference {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "shaders/stretch/jacobi.ref.h"
+#include "shaders/jacobi.ref.h"
 
 namespace weft::reference {
 

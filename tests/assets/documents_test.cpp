@@ -131,7 +131,8 @@ std::string path_in(const std::string& span) {
   if (std::none_of(std::begin(kRooms), std::end(kRooms), [&](std::string_view room) { return path.starts_with(room); })) return {};
   if (path.find_first_of("*?<>{}[]$") != std::string::npos || path.starts_with("assets/generated")) return {};
   const std::size_t colon = path.rfind(':');
-  if (colon != std::string::npos && colon + 1 < path.size() && path.find_first_not_of("0123456789", colon + 1) == std::string::npos) path.resize(colon);
+  if (colon != std::string::npos && colon + 1 < path.size() && path.find_first_not_of("0123456789", colon + 1) == std::string::npos)
+    path.resize(colon);
   return path;
 }
 
@@ -169,7 +170,8 @@ TEST(Documents, every_link_leads_to_a_file_and_a_heading_that_exist) {
         ADD_FAILURE() << document.file << ": " << link << " leads nowhere";
       } else if (hash != std::string::npos) {
         EXPECT_EQ(target.extension().string(), ".md") << document.file << ": " << link << " has no headings";
-        EXPECT_TRUE(anchors_of(read_document(target).headings).contains(link.substr(hash + 1))) << document.file << ": " << link << " leads to no heading";
+        EXPECT_TRUE(anchors_of(read_document(target).headings).contains(link.substr(hash + 1)))
+            << document.file << ": " << link << " leads to no heading";
       }
     }
   EXPECT_GT(links, 20u);

@@ -105,7 +105,8 @@ TEST(Scene, a_fabric_object_starts_from_its_preset) {
 
 TEST(Scene, contacts_are_off_until_asked_for_in_any_of_three_ways) {
   const auto contacts_of = [](const std::string& value, std::vector<Assignment> assignments = {}) {
-    const Result<Scene> scene = parse(R"({"cloths": [{"grid": {}}])" + (value.empty() ? "" : ", \"contacts\": " + value) + "}", std::move(assignments));
+    const Result<Scene> scene = parse(R"({"cloths": [{"grid": {}}])" + (value.empty() ? "" : ", \"contacts\": " + value) + "}",
+                                      std::move(assignments));
     return scene ? scene->contacts : Contacts{false, -1, 0, 0, 0};
   };
   EXPECT_EQ(contacts_of(""), Contacts{});
@@ -248,7 +249,8 @@ TEST(SceneFile, cut_short_anywhere_it_is_refused) {
 TEST(SceneFile, random_mutations_never_crash) {
   std::mt19937 random(20);
   const std::string full = kFull;
-  const std::string_view pieces[] = {"{", "}", "[", "]", ",", ":", "\"", "-", "1e999", "null", "true", "\\u0000", "\xff", "1e-320", "\"x\"", "9999999999999"};
+  const std::string_view pieces[] = {"{", "}", "[", "]", ",", ":", "\"", "-", "1e999", "null", "true", "\\u0000", "\xff", "1e-320", "\"x\"",
+                                     "9999999999999"};
   for (int round = 0; round < 2000; ++round) {
     std::string text = full;
     for (unsigned changes = 1 + random() % 4; changes > 0; --changes) {
@@ -267,12 +269,14 @@ TEST(SceneFile, random_mutations_never_crash) {
 
 TEST(SceneFile, random_values_in_the_right_places_never_crash) {
   std::mt19937 random(21);
-  const char* paths[] = {"frames", "gravity", "gravity[1]", "solver", "solver.rate", "cloths", "cloths[0]", "cloths[0].mesh", "cloths[0].fabric",
-                         "cloths[0].fabric.stretch", "cloths[0].anchors", "cloths[0].anchors[0].keys", "cloths[0].anchors[0].keys[1]",
-                         "cloths[0].anchors[1].box", "cloths[0].anchors[2].vertices", "cloths[1].grid", "cloths[1].grid.cells",
-                         "cloths[0].appearance.albedo", "colliders", "colliders[0]", "camera", "light.direction", "cloths[0].tethers", "contacts", "contacts.capacity"};
+  const char* paths[] = {"frames", "gravity", "gravity[1]", "solver", "solver.rate", "cloths", "cloths[0]", "cloths[0].mesh",
+                         "cloths[0].fabric", "cloths[0].fabric.stretch", "cloths[0].anchors", "cloths[0].anchors[0].keys",
+                         "cloths[0].anchors[0].keys[1]", "cloths[0].anchors[1].box", "cloths[0].anchors[2].vertices",
+                         "cloths[1].grid", "cloths[1].grid.cells", "cloths[0].appearance.albedo", "colliders", "colliders[0]",
+                         "camera", "light.direction", "cloths[0].tethers", "contacts", "contacts.capacity"};
   const char* values[] = {"null", "true", "[]", "{}", "\"\"", "-1", "0", "1e308", "-0.0", "18446744073709551615", "-9223372036854775808",
-                          "[1,2,3]", "[[],{}]", "{\"a\":1}", "1e-308", "\"rigid\"", "[null,null,null]", "4294967296", "[1e308,1e308,1e308]"};
+                          "[1,2,3]", "[[],{}]", "{\"a\":1}", "1e-308", "\"rigid\"", "[null,null,null]", "4294967296",
+                          "[1e308,1e308,1e308]"};
   for (int round = 0; round < 2000; ++round) {
     const Result<Scene> scene = parse(kFull, {{paths[random() % std::size(paths)], values[random() % std::size(values)]},
                                               {paths[random() % std::size(paths)], values[random() % std::size(values)]}});

@@ -314,7 +314,7 @@ TEST_F(Faults, memory_that_runs_out_while_contacts_get_more_capacity_is_told_and
         const auto& notes = simulation->fabric().notes;
         if (notes.empty()) return {};
         EXPECT_EQ(simulation->counts().contacts_overflowed, 0u) << "there was memory for less";
-        return fail(notes.back());
+        return fail(ErrorKind::memory, notes.back());
       },
       [](const Made& simulation) {
         must(simulation->advance(1.0 / 60));

@@ -4,97 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <map>
 #include <set>
 #include <string>
 
 #include "engine/effects/buffers.h"
 #include "shaders/embedded.h"
+#include "tests/support/calls.h"
 
 namespace weft {
 namespace {
-
-using Id = EffectId;
-namespace constant = gpu::constant;
-constexpr std::uint32_t kWorkgroup = 128;
-
-// What a scene calls for, in the short.
-struct Calls {
-  std::set<Id> effects;        // besides motion and surface
-  bool iterated = false;       // several iterations a substep
-  bool relaxed = false;        // the method implicit, solved by Jacobi
-  auto operator<=>(const Calls&) const = default;
-  bool has(Id id) const { return effects.contains(id); }
-};
-
-Needs setup_for(const Calls& calls, bool texels) {
-  Needs setup;
-  setup.constants[constant::workgroup] = kWorkgroup;
-  setup.constants[constant::through_texels] = texels;
-  setup.constants[constant::is_iterated] = calls.iterated;
-  setup.constants[constant::linear_solver] = calls.relaxed ? WEFT_LINEAR_JACOBI : WEFT_LINEAR_CG;
-  setup.constants[constant::is_accelerated] = calls.has(Id::chebyshev);
-  setup.constants[constant::has_tethers] = calls.has(Id::tether);
-  setup.constants[constant::has_colliders] = setup.constants[constant::spheres] = calls.has(Id::collide);
-  setup.constants[constant::has_contacts] = calls.has(Id::contact);
-  for (const Id id : {Id::motion, Id::surface}) setup.effects.set(static_cast<std::size_t>(id));
-  for (const Id id : calls.effects) setup.effects.set(static_cast<std::size_t>(id));
-  return setup;
-}
-
-std::string words(const Calls& calls) {
-  std::string text = std::string(calls.iterated ? "iterated " : "") + (calls.relaxed ? "relaxed " : "");
-  for (const Id id : calls.effects) text += std::string(effect(id).name) + ' ';
-  return text;
-}
-
-Calls with(Calls calls, std::initializer_list<Id> more) {
-  calls.effects.insert(more.begin(), more.end());
-  return calls;
-}
-
-// Every combination that a scene can call for (engine/scene/method.cpp).
-std::vector<Calls> combinations() {
-  std::vector<Calls> found;
-  constexpr Id kAny[] = {Id::anchor, Id::bend, Id::tether, Id::collide, Id::contact};
-  for (std::uint32_t bits = 0; bits < 64; ++bits) {
-    Calls calls;
-    for (std::size_t k = 0; k < std::size(kAny); ++k)
-      if (bits >> k & 1) calls.effects.insert(kAny[k]);
-    calls.iterated = bits >> 5 & 1;
-    found.push_back(with(calls, {Id::stretch}));
-    found.push_back(with(calls, {Id::gauss_seidel}));
-    found.push_back(with(calls, {Id::stretch, Id::dihedral}));
-    found.push_back(with(calls, {Id::gauss_seidel, Id::dihedral}));
-    if (calls.iterated && !calls.has(Id::contact) && !calls.has(Id::tether)) found.push_back(with(calls, {Id::stretch, Id::chebyshev}));
-    if (calls.iterated || calls.has(Id::bend)) continue;   // links and bends: not of the methods on springs
-    found.push_back(with(calls, {Id::spring}));
-    found.push_back(with(calls, {Id::spring, Id::implicit}));
-    found.push_back(with(calls, {Id::spring, Id::implicit}));
-    found.back().relaxed = true;
-  }
-  return found;
-}
-
-compute::Specializer& specializer() {
-  static compute::Specializer shared;   // what one plan has specialised another need not
-  return shared;
-}
-
-Plan plan_for(const Calls& calls, bool texels = true) {
-  auto plan = make_plan(setup_for(calls, texels), specializer());
-  EXPECT_TRUE(plan) << words(calls) << ": " << plan.error();
-  return plan ? std::move(*plan) : Plan{};
-}
-
-template <class Body>
-void for_every_plan(Body body) {
-  for (const Calls& calls : combinations())
-    for (const bool texels : {true, false}) {
-      SCOPED_TRACE(words(calls) + (texels ? "texels" : "storage"));
-      body(plan_for(calls, texels), calls, texels);
-    }
-}
 
 std::vector<std::string> labels(const Calls& calls) {
   std::vector<std::string> found;
@@ -124,16 +42,18 @@ TEST(Plan, velocities_change_in_free_flight_by_forces_and_where_a_substep_ends_a
       const bool may = planned.pass->stage == Stage::frame_begin || planned.pass->changes == Changes::velocity || ends;
       EXPECT_TRUE(may || !planned.writes.contains(number_of(buffers::velocities))) << planned.label;
       if (planned.pass->changes == Changes::velocity) { EXPECT_EQ(planned.pass->stage, Stage::force); }
-      enders += planned.pass->stage != Stage::frame_begin && planned.writes.contains(number_of(buffers::velocities));
+      enders += planned.pass->stage > Stage::force && planned.writes.contains(number_of(buffers::velocities));
     }
     EXPECT_EQ(enders, 1);
-    EXPECT_EQ(std::any_of(plan.passes.begin(), plan.passes.end(), [](const PlannedPass& p) { return p.label == "contact_finalize"; }), calls.has(Id::contact));
+    EXPECT_EQ(std::any_of(plan.passes.begin(), plan.passes.end(), [](const PlannedPass& p) { return p.label == "contact_finalize"; }),
+              calls.has(Id::contact));
   });
 }
 
 TEST(Plan, stages_come_in_their_order) {
   for_every_plan([](const Plan& plan, const Calls& calls, bool) {
-    EXPECT_TRUE(std::is_sorted(plan.passes.begin(), plan.passes.end(), [](const PlannedPass& a, const PlannedPass& b) { return a.pass->stage < b.pass->stage; }));
+    EXPECT_TRUE(std::is_sorted(plan.passes.begin(), plan.passes.end(),
+                               [](const PlannedPass& a, const PlannedPass& b) { return a.pass->stage < b.pass->stage; }));
     EXPECT_EQ(plan.passes.front().label, calls.has(Id::contact) ? "predict+watch" : "predict");
     EXPECT_EQ(plan.passes.back().label, "surface");
   });
@@ -157,7 +77,8 @@ TEST(Plan, its_buffers_are_what_its_passes_touch) {
 
 TEST(Plan, whatever_a_pass_writes_for_others_is_read) {
   // For the renderer and the host alone; the other iterate is read in the next pass, under the other name.
-  const std::set<const Buffer*> outputs = {&buffers::vertex_positions, &buffers::vertex_normals, &buffers::counters, &buffers::next_iterate};
+  const std::set<const Buffer*> outputs = {&buffers::vertex_positions, &buffers::vertex_normals, &buffers::counters,
+                                           &buffers::next_iterate};
   for_every_plan([&](const Plan& plan, const Calls&, bool) {
     compute::IndexSet reads;
     for (const PlannedPass& planned : plan.passes) reads.insert(planned.reads);
@@ -170,7 +91,7 @@ TEST(Plan, whatever_a_pass_writes_for_others_is_read) {
 }
 
 TEST(Plan, gathers_touch_the_same_buffers_in_the_same_way_through_texels_and_through_storage) {
-  for (const Calls& calls : combinations()) {
+  for (const Calls& calls : all_combinations()) {
     const Plan texels = plan_for(calls, true), storage = plan_for(calls, false);
     ASSERT_EQ(texels.passes.size(), storage.passes.size());
     for (std::size_t k = 0; k < texels.passes.size(); ++k) {
@@ -234,7 +155,8 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     const auto expect = [&](bool wanted, std::initializer_list<const Buffer*> rows) {
       for (const Buffer* row : rows) EXPECT_EQ(plan.has(*row), wanted) << row->name;
     };
-    const bool implicit = calls.has(Id::implicit), bending = calls.has(Id::bend), coloured = calls.has(Id::gauss_seidel), accelerated = calls.has(Id::chebyshev);
+    const bool implicit = calls.has(Id::implicit), bending = calls.has(Id::bend), coloured = calls.has(Id::gauss_seidel),
+               accelerated = calls.has(Id::chebyshev);
     namespace b = buffers;
     expect(calls.has(Id::anchor), {&b::anchors});
     expect(calls.has(Id::tether), {&b::tethers});
@@ -251,11 +173,12 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(calls.has(Id::spring), {&b::spring_rows, &b::spring_ends, &b::springs});
     expect(implicit, {&b::spring_blocks, &b::inverses, &b::exchanged, &b::solve_vectors, &b::partial_sums, &b::linear, &b::free_cloths});
     expect(implicit && calls.has(Id::collide), {&b::collider_filters});
-    expect(calls.has(Id::contact), {&b::triangles, &b::edges, &b::rest, &b::detected_positions, &b::trajectories, &b::displacement_bounds, &b::grid_counts, &b::grid_starts, &b::grid_totals,
-                                    &b::grid_entries, &b::detection, &b::candidates, &b::contact_normals, &b::contact_weights, &b::contact_counts, &b::contact_sums,
-                                    &b::contact_penetrations, &b::step_fractions, &b::contact_list});
-    expect(true, {&b::positions, &b::velocities, &b::predicted, &b::next_iterate, &b::materials, &b::surface_rows, &b::corners, &b::vertex_positions, &b::vertex_normals,
-                  &b::counters});
+    expect(calls.has(Id::contact),
+           {&b::triangles, &b::edges, &b::rest, &b::detected_positions, &b::trajectories, &b::displacement_bounds, &b::grid_counts,
+            &b::grid_starts, &b::grid_totals, &b::grid_entries, &b::detection, &b::candidates, &b::contact_normals, &b::contact_weights,
+            &b::contact_counts, &b::contact_sums, &b::contact_penetrations, &b::step_fractions, &b::contact_list});
+    expect(true, {&b::positions, &b::velocities, &b::predicted, &b::next_iterate, &b::materials, &b::surface_rows, &b::corners,
+                  &b::vertex_positions, &b::vertex_normals, &b::counters});
   });
 }
 
@@ -274,153 +197,39 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   EXPECT_EQ(labels({{Id::stretch}}), (Labels{"predict", "stretch+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::stretch, Id::bend, Id::tether}}), (Labels{"predict", "stretch", "bend+tether+finalize", "surface"}));
   EXPECT_EQ(labels(all), (Labels{"predict", "anchor", "stretch", "bend+tether+collide+finalize", "surface"}));
-  EXPECT_EQ(labels({all.effects, true}), (Labels{"predict", "anchor", "stretch", "bend_lambda", "bend_gather+tether+collide+finalize", "surface"}));
+  EXPECT_EQ(labels({all.effects, true}),
+            (Labels{"predict", "anchor", "stretch", "bend_lambda", "bend_gather+tether+collide+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::spring, Id::implicit, Id::tether}}),
-            (Labels{"predict", "implicit_assemble", "implicit_multiply", "implicit_advance", "implicit_drift", "implicit_step+tether+finalize", "surface"}));
-  EXPECT_EQ(labels({{Id::spring, Id::implicit}, false, true}), (Labels{"predict", "implicit_assemble", "implicit_relax", "implicit_drift", "implicit_step+finalize", "surface"}));
-  EXPECT_EQ(labels({{Id::spring, Id::implicit, Id::collide}}), (Labels{"predict", "implicit_assemble", "implicit_filter", "implicit_multiply", "implicit_advance",
-                                                                       "implicit_drift", "implicit_step+collide+finalize", "surface"}));
+            (Labels{"predict", "implicit_assemble", "implicit_multiply", "implicit_advance", "implicit_drift",
+                    "implicit_step+tether+finalize", "surface"}));
+  EXPECT_EQ(labels({{Id::spring, Id::implicit}, false, true}),
+            (Labels{"predict", "implicit_assemble", "implicit_relax", "implicit_drift", "implicit_step+finalize", "surface"}));
+  EXPECT_EQ(labels({{Id::spring, Id::implicit, Id::collide}}),
+            (Labels{"predict", "implicit_assemble", "implicit_filter", "implicit_multiply", "implicit_advance", "implicit_drift",
+                    "implicit_step+collide+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::stretch, Id::collide}, true}), (Labels{"predict", "stretch+collide+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::spring, Id::tether}}), (Labels{"predict", "spring", "finalize+tether", "surface"}));
   EXPECT_EQ(labels({{Id::gauss_seidel}}), (Labels{"predict", "gauss_seidel", "finalize", "surface"}));
   EXPECT_EQ(labels({{Id::gauss_seidel, Id::bend}}), (Labels{"predict", "gauss_seidel", "bend+finalize", "surface"}));
-  EXPECT_EQ(labels({{Id::stretch, Id::dihedral, Id::tether}}), (Labels{"predict", "stretch", "dihedral", "dihedral_gather+tether+finalize", "surface"}));
-  EXPECT_EQ(labels({{Id::stretch, Id::dihedral, Id::bend}}), (Labels{"predict", "stretch", "bend", "dihedral", "dihedral_gather+finalize", "surface"}));
-  EXPECT_EQ(labels({{Id::gauss_seidel, Id::dihedral}}), (Labels{"predict", "gauss_seidel", "dihedral", "dihedral_gather+finalize", "surface"}));
+  EXPECT_EQ(labels({{Id::stretch, Id::dihedral, Id::tether}}),
+            (Labels{"predict", "stretch", "dihedral", "dihedral_gather+tether+finalize", "surface"}));
+  EXPECT_EQ(labels({{Id::stretch, Id::dihedral, Id::bend}}),
+            (Labels{"predict", "stretch", "bend", "dihedral", "dihedral_gather+finalize", "surface"}));
+  EXPECT_EQ(labels({{Id::gauss_seidel, Id::dihedral}}),
+            (Labels{"predict", "gauss_seidel", "dihedral", "dihedral_gather+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::stretch, Id::chebyshev, Id::bend, Id::collide}, true}),
             (Labels{"predict", "stretch", "bend_lambda", "bend_gather", "chebyshev+collide+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::stretch, Id::contact}}),
-            (Labels{"predict+watch", "detect_arguments", "detect_trajectory", "grid_count", "grid_total", "grid_scan", "grid_fill", "search_faces", "search_edges", "search_arguments",
-                    "pair_faces", "pair_edges", "contact_arguments", "contact_prepare", "stretch", "contact_penetration", "contact_solve", "contact_apply", "contact_unsafe",
-                    "contact_limit", "contact_finalize", "surface"}));
+            (Labels{"predict+watch", "detect_arguments", "detect_trajectory", "grid_count", "grid_total", "grid_scan",
+                    "grid_fill", "search_faces", "search_edges", "search_arguments", "pair_faces", "pair_edges",
+                    "contact_arguments", "contact_prepare", "stretch", "contact_penetration", "contact_solve",
+                    "contact_apply", "contact_unsafe", "contact_limit", "contact_finalize", "surface"}));
   EXPECT_EQ(labels(with(all, {Id::contact})),
-            (Labels{"predict+watch", "anchor+watch", "detect_arguments", "detect_trajectory", "grid_count", "grid_total", "grid_scan", "grid_fill", "search_faces", "search_edges",
-                    "search_arguments", "pair_faces", "pair_edges", "contact_arguments", "contact_prepare", "stretch", "bend+tether+collide", "contact_penetration", "contact_solve",
-                    "contact_apply+collide", "contact_unsafe", "contact_limit", "contact_finalize", "surface"}));
-}
-
-TEST(Buffers, names_are_one_row_each_and_every_row_is_one_that_passes_touch) {
-  std::set<std::string_view> names;
-  for (const Buffer* row : all_buffers()) {
-    EXPECT_TRUE(names.insert(row->name).second) << row->name << " has two rows";
-    EXPECT_NE(row->length, nullptr) << row->name;
-    EXPECT_EQ(buffer_named(row->name), row);
-  }
-  std::set<const Buffer*> touched;
-  for_every_plan([&](const Plan& plan, const Calls&, bool) {
-    for (const Plan::PlannedBuffer& planned : plan.buffers) touched.insert(planned.row);
-  });
-  for (const Buffer* row : all_buffers()) EXPECT_TRUE(touched.contains(row->lies_in != nullptr ? row->lies_in : row)) << row->name;
-}
-
-// Small cloths with and without each effect.
-struct Sheet {
-  Scene scene;
-  CookedFabric fabric;
-  Cooked subject() const { return cooked_of(scene, fabric); }
-};
-
-Sheet sheet_for(const Calls& calls) {
-  Sheet made;
-  Cloth& cloth = made.scene.cloths.emplace_back();
-  cloth.grid = Grid{{1, 1}, 5, 4, Topology::diagonal, true};
-  cloth.bending = calls.has(Id::bend);
-  cloth.tethers = calls.has(Id::tether);
-  if (calls.has(Id::dihedral)) {
-    made.scene.cloths.push_back(made.scene.cloths[0]);
-    made.scene.cloths[1].bending = true;
-    made.scene.cloths[1].bend_rest = BendRest::mesh;
-  }
-  if (calls.has(Id::anchor)) {
-    made.scene.cloths[0].anchors.resize(1);
-    made.scene.cloths[0].anchors[0].top = 0;
-  }
-  if (calls.has(Id::collide)) made.scene.colliders.resize(3);
-  made.scene.contacts.enabled = calls.has(Id::contact);
-  made.scene.solver.iterations = calls.iterated ? 2 : 1;
-  made.scene.solver.linear = calls.relaxed ? Linear::jacobi : Linear::cg;
-  made.scene.solver.method = calls.has(Id::implicit)       ? Method::implicit
-                             : calls.has(Id::gauss_seidel) ? Method::gauss_seidel
-                             : calls.has(Id::spring)       ? Method::mass_spring
-                             : calls.has(Id::chebyshev)    ? Method::chebyshev
-                                                           : Method::jacobi;
-  const auto meshes = make_meshes(made.scene);
-  auto fabric = cook(made.scene, *meshes);
-  EXPECT_TRUE(fabric) << fabric.error();
-  if (fabric) made.fabric = std::move(*fabric);
-  return made;
-}
-
-TEST(NeedsOf, a_scene_calls_for_what_it_has) {
-  for (const Calls& calls : combinations()) {
-    // Tethers need an anchor to hold on to.
-    if (calls.has(Id::tether) && !calls.has(Id::anchor)) continue;
-    SCOPED_TRACE(words(calls));
-    const Sheet sheet = sheet_for(calls);
-    const Needs wanted = setup_for(calls, true), got = needs_of(sheet.subject(), kWorkgroup, true);
-    EXPECT_EQ(got.effects, wanted.effects);
-    for (const auto id : {constant::workgroup, constant::through_texels, constant::is_iterated, constant::is_accelerated, constant::has_tethers, constant::has_colliders,
-                          constant::has_contacts})
-      EXPECT_EQ(got.constants[id], wanted.constants[id]) << "constant " << id;
-    EXPECT_EQ(got.constants[constant::planes], calls.has(Id::collide) ? 3u : 0u);
-  }
-  const Sheet unheld = sheet_for({{Id::stretch, Id::tether}});
-  EXPECT_FALSE(needs_of(unheld.subject(), kWorkgroup, true).has(Id::tether));
-}
-
-TEST(Buffers, every_buffer_of_a_plan_has_bytes) {
-  for (const Calls& calls : combinations()) {
-    if (calls.has(Id::tether) && !calls.has(Id::anchor)) continue;
-    const Sheet sheet = sheet_for(calls);
-    const auto plan = make_plan(needs_of(sheet.subject(), kWorkgroup, true), specializer());
-    ASSERT_TRUE(plan) << plan.error();
-    for (const Plan::PlannedBuffer& planned : plan->buffers) {
-      EXPECT_GT(bytes_of(*planned.row, sheet.subject()), 0u) << planned.row->name;
-      if (planned.texels) { EXPECT_NE(planned.row->texel, Texel::none) << planned.row->name; }
-    }
-  }
-}
-
-TEST(Buffers, sizes_and_contents_are_those_of_the_cooked_arrays) {
-  const Sheet sheet = sheet_for({{Id::anchor, Id::stretch, Id::bend, Id::tether, Id::collide, Id::contact}, true});
-  const Cooked subject = sheet.subject();
-  const auto bytes = [&](const Buffer& row) { return bytes_of(row, subject); };
-  EXPECT_EQ(bytes(buffers::positions), 30 * 16u);
-  EXPECT_EQ(bytes(buffers::stretch_links), sheet.fabric.stretch.pairs.size() * 16);
-  EXPECT_EQ(bytes(buffers::stretch_lambda), sheet.fabric.stretch.pairs.size() * 8);
-  EXPECT_EQ(bytes(buffers::bends), sheet.fabric.bends.size() * 40);
-  EXPECT_EQ(bytes(buffers::bend_uses), sheet.fabric.bend_uses.pairs.size() * 16);
-  EXPECT_EQ(bytes(buffers::tethers), 30 * 4 * 8u);
-  EXPECT_EQ(bytes(buffers::anchors), 6 * 28u);
-  EXPECT_EQ(bytes(buffers::colliders), 3 * sizeof(gpu::Collider));
-  EXPECT_EQ(bytes(buffers::counters), sizeof(gpu::Counters));
-  EXPECT_EQ(bytes(buffers::triangles), sheet.fabric.triangles.size() * 16);
-  EXPECT_EQ(bytes(buffers::edges), sheet.fabric.edges.size() * 8);
-  EXPECT_EQ(bytes(buffers::candidates), subject.contacts.capacity * std::uint64_t(16));
-  EXPECT_EQ(bytes(buffers::near_edges), bytes(buffers::contact_normals)) << "they lie there";
-  EXPECT_EQ(bytes(buffers::near_faces), bytes(buffers::contact_weights));
-  for (const Buffer* row : all_buffers())
-    if (row->contents != nullptr && row->lifetime == Lifetime::cooked) { EXPECT_EQ(row->contents(subject).bytes().size(), row->length(subject) * row->element_bytes) << row->name; }
-}
-
-TEST(Passes, threads_are_counted_from_what_was_cooked) {
-  const Sheet sheet = sheet_for({{Id::anchor, Id::stretch, Id::bend, Id::contact}, true});
-  std::map<std::string, std::uint32_t> threads;
-  std::map<std::string, std::size_t> dispatches;
-  for (const Effect* effect : all_effects())
-    for (const Pass& pass : effect->passes) {
-      const auto ranges = ranges_of(pass, sheet.subject());
-      dispatches[pass.name] = ranges.size();
-      if (!ranges.empty()) threads[pass.name] = ranges.front().count;
-    }
-  EXPECT_EQ(threads["predict"], 30u);
-  EXPECT_EQ(threads["anchor"], 6u);
-  EXPECT_EQ(threads["bend_lambda"], sheet.fabric.bends.size());
-  EXPECT_EQ(threads["surface"], 30u);
-  EXPECT_EQ(threads["contact_arguments"], 30u);
-  EXPECT_EQ(dispatches["contact_limit"], std::size_t(WEFT_LIMIT_PASSES));
-  const Sheet coloured = sheet_for({{Id::gauss_seidel}});
-  for (const Pass& pass : effect(Id::gauss_seidel).passes) EXPECT_EQ(ranges_of(pass, coloured.subject()).size(), coloured.fabric.colour_ends.size());
+            (Labels{"predict+watch", "anchor+watch", "detect_arguments", "detect_trajectory", "grid_count", "grid_total",
+                    "grid_scan", "grid_fill", "search_faces", "search_edges", "search_arguments", "pair_faces", "pair_edges",
+                    "contact_arguments", "contact_prepare", "stretch", "bend+tether+collide", "contact_penetration",
+                    "contact_solve", "contact_apply+collide", "contact_unsafe", "contact_limit", "contact_finalize",
+                    "surface"}));
 }
 
 }  // namespace

@@ -217,7 +217,7 @@ TEST_F(SimulationSnapshot, a_snapshot_that_does_not_fit_is_refused_and_changes_n
   refuse("phase", [](Snapshot& s) { s.phase = 3; });
   refuse("leads anchor 2", [](Snapshot& s) { s.anchors[0].anchor = 2; });
   refuse("colliders instead of 3", [](Snapshot& s) { s.colliders.clear(); });
-  refuse("collider 1", [&](Snapshot& s) { s.colliders[1].wish.rotation.x = nan; });
+  refuse("collider 1", [&](Snapshot& s) { s.colliders[1].pending.rotation.x = nan; });
 
   Scene contact_scene = moving(6);
   contact_scene.contacts.enabled = true;
@@ -237,11 +237,11 @@ TEST_F(SimulationSnapshot, a_snapshot_that_does_not_fit_is_refused_and_changes_n
     return std::find_if(s.contents.begin(), s.contents.end(), [&](const auto& c) { return c.name == name; })->bytes.data();
   };
   refused("a candidate has particle", [&](Snapshot& s) { std::memset(content(s, "candidates"), 0xff, 3); });
-  refused("detected_positions leads to a place that is none",
+  refused("detected_positions has a vector that is not finite",
           [&](Snapshot& s) { std::memcpy(content(s, "detected_positions") + 16, &nan, 4); });
-  refused("trajectories leads to a place that is none", [&](Snapshot& s) { std::memcpy(content(s, "trajectories") + 4, &nan, 4); });
+  refused("trajectories has a vector that is not finite", [&](Snapshot& s) { std::memcpy(content(s, "trajectories") + 4, &nan, 4); });
   refused("displacement_bounds has one of nan m", [&](Snapshot& s) { std::memcpy(content(s, "displacement_bounds") + 8, &nan, 4); });
-  refused("its displacement bounds have no length",
+  refused("its detection margin is nan m",
           [&](Snapshot& s) { std::memcpy(content(s, "detection") + offsetof(gpu::Detection, margin), &nan, 4); });
   const std::uint32_t long_ago = 11;
   refused("its last detection is 11 substeps ago",

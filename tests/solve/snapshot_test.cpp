@@ -58,7 +58,7 @@ TEST(Snapshots, what_is_written_is_read_back) {
   EXPECT_EQ(read->capacity, s.capacity);
   EXPECT_EQ(read->losses_seen, s.losses_seen);
   EXPECT_EQ(read->anchors.at(0).target, s.anchors[0].target);
-  EXPECT_EQ(read->colliders.at(0).wish.rotation, s.colliders[0].wish.rotation);
+  EXPECT_EQ(read->colliders.at(0).pending.rotation, s.colliders[0].pending.rotation);
   EXPECT_EQ(read->contents.at(0).bytes, s.contents[0].bytes);
   EXPECT_EQ(read->note, s.note);
   EXPECT_EQ(snapshot_bytes(*read), bytes) << "and everything else";

@@ -38,24 +38,28 @@ inline constexpr const char* kGrid = R"({"cloths": [{"grid": {}}]})";
 // A scene that uses every key.
 inline constexpr const char* kFull = R"({
   "$schema": "../scene.schema.json", "name": "full", "description": "all keys", "frames": 12, "gravity": [0, -1.5, 0.25],
-  "solver": {"rate": 50, "substeps": 7, "iterations": 2, "averaging": "count", "relaxation": 1, "linear": "jacobi", "longest_advance": 0.05},
+  "solver": {"rate": 50, "substeps": 7, "iterations": 2, "averaging": "count", "relaxation": 1,
+             "linear": "jacobi", "longest_advance": 0.05},
   "contacts": {"iterations": 2, "recover": 0.5, "kinematic_lag_limit": 3, "capacity": 4096, "cell": 0.03, "detection_margin": 0.002},
   "cloths": [
     {"name": "curtain", "mesh": "sheet.glb", "transform": {"translate": [1, 2, 3], "axis": [0, 0, 2], "degrees": 90, "scale": 0.5},
      "start": {"pose": "folded", "degrees": 120, "radius": 0.25, "velocity": [0, -1, 2]},
-     "fabric": {"preset": "denim", "area_density": 0.3, "stretch": "rigid", "shear": 5, "bend": 0, "damping": 0, "friction": 0.1, "thickness": 0.004},
+     "fabric": {"preset": "denim", "area_density": 0.3, "stretch": "rigid", "shear": 5, "bend": 0, "damping": 0,
+                "friction": 0.1, "thickness": 0.004},
      "bending": false, "tethers": {"per_vertex": 2, "slack": 0.1},
      "anchors": [{"top": 0.02, "every": 8, "keys": [{"time": 0}, {"time": 1, "translate": [0, 1, 0], "axis": [1, 0, 0], "degrees": 720}]},
                  {"box": {"low": [0, 0, 0], "high": [1, 1, 1]}}, {"vertices": [0, 5]}],
      "appearance": {"albedo": "weave.png", "normal": "weave.png", "roughness": "weave.jpg", "occlusion": "weave.jpg",
                     "base_colour": [1, 0, 0], "roughness_factor": 0.5, "metallic": 0.25, "repeat": [4, 6]}},
-    {"grid": {"size": [2, 3], "cells": [4, 5], "topology": "centre", "upright": true}, "fabric": "silk", "bend_rest": "mesh", "tethers": false,
+    {"grid": {"size": [2, 3], "cells": [4, 5], "topology": "centre", "upright": true},
+     "fabric": "silk", "bend_rest": "mesh", "tethers": false,
      "anchors": [{"corners": ["low_high", "high_high"]}]}],
   "colliders": [{"shape": "sphere", "centre": [0, 1, 0], "radius": 0.25, "friction": 0, "colour": [0, 1, 0], "keys": [{"time": 2}]},
                 {"shape": "plane", "centre": [0, -1, 0], "normal": [0, 0, 5]},
                 {"shape": "capsule", "axis": [2, 0, 0], "length": 0.75, "radius": 0.125},
                 {"shape": "box", "size": [1, 2, 3], "axis": [0, 0, 4], "degrees": 45},
-                {"shape": "mesh", "mesh": "sheet.glb", "centre": [0, 2, 0], "axis": [0, 3, 0], "degrees": 30, "scale": 2, "thickness": 0.004}],
+                {"shape": "mesh", "mesh": "sheet.glb", "centre": [0, 2, 0], "axis": [0, 3, 0], "degrees": 30, "scale": 2,
+                 "thickness": 0.004}],
   "camera": {"eye": [0, 1, 5], "target": [0, 1, 0], "fov_degrees": 30},
   "light": {"direction": [0, -2, 0], "colour": [1, 1, 1], "sun": 3, "sky": 0.5}
 })";

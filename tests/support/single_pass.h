@@ -13,7 +13,7 @@
 #include "engine/effects/buffers.h"
 #include "engine/solve/solver.h"
 #include "shaders/motion/motion.ref.h"
-#include "shaders/stretch/jacobi.ref.h"
+#include "shaders/jacobi.ref.h"
 #include "tests/support/gpu_fixture.h"
 
 namespace weft {

@@ -24,7 +24,11 @@ namespace {
 constexpr const Buffer* kBuffers[] = {&buffers::anchors};
 
 constexpr Pass kPasses[] = {
-    {.name = "anchor", .stage = Stage::substep_begin, .threads = {lengths::anchors}, .with_contacts = "+watch", .only_towards_targets = true},
+    {.name = "anchor",
+     .stage = Stage::substep_begin,
+     .threads = {lengths::anchors},
+     .with_contacts = "+watch",
+     .only_towards_targets = true},
 };
 
 }  // namespace

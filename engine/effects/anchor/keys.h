@@ -1,7 +1,7 @@
 // Anchors: which vertices they hold, and how these move. Internal.
 #pragma once
 
-#include "engine/scene/key_fields.h"
+#include "engine/effects/key_fields.h"
 
 namespace weft::scene_fields {
 

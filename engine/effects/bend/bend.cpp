@@ -16,9 +16,19 @@ bool iterated(const Needs& needs) { return needs.constants[gpu::constant::is_ite
 bool once(const Needs& needs) { return !iterated(needs); }
 
 constexpr Pass kPasses[] = {
-    {.name = "bend", .stage = Stage::iteration, .threads = threads::particles, .changes = Changes::iterate, .can_finalize = true, .when = once},
+    {.name = "bend",
+     .stage = Stage::iteration,
+     .threads = threads::particles,
+     .changes = Changes::iterate,
+     .can_finalize = true,
+     .when = once},
     {.name = "bend_lambda", .stage = Stage::iteration, .threads = {lengths::bends}, .when = iterated},
-    {.name = "bend_gather", .stage = Stage::iteration, .threads = threads::particles, .changes = Changes::iterate, .can_finalize = true, .when = iterated},
+    {.name = "bend_gather",
+     .stage = Stage::iteration,
+     .threads = threads::particles,
+     .changes = Changes::iterate,
+     .can_finalize = true,
+     .when = iterated},
 };
 
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
@@ -35,7 +45,8 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
 }
 
 // Row i of the matrix in bend.comp: M_ij = sum over stencils e of share_i(e) K_j(e) / D_e.
-std::vector<std::vector<gpu::uvec2>> bend_matrix(std::span<const std::vector<gpu::uvec2>> shares, const CookedFabric& fabric, double softening) {
+std::vector<std::vector<gpu::uvec2>> bend_matrix(std::span<const std::vector<gpu::uvec2>> shares, const CookedFabric& fabric,
+                                                 double softening) {
   std::vector<std::vector<gpu::uvec2>> rows(shares.size());
   std::vector<std::pair<std::uint32_t, double>> row;
   for (std::uint32_t i = 0; i < shares.size(); ++i) {

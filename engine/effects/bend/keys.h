@@ -1,7 +1,7 @@
 // Whether a cloth resists bending. Internal.
 #pragma once
 
-#include "engine/scene/ranges.h"
+#include "engine/effects/ranges.h"
 
 namespace weft::scene_fields {
 

@@ -1,7 +1,7 @@
 // Colliders of every shape, meshes included. Internal.
 #pragma once
 
-#include "engine/scene/key_fields.h"
+#include "engine/effects/key_fields.h"
 
 namespace weft::scene_fields {
 
@@ -14,9 +14,11 @@ struct ShapeKey {
   std::array<bool, kShapes.size()> of;   // which shapes have it
 };
 inline constexpr ShapeKey kShapeKeys[] = {
-    {"normal", {true, false, false, false, false}}, {"radius", {false, true, true, false, false}}, {"length", {false, false, true, false, false}},
-    {"size", {false, false, false, true, false}},   {"axis", {false, false, true, true, true}},    {"degrees", {false, false, false, true, true}},
-    {"mesh", {false, false, false, false, true}},   {"scale", {false, false, false, false, true}}, {"thickness", {false, false, false, false, true}},
+    {"normal", {true, false, false, false, false}},    {"radius", {false, true, true, false, false}},
+    {"length", {false, false, true, false, false}},    {"size", {false, false, false, true, false}},
+    {"axis", {false, false, true, true, true}},        {"degrees", {false, false, false, true, true}},
+    {"mesh", {false, false, false, false, true}},      {"scale", {false, false, false, false, true}},
+    {"thickness", {false, false, false, false, true}},
 };
 
 template <class V>

@@ -1,5 +1,5 @@
-// The contact passes of a substep. Detection (broad and narrow phase) runs where candidates are needed anew; active candidates are solved in
-// each iteration; at the substep's end conservative advancement lets no candidate cross.
+// The contact passes of a substep. Detection (broad and narrow phase) runs where candidates are needed anew; active
+// candidates are solved in each iteration; at the substep's end conservative advancement lets no candidate cross.
 #include "engine/effects/contact/contact.h"
 
 #include <algorithm>
@@ -18,8 +18,10 @@ gpu::ContactSettings contact_settings(const Scene& scene, const CookedFabric& fa
   float thickness = 0;
   for (const gpu::vec4& rest : fabric.rest) thickness = std::max(thickness, rest.w);
   const double edge = fabric.mean_edge > 0 ? fabric.mean_edge : 1e-3;
-  // The margin starts well below the edge length, so that a flat sheet has no candidates, and well below the distance of resting layers.
-  const double margin = wanted.detection_margin > 0 ? wanted.detection_margin : std::min(0.1 * edge, thickness > 0 ? 0.25 * thickness : edge);
+  // The margin starts well below the edge length, so that a flat sheet has no candidates, and well below the distance of
+  // resting layers.
+  const double margin =
+      wanted.detection_margin > 0 ? wanted.detection_margin : std::min(0.1 * edge, thickness > 0 ? 0.25 * thickness : edge);
   told.margin_low = static_cast<float>(margin);
   told.margin_high = static_cast<float>(std::max(4 * margin, 0.1 * edge));
   // The box of a primitive: an edge long, and enlarged by the detection margin and the thickness.
@@ -33,7 +35,8 @@ gpu::ContactSettings contact_settings(const Scene& scene, const CookedFabric& fa
   const std::size_t primitives = fabric.triangles.size() + fabric.edges.size();
   // Neighbours in the cloth share cells, so half as many buckets as primitives have few collisions.
   told.buckets = static_cast<std::uint32_t>(std::bit_ceil(std::max<std::size_t>(64, primitives / 2)));
-  told.capacity = wanted.capacity > 0 ? wanted.capacity : static_cast<std::uint32_t>(std::max<std::size_t>(4096, 2 * fabric.positions.size()));
+  told.capacity =
+      wanted.capacity > 0 ? wanted.capacity : static_cast<std::uint32_t>(std::max<std::size_t>(4096, 2 * fabric.positions.size()));
   return told;
 }
 
@@ -41,16 +44,16 @@ namespace effects {
 namespace {
 
 constexpr const Buffer* kBuffers[] = {
-    &buffers::triangles,           &buffers::edges,           &buffers::rest,           &buffers::detection,
-    &buffers::detected_positions,  &buffers::trajectories,    &buffers::displacement_bounds,
-    &buffers::candidates,          &buffers::grid_counts,     &buffers::grid_starts,    &buffers::grid_totals,
-    &buffers::grid_entries,        &buffers::contact_normals, &buffers::contact_weights, &buffers::near_edges,
-    &buffers::near_faces,          &buffers::contact_list,    &buffers::contact_counts, &buffers::contact_sums,
-    &buffers::contact_penetrations, &buffers::step_fractions,
+    &buffers::triangles,          &buffers::edges,           &buffers::rest,                &buffers::detection,
+    &buffers::detected_positions, &buffers::trajectories,    &buffers::displacement_bounds, &buffers::candidates,
+    &buffers::grid_counts,        &buffers::grid_starts,     &buffers::grid_totals,         &buffers::grid_entries,
+    &buffers::contact_normals,    &buffers::contact_weights, &buffers::near_edges,          &buffers::near_faces,
+    &buffers::contact_list,       &buffers::contact_counts,  &buffers::contact_sums,        &buffers::contact_penetrations,
+    &buffers::step_fractions,
 };
 
-// Indirect dispatches, in the order of the passes: a detection, where one is needed; the pairs of its broad phase; its candidates; the
-// particles, where there are candidates; the active candidates; the unsafe ones.
+// Indirect dispatches, in the order of the passes: a detection, where one is needed; the pairs of its broad phase; its
+// candidates; the particles, where there are candidates; the active candidates; the unsafe ones.
 constexpr Threads kDetectedParticles{lengths::particles, nullptr, offsetof(gpu::Detection, particles)};
 constexpr Threads kPrimitives{lengths::primitives, nullptr, offsetof(gpu::Detection, primitives)};
 constexpr Threads kBuckets{lengths::buckets, nullptr, offsetof(gpu::Detection, blocks)};
@@ -59,7 +62,8 @@ constexpr Threads kNearEdges{buffers::near_edges.length, nullptr, offsetof(gpu::
 constexpr Threads kCandidates{lengths::candidates, nullptr, offsetof(gpu::Detection, contacts), true};
 constexpr Threads kTouchedParticles{lengths::particles, nullptr, offsetof(gpu::Detection, touched)};
 constexpr Threads kContacts{lengths::candidates, nullptr, offsetof(gpu::Detection, listed), true};
-constexpr Threads kUnsafeCandidates{lengths::candidates, nullptr, offsetof(gpu::Detection, listed) + WEFT_UNSAFE * sizeof(gpu::Groups), true};
+constexpr Threads kUnsafeCandidates{lengths::candidates, nullptr, offsetof(gpu::Detection, listed) + WEFT_UNSAFE * sizeof(gpu::Groups),
+                                    true};
 
 constexpr Pass kPasses[] = {
     {.name = "detect_arguments", .stage = Stage::detect, .threads = threads::once},

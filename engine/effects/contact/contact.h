@@ -7,8 +7,8 @@
 
 namespace weft {
 
-/// Settings of the contact passes: the scene's, with defaults from the mean edge length and the thickness where the scene says 0. All 0
-/// without contacts.
+/// Settings of the contact passes: the scene's, with defaults from the mean edge length and the thickness where the scene
+/// says 0. All 0 without contacts.
 gpu::ContactSettings contact_settings(const Scene& scene, const CookedFabric& fabric);
 
 namespace lengths {
@@ -63,19 +63,19 @@ inline constexpr Buffer grid_counts = cleared<gpu::uint>("grid_counts", lengths:
 inline constexpr Buffer grid_starts = scratch<gpu::uint>("grid_starts", [](const Cooked& s) { return lengths::buckets(s) + 1; });
 /// Number of entries of a workgroup's buckets, of which it has at least 8.
 inline constexpr Buffer grid_totals = scratch<gpu::uint>("grid_totals", [](const Cooked& s) { return lengths::buckets(s) / 8 + 1; });
-/// Three a primitive. 1: xyz middle of its box (m), w bits of level << 28 | number, a triangle's or triangles + an edge's. 2 and 3: its
-/// Outline (primitive.glsl): xyz half_sides, w away; xyz trajectory, w step (m).
+/// Three a primitive: xyz middle of its box (m), w bits of level << 28 | its number (edges are counted after all triangles);
+/// then its Outline (primitive.glsl): xyz half_sides, w away; xyz trajectory, w step (m).
 inline constexpr Buffer grid_entries = scratch<gpu::vec4>("grid_entries", [](const Cooked& s) { return 3 * lengths::primitives(s); });
 
 // ---- contacts
 
-/// xyz unit normal from side B to side A. w (m), of an active candidate: the separation it must have, above 0; of any other: minus the
-/// height of its first particle over the middle of the gap.
+/// xyz unit normal from side B to side A. w (m), of an active candidate: the separation it must have, above 0; of any other:
+/// minus the height of its first particle over the middle of the gap.
 inline constexpr Buffer contact_normals = growing(scratch<gpu::vec4>("contact_normals", lengths::candidates));
 /// Barycentric weights of the closest points: side A's positive, side B's negative.
 inline constexpr Buffer contact_weights = growing(scratch<gpu::vec4>("contact_weights", lengths::candidates));
-/// Pairs that the broad phase found: of two edges; of a particle and a triangle. Their capacity is WEFT_NEAR times that for candidates.
-/// They share memory with the contacts, which are prepared later.
+/// Pairs that the broad phase found: of two edges; of a particle and a triangle. Their capacity is WEFT_NEAR times that for
+/// candidates. They share memory with the contacts, which are prepared later.
 inline constexpr Buffer near_edges = [] {
   Buffer row = growing(scratch<gpu::uvec2>("near_edges", [](const Cooked& s) { return WEFT_NEAR * lengths::candidates(s); }));
   row.lies_in = &contact_normals;
@@ -95,8 +95,8 @@ inline constexpr Buffer contact_sums = cleared<gpu::ivec4>("contact_sums", lengt
 /// Sum of the penetrations of a particle's contacts, each times its weight (contact_share.glsl); 0 between iterations.
 inline constexpr Buffer contact_penetrations = cleared<gpu::uint>("contact_penetrations", lengths::particles);
 /// Step fractions (times of impact): the part of its step that a particle may take, bits of a float, one a pass of contact_limit.
-inline constexpr Buffer step_fractions =
-    cleared<gpu::uvec4>("step_fractions", [](const Cooked& s) { return WEFT_LIMIT_PASSES / 4 * lengths::particles(s); }, std::bit_cast<std::uint32_t>(1.0f));
+inline constexpr Buffer step_fractions = cleared<gpu::uvec4>(
+    "step_fractions", [](const Cooked& s) { return WEFT_LIMIT_PASSES / 4 * lengths::particles(s); }, std::bit_cast<std::uint32_t>(1.0f));
 
 }  // namespace buffers
 }  // namespace weft

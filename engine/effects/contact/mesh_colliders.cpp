@@ -1,5 +1,5 @@
-// Mesh colliders: surfaces that collide with cloth through the passes of self-collision. Their vertices are kinematic particles, which
-// only the scene moves.
+// Mesh colliders: surfaces that collide with cloth through the passes of self-collision. Their vertices are kinematic
+// particles, which only the scene moves.
 #include <bit>
 
 #include "engine/cook/parts.h"
@@ -8,8 +8,8 @@ namespace weft {
 namespace cooking {
 namespace {
 
-// A render vertex gets the corners around it that have its normal: a hard edge of the file stays hard in the picture, while a seam of
-// texture coordinates is not seen.
+// A render vertex gets the corners around it that have its normal: a hard edge of the file stays hard in the picture, while a
+// seam of texture coordinates is not seen.
 void add_surface(const Mesh& mesh, std::span<const std::uint32_t> particle_of, CookedFabric& fabric) {
   struct Corner {
     std::uint32_t vertex;
@@ -46,9 +46,9 @@ Result<void> add_collider_mesh(const Scene& scene, std::uint32_t collider, const
     const Vec3 x = mesh.points[order[k]];
     fabric.rest.push_back({x.x, x.y, x.z, thickness});
   }
-  const ColliderMesh& added = fabric.collider_meshes.emplace_back(
-      ColliderMesh{collider, first, count, static_cast<std::uint32_t>(fabric.surface_rows.size()), static_cast<std::uint32_t>(mesh.point_of.size()),
-                   static_cast<std::uint32_t>(fabric.triangles.size()), static_cast<std::uint32_t>(mesh.triangles.size())});
+  const ColliderMesh& added = fabric.collider_meshes.emplace_back(ColliderMesh{
+      collider, first, count, static_cast<std::uint32_t>(fabric.surface_rows.size()), static_cast<std::uint32_t>(mesh.point_of.size()),
+      static_cast<std::uint32_t>(fabric.triangles.size()), static_cast<std::uint32_t>(mesh.triangles.size())});
 
   const auto material = std::bit_cast<float>(static_cast<std::uint32_t>(fabric.materials.size()));
   fabric.materials.push_back({1, static_cast<float>(described.friction), thickness, 0});

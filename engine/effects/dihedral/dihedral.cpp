@@ -10,7 +10,11 @@ constexpr const Buffer* kBuffers[] = {&buffers::hinges, &buffers::hinge_impulses
 
 constexpr Pass kPasses[] = {
     {.name = "dihedral", .stage = Stage::iteration, .threads = {lengths::hinges}},
-    {.name = "dihedral_gather", .stage = Stage::iteration, .threads = threads::particles, .changes = Changes::iterate, .can_finalize = true},
+    {.name = "dihedral_gather",
+     .stage = Stage::iteration,
+     .threads = threads::particles,
+     .changes = Changes::iterate,
+     .can_finalize = true},
 };
 
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {

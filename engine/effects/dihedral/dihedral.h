@@ -5,6 +5,10 @@
 
 namespace weft {
 
+struct DihedralLists {
+  PairRows uses;   // entries: (4 hinge + which of its particles, w bits)
+};
+
 namespace lengths {
 inline std::uint64_t hinges(const Cooked& s) { return s.fabric.hinges.size(); }
 }  // namespace lengths
@@ -12,11 +16,12 @@ inline std::uint64_t hinges(const Cooked& s) { return s.fabric.hinges.size(); }
 namespace buffers {
 /// Dihedral elements, one an inner edge (the hinge).
 inline constexpr Buffer hinges = cooked<gpu::Hinge, &CookedFabric::hinges>("hinges");
-/// Four a dihedral element, one for each of its particles: xyz gradient times change of the multiplier; w of the first: the multiplier.
+/// Four a dihedral element, one for each of its particles: xyz gradient times change of the multiplier; w of the first: the
+/// multiplier.
 inline constexpr Buffer hinge_impulses = scratch<gpu::vec4>("hinge_impulses", [](const Cooked& s) { return 4 * lengths::hinges(s); });
 /// Of each particle: first pair of uses, number of uses.
-inline constexpr Buffer hinge_use_rows = cooked<gpu::uvec2, &CookedFabric::hinge_uses, &PairRows::rows>("hinge_use_rows");
+inline constexpr Buffer hinge_use_rows = own<gpu::uvec2, &DihedralLists::uses, &PairRows::rows>("hinge_use_rows");
 /// (4 x element + which of its particles, inverse mass as float bits) twice.
-inline constexpr Buffer hinge_uses = cooked<gpu::uvec4, &CookedFabric::hinge_uses, &PairRows::pairs>("hinge_uses");
+inline constexpr Buffer hinge_uses = own<gpu::uvec4, &DihedralLists::uses, &PairRows::pairs>("hinge_uses");
 }  // namespace buffers
 }  // namespace weft

@@ -3,8 +3,9 @@
 // This work is based on: Grinspun, Hirani, Desbrun, Schroeder 2003, "Discrete shells"; Bridson, Marino, Fedkiw 2003, "Simulation of
 // clothing with folds and wrinkles". The energy of an inner edge (x0, x1), the hinge, with the areas A0, A1 of its triangles is
 //     E = 1/2 B |x1 - x0|^2 / (A0 + A1) (phi - phi_rest)^2,
-// B the flexural rigidity in N m. For small angles it is the energy of the isometric model (engine/effects/bend/stencils.cpp), whose
-// vector l then has the length |x1 - x0| phi, so that the same B describes the same plate in both.
+// B the flexural rigidity in N m. For small angles it is the energy of the isometric model
+// (engine/effects/bend/stencils.cpp), whose vector l then has the length |x1 - x0| phi, so that the same B describes the same
+// plate in both.
 //
 //        2      phi is the angle between the triangles' normals, n0 = (x1 - x0) x (x2 - x0) and n1 = (x3 - x0) x (x1 - x0),
 //       / \     about the edge: 0 where they are flat, near +-pi where they are closed.
@@ -12,19 +13,20 @@
 //       \ /     All edges of such a cloth are treated so, the flat ones too: a threshold would be seen in the cloth.
 //        3
 //
-// Limitations: an angle is known up to whole turns, so an edge that is bent more than half a turn from rest is driven on round, not back.
-// The rigidity depends on the direction as that of the isometric model does.
+// Limitations: an angle is known up to whole turns, so an edge that is bent more than half a turn from rest is driven on
+// round, not back. The rigidity depends on the direction as that of the isometric model does.
 #include <algorithm>
 #include <bit>
 #include <cmath>
 
 #include "engine/cook/parts.h"
+#include "engine/effects/dihedral/dihedral.h"
 
 namespace weft::cooking {
 namespace {
 
-// Slivers are softened: where an angle at the edge is below 3 degrees the opposite vertex would move rigidly with the edge. The factor is
-// that of the isometric model, which limits its cotangents.
+// Slivers are softened: where an angle at the edge is below 3 degrees the opposite vertex would move rigidly with the edge.
+// The factor is that of the isometric model, which limits its cotangents.
 constexpr double kLargestCotangent = 20;
 
 // A larger compliance (rad^2/J) has no visible effect, and an infinite one leads to NaN (engine/cook/parts.h, kSoftest).
@@ -74,7 +76,7 @@ void lay_out_hinges(Averaging averaging, CookedFabric& fabric) {
       fabric.hinges[e].weight[j] = static_cast<float>(split ? uses[p] : 1) * w;
       if (w > 0) shares[p].push_back({4 * e + j, std::bit_cast<std::uint32_t>(w / static_cast<float>(split ? 1 : uses[p]))});
     }
-  fabric.hinge_uses = pack_rows(shares, Padding::repeated);
+  fabric.own.of<DihedralLists>().uses = pack_rows(shares, Padding::repeated);
 }
 
 }  // namespace weft::cooking

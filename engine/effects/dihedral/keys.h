@@ -1,7 +1,7 @@
 // The rest shape that a cloth bends about. Internal.
 #pragma once
 
-#include "engine/scene/ranges.h"
+#include "engine/effects/ranges.h"
 
 namespace weft::scene_fields {
 

@@ -1,8 +1,9 @@
 // Graph colouring for Gauss-Seidel: no two links of a colour share a particle, so all links of a colour can be solved in parallel
 // (gauss_seidel.comp).
 //
-// Greedy colouring in the links' order: each takes the lowest colour that neither of its ends has yet. A particle in n links needs n
-// colours; greedy takes at most 2 n - 1, and on grids one or two more than n. Far links come first, so that a sweep ends with the edges.
+// Greedy colouring in the links' order: each takes the lowest colour that neither of its ends has yet. A particle in n links
+// needs n colours; greedy takes at most 2 n - 1, and on grids one or two more than n. Far links come first, so that a sweep
+// ends with the edges.
 #include <algorithm>
 
 #include "engine/cook/parts.h"
@@ -42,7 +43,8 @@ void colour_links(CookedFabric& fabric) {
       if (link.only_pulls == pulls) colour(link);
   for (auto& links : colours) {
     // Neighbours in the cloth are neighbours in memory.
-    std::stable_sort(links.begin(), links.end(), [](const gpu::uvec4& x, const gpu::uvec4& y) { return std::min(x.x, x.y) < std::min(y.x, y.y); });
+    std::stable_sort(links.begin(), links.end(),
+                     [](const gpu::uvec4& x, const gpu::uvec4& y) { return std::min(x.x, x.y) < std::min(y.x, y.y); });
     fabric.coloured_links.insert(fabric.coloured_links.end(), links.begin(), links.end());
     fabric.colour_ends.push_back(static_cast<std::uint32_t>(fabric.coloured_links.size()));
   }

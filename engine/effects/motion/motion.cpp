@@ -14,7 +14,8 @@ std::vector<gpu::vec4> iterates_at(const std::vector<gpu::vec4>& positions, cons
 namespace effects {
 namespace {
 
-constexpr const Buffer* kBuffers[] = {&buffers::positions, &buffers::velocities, &buffers::predicted, &buffers::next_iterate, &buffers::materials, &buffers::counters};
+constexpr const Buffer* kBuffers[] = {&buffers::positions,    &buffers::velocities, &buffers::predicted,
+                                      &buffers::next_iterate, &buffers::materials,  &buffers::counters};
 
 constexpr Pass kPasses[] = {
     {.name = "predict", .stage = Stage::frame_begin, .threads = threads::particles, .with_contacts = "+watch"},

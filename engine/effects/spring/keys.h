@@ -1,7 +1,7 @@
 // Springs, for the methods mass_spring, verlet and implicit. Internal.
 #pragma once
 
-#include "engine/scene/ranges.h"
+#include "engine/effects/ranges.h"
 
 namespace weft::scene_fields {
 

@@ -53,8 +53,8 @@ constinit const Effect spring{
     .passes = kPasses,
     .specialize =
         [](const Cooked& s, Constants& constants) {
-          constants[gpu::constant::has_damping] =
-              std::any_of(s.fabric.springs.begin(), s.fabric.springs.end(), [](const ParticleSpring& spring) { return spring.damping > 0; });
+          constants[gpu::constant::has_damping] = std::any_of(s.fabric.springs.begin(), s.fabric.springs.end(),
+                                                              [](const ParticleSpring& spring) { return spring.damping > 0; });
         },
     .reference = Reference::a_way_to,
     .cook = cook,

@@ -6,9 +6,10 @@
 //     o x s x o
 //     o o o o o
 //
-// Without `springs` in the scene: the energy that the other methods solve, every link as a spring, and the isometric bending energy, whose
-// matrix M is constant. As its rows sum to zero, 1/2 sum M_ij x_i . x_j = 1/2 sum over i < j of -M_ij |x_i - x_j|^2: springs of rest
-// length 0 and of either sign, together positive semidefinite.
+// Without `springs` in the scene: the energy that the other methods solve, every link as a spring, and the isometric bending
+// energy, whose matrix M is constant. As its rows sum to zero,
+//     1/2 sum M_ij x_i . x_j = 1/2 sum over i < j of -M_ij |x_i - x_j|^2:
+// springs of rest length 0 and of either sign, together positive semidefinite.
 #include <algorithm>
 #include <cmath>
 #include <map>

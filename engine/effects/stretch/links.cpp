@@ -25,7 +25,7 @@ namespace {
 // Ratio. Longest by more than rounding: an equilateral triangle has no diagonal.
 constexpr double kLonger = 1.001;
 
-// Length of a far link, in edges; measured in README, "Why far links".
+// Length of a far link, in edges; measured in engine/README.md, "Far links".
 constexpr std::uint32_t kFarSteps = 8;
 
 class Weave {
@@ -93,11 +93,13 @@ std::vector<Spring> springs(const Mesh& mesh, const Stiffness& stiffness) {
     const bool diagonal = inner && edge.across[0] != edge.across[1] && weave.longest_in(edge.triangle[0], d.norm()) &&
                           weave.longest_in(edge.triangle[1], d.norm());
     is_diagonal.push_back(diagonal);
-    springs.push_back({edge.a, edge.b, d.norm(), weave.compliance(d, edge, diagonal), false, diagonal ? Spring::Kind::diagonal : Spring::Kind::edge});
+    springs.push_back(
+        {edge.a, edge.b, d.norm(), weave.compliance(d, edge, diagonal), false, diagonal ? Spring::Kind::diagonal : Spring::Kind::edge});
     if (!diagonal) continue;
     const Eigen::Vector3d other = weave.point(edge.across[1]) - weave.point(edge.across[0]);
     if (other.norm() < 0.1 * d.norm()) continue;   // folded flat on itself at rest: no quad
-    second_diagonals.push_back({edge.across[0], edge.across[1], other.norm(), weave.compliance(other, edge, true), true, Spring::Kind::diagonal});
+    second_diagonals.push_back(
+        {edge.across[0], edge.across[1], other.norm(), weave.compliance(other, edge, true), true, Spring::Kind::diagonal});
   }
   add_far_links(mesh, is_diagonal, kFarSteps, springs);
   springs.insert(springs.end(), second_diagonals.begin(), second_diagonals.end());

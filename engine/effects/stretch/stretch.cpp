@@ -21,7 +21,8 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   const auto particle_of = state.particle_of();
   for (const cooking::Spring& s : cooking::springs(input.mesh, {input.cloth.fabric.stretch, input.cloth.fabric.shear})) {
     // What the GPU will read, so that strain and reference see the same link.
-    const gpu::uvec2 packed = gpu::pack_link({0, static_cast<float>(s.rest), static_cast<float>(std::min(s.compliance, cooking::kSoftest)), s.only_pulls});
+    const gpu::uvec2 packed =
+        gpu::pack_link({0, static_cast<float>(s.rest), static_cast<float>(std::min(s.compliance, cooking::kSoftest)), s.only_pulls});
     const gpu::Link link = gpu::unpack_link(packed.x, packed.y);
     state.fabric().links.push_back({particle_of[s.a], particle_of[s.b], link.rest, link.response, s.only_pulls, 0});
   }
@@ -59,7 +60,10 @@ void lay_out(cooking::CookState& state) {
 
 constinit const Effect stretch{
     .name = "stretch",
-    .called_for = [](const Scene& scene, const CookedFabric&) { return scene.solver.method == Method::jacobi || scene.solver.method == Method::chebyshev; },
+    .called_for =
+        [](const Scene& scene, const CookedFabric&) {
+          return scene.solver.method == Method::jacobi || scene.solver.method == Method::chebyshev;
+        },
     .buffers = kBuffers,
     .passes = kPasses,
     .specialize = [](const Cooked& s, Constants& constants) { constants[gpu::constant::stretch_stride] = s.fabric.stretch.stride; },

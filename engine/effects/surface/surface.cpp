@@ -26,7 +26,8 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
     first.push_back(static_cast<std::uint32_t>(fabric.corners.size()));
     fabric.corners.insert(fabric.corners.end(), list.begin(), list.end());
   }
-  for (const std::uint32_t p : mesh.point_of) fabric.surface_rows.push_back({particle_of[p], first[p], static_cast<std::uint32_t>(corners[p].size()), 0});
+  for (const std::uint32_t p : mesh.point_of)
+    fabric.surface_rows.push_back({particle_of[p], first[p], static_cast<std::uint32_t>(corners[p].size()), 0});
   fabric.cloth_triangles = static_cast<std::uint32_t>(fabric.triangles.size());
   return {};
 }

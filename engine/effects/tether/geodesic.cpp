@@ -20,8 +20,8 @@
 namespace weft::cooking {
 namespace {
 
-// A wave ends where a vertex has enough nearer anchors, and beside that border distances propagate only along edges. Spare places a vertex
-// move the border away from the anchors that are used.
+// A wave ends where a vertex has enough nearer anchors, and beside that border distances propagate only along edges. Spare
+// places a vertex move the border away from the anchors that are used.
 constexpr std::uint32_t kSpare = 1;
 
 // Length of the line from the source to c, if it crosses ab.
@@ -49,7 +49,7 @@ class Waves {
       for (const std::uint32_t p : mesh.triangles[t]) around_[fill[p]++] = t;
   }
 
-  std::vector<std::vector<Reach>> run(std::span<const std::uint32_t> anchors, std::uint32_t count) {
+  std::vector<std::vector<AnchorDistance>> run(std::span<const std::uint32_t> anchors, std::uint32_t count) {
     anchors_ = anchors;
     for (std::uint32_t k = 0; k < anchors.size(); ++k) offer(anchors[k], k, 0);
     while (!front_.empty()) {
@@ -60,9 +60,10 @@ class Waves {
       known->spread = true;
       for (std::uint32_t k = first_[arrival.point]; k < first_[arrival.point + 1]; ++k) spread(arrival, mesh_.triangles[around_[k]]);
     }
-    std::vector<std::vector<Reach>> nearest(reached_.size());
+    std::vector<std::vector<AnchorDistance>> nearest(reached_.size());
     for (std::size_t p = 0; p < reached_.size(); ++p)
-      for (std::size_t k = 0; k < std::min<std::size_t>(count, reached_[p].size()); ++k) nearest[p].push_back({reached_[p][k].anchor, reached_[p][k].distance});
+      for (std::size_t k = 0; k < std::min<std::size_t>(count, reached_[p].size()); ++k)
+        nearest[p].push_back({reached_[p][k].anchor, reached_[p][k].distance});
     return nearest;
   }
 
@@ -111,11 +112,13 @@ class Waves {
     for (int side = 0; side < 2; ++side) {
       const std::uint32_t near = others[side], far = others[1 - side];
       offer(near, from.anchor, from.distance + between(from.point, near));
-      // Two distances locate the source. The end of an edge that propagates later sees both, and so does one that propagates again: in
-      // obtuse triangles the wave can arrive at a corner before it arrives at the ends of the edge that it has crossed.
+      // Two distances locate the source. The end of an edge that propagates later sees both, and so does one that propagates
+      // again: in obtuse triangles the wave can arrive at a corner before it arrives at the ends of the edge that it has
+      // crossed.
       const Known* known = find(near, from.anchor);
       if (known == nullptr || !known->spread) continue;
-      const auto straight = across_triangle(between(from.point, near), between(from.point, far), between(near, far), from.distance, known->distance);
+      const auto straight =
+          across_triangle(between(from.point, near), between(from.point, far), between(near, far), from.distance, known->distance);
       // No way along the surface is shorter than the straight line in space.
       if (straight) offer(far, from.anchor, std::max(*straight, between(far, anchors_[from.anchor])));
     }
@@ -131,8 +134,8 @@ class Waves {
 
 }  // namespace
 
-std::vector<std::vector<Reach>> nearest_anchors(const Mesh& mesh, std::span<const std::uint32_t> anchors, std::uint32_t count) {
-  if (count == 0) return std::vector<std::vector<Reach>>(mesh.points.size());
+std::vector<std::vector<AnchorDistance>> nearest_anchors(const Mesh& mesh, std::span<const std::uint32_t> anchors, std::uint32_t count) {
+  if (count == 0) return std::vector<std::vector<AnchorDistance>>(mesh.points.size());
   return Waves(mesh, count + kSpare).run(anchors, count);
 }
 

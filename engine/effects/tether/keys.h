@@ -1,7 +1,7 @@
 // Tethers: true, false, or an object. Internal.
 #pragma once
 
-#include "engine/scene/ranges.h"
+#include "engine/effects/ranges.h"
 
 namespace weft::scene_fields {
 

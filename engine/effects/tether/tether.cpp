@@ -23,7 +23,8 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
     if (fabric.positions[particle_of[point]].w == 0) continue;
     unreached += reaches[point].empty();
     for (const auto& [anchor, distance] : reaches[point])
-      state.tethers[particle_of[point]].push_back({particle_of[points[anchor]], static_cast<float>(distance * (1 + input.cloth.tether_slack))});
+      state.tethers[particle_of[point]].push_back(
+          {particle_of[points[anchor]], static_cast<float>(distance * (1 + input.cloth.tether_slack))});
   }
   if (unreached > 0) state.note(input.cloth, unreached, " particles are connected to no anchor and have no tether");
   return {};

@@ -11,11 +11,11 @@
 namespace weft {
 namespace {
 
+using cooking::AnchorDistance;
 using cooking::nearest_anchors;
-using cooking::Reach;
 using cooking::vector;
 
-double to_first(const std::vector<Reach>& nearest) { return nearest.empty() ? NAN : nearest.front().distance; }
+double to_first(const std::vector<AnchorDistance>& nearest) { return nearest.empty() ? NAN : nearest.front().distance; }
 double straight(const Mesh& mesh, std::uint32_t a, std::uint32_t b) { return (vector(mesh.points[a]) - vector(mesh.points[b])).norm(); }
 Mesh grid(float width, float height, std::uint32_t nx, std::uint32_t ny, Topology topology) {
   return make_grid(Grid{{width, height}, nx, ny, topology, true});

@@ -1,4 +1,4 @@
-// What the keys of a scene may be: limits, names, and how many of a thing. Internal: not part of the public API.
+// Limits of a scene's values: ranges, names, and lengths of lists. Internal: not part of the public API.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ constexpr Range above(double low, double high, std::string_view unit = "") { ret
 constexpr Range below(double low, double high, std::string_view unit = "") { return {low, high, false, true, unit}; }
 constexpr Range inside(double low, double high, std::string_view unit = "") { return {low, high, true, true, unit}; }
 
-// Further than this from the origin a float cannot tell millimetres apart by a hundred kilometres; nobody's cloth is there.
+// 100 km from the origin floats are 8 mm apart: too coarse for cloth.
 constexpr double kFarthest = 1e5;  // m
 constexpr Range kPlace = between(-kFarthest, kFarthest, "m");
 constexpr Range kTurn = between(-1e6, 1e6, "degrees");
@@ -39,7 +39,8 @@ constexpr std::size_t kMostVertices = 4'000'000;  // as many as a mesh may have
 using Names = std::span<const std::string_view>;
 inline constexpr std::array<std::string_view, 2> kTopologies = {"diagonal", "centre"};
 inline constexpr std::array<std::string_view, 6> kStartPoses = {"rest", "stretched", "folded", "flattened", "scrambled", "collapsed"};
-inline constexpr std::array<std::string_view, 7> kMethods = {"jacobi", "gauss_seidel", "chebyshev", "mass_spring", "verlet", "implicit", "auto"};
+inline constexpr std::array<std::string_view, 7> kMethods = {"jacobi", "gauss_seidel", "chebyshev", "mass_spring",
+                                                             "verlet", "implicit", "auto"};
 inline constexpr std::array<std::string_view, 2> kLinears = {"cg", "jacobi"};
 inline constexpr std::array<std::string_view, 2> kAveragings = {"mass_split", "count"};
 inline constexpr std::array<std::string_view, 3> kMeshEndings = {".gltf", ".glb", ".obj"};

@@ -1,7 +1,7 @@
 // The table of a pose at a time: what moves has a list of these. Internal.
 #pragma once
 
-#include "engine/scene/ranges.h"
+#include "engine/effects/ranges.h"
 
 namespace weft::scene_fields {
 

@@ -24,7 +24,7 @@ vec3 within_bound(vec3 p, vec3 from, vec3 to, float bound) {
 
 // p, kept within the displacement bound of particle i, `steps` substeps after the detection; x, the substep's start, if a candidate of it
 // has overflowed (bound 0).
-vec3 held(uint i, vec3 x, vec3 p, uint steps) {
+vec3 keep_within_bound(uint i, vec3 x, vec3 p, uint steps) {
   const float bound = uintBitsToFloat(displacement_bounds[i]);
   return bound > 0 ? within_bound(p, expected_at(i, steps), expected_at(i, steps + 1), bound) : x;
 }

@@ -1,4 +1,4 @@
-// Cooking: see fabric.h. Particles and their masses, then what every effect makes of them.
+// Cooking: see fabric.h. Makes particles and their masses, then lets every effect cook its part.
 #include <algorithm>
 #include <cmath>
 
@@ -11,19 +11,13 @@ namespace {
 using cooking::CookState;
 using cooking::vector;
 
-// 10 substeps keep a hung sheet of 200 x 200 vertices at 0.02 % mean and below 2 % largest strain, in the time of 28 plain C++
-// passes over its links (README, "Speed").
-constexpr std::uint32_t kDefaultSubsteps = 10;
-// Implicit Euler is stable at any step and pays for one by its iterations: 8 ms, near the 10 ms of the system it grew out of.
-constexpr std::uint32_t kImplicitSubsteps = 2;
-
-// Substeps a frame, which springs that are too stiff for longer ones may ask for; as many as solver.substeps can say.
+// The most substeps a frame that stiff springs may ask for; the same limit as that of solver.substeps.
 constexpr double kMostParts = 1000;
 
-// Single precision squares lengths: what is shorter counts as ends at one place (stretch.comp).
+// Squares of shorter lengths are too small for single precision; stretch.comp treats such ends as coincident.
 constexpr float kShortestLink = 1e-8f;   // m
 
-// Mass of every point: a third of each triangle's around it.
+// Mass of every point (kg): a third of the mass of each triangle around it.
 std::vector<double> point_masses(const Mesh& mesh, double area_density) {
   std::vector<double> masses(mesh.points.size());
   for (const auto& [a, b, c] : mesh.triangles) {
@@ -42,7 +36,8 @@ Result<void> add_particles(CookState& state, std::uint32_t index, std::span<cons
   if (cloth.springs && cloth.springs->mass > 0) std::fill(masses.begin(), masses.end(), cloth.springs->mass);
   for (const std::uint32_t point : order) {
     const Vec3 x = mesh.points[point];
-    if (!(masses[point] > 0)) return fail("cloths[", index, "]: point ", point, " has a mass of ", masses[point], " kg; it must be above 0");
+    if (!(masses[point] > 0))
+      return fail("cloths[", index, "]: point ", point, " has a mass of ", masses[point], " kg; it must be above 0");
     fabric.positions.push_back({x.x, x.y, x.z, static_cast<float>(1 / masses[point])});
     fabric.velocities.push_back({0, 0, 0, std::bit_cast<float>(index)});
   }
@@ -87,8 +82,9 @@ Result<void> fit_substep(CookState& state) {
   const double wanted = fabric.h, parts = std::ceil(wanted / fabric.largest_step - 1e-9), substeps = parts * substeps_of(scene.solver);
   if (!(parts > 1)) return {};
   if (substeps > kMostParts)
-    return fail("solver.method: the springs and masses of this scene are stable up to substeps of ", fabric.largest_step, " s; that makes ", substeps,
-                " a frame, more than ", kMostParts, ": take softer springs, heavier particles, a coarser mesh or a higher solver.rate");
+    return fail("solver.method: the springs and masses of this scene are stable up to substeps of ", fabric.largest_step, " s; that makes ",
+                substeps, " a frame, more than ", kMostParts,
+                ": take softer springs, heavier particles, a coarser mesh or a higher solver.rate");
   fabric.h = wanted / parts;
   for (std::size_t k = 0; k < scene.cloths.size(); ++k)
     fabric.materials[k].damping_factor = static_cast<float>(std::exp(-scene.cloths[k].fabric.damping * fabric.h));
@@ -97,51 +93,17 @@ Result<void> fit_substep(CookState& state) {
   return {};
 }
 
-
 Result<void> check(const CookedFabric& fabric) {
   for (const gpu::vec4& p : fabric.positions)
-    if (!std::isfinite(p.x + p.y + p.z + p.w)) return fail("a particle's position or inverse mass is not finite: the mesh or its mass is beyond single precision");
+    if (!std::isfinite(p.x + p.y + p.z + p.w))
+      return fail("a particle's position or inverse mass is not finite: the mesh or its mass is beyond single precision");
   for (const StretchLink& link : fabric.links)
-    if (!(link.rest > kShortestLink)) return fail("a link of ", link.rest, " m is not longer than ", kShortestLink, " m: scale the mesh up");
+    if (!(link.rest > kShortestLink))
+      return fail("a link of ", link.rest, " m is not longer than ", kShortestLink, " m: scale the mesh up");
   return {};
 }
 
 }  // namespace
-
-namespace cooking {
-
-CookState::CookState(const Scene& scene) : scene_(scene) { fabric_.h = 1 / (scene.solver.rate * substeps_of(scene.solver)); }
-
-double CookState::softening() const { return relaxation_of(scene_.solver) / (fabric_.h * fabric_.h); }
-
-PairRows pack_rows(std::span<const std::vector<gpu::uvec2>> lists, Padding padding, double most_padding) {
-  PairRows packed;
-  packed.rows.reserve(lists.size());
-  std::size_t longest = 0, total = 0;
-  for (const auto& list : lists) {
-    longest = std::max(longest, (list.size() + 1) / 2);
-    total += (list.size() + 1) / 2;
-  }
-  const bool even = static_cast<double>(longest * lists.size()) <= (1 + most_padding) * static_cast<double>(total);
-  if (most_padding > 0 && even) packed.stride = static_cast<std::uint32_t>(longest);
-  for (std::uint32_t owner = 0; owner < lists.size(); ++owner) {
-    const auto& list = lists[owner];
-    packed.rows.push_back({static_cast<std::uint32_t>(packed.pairs.size()), static_cast<std::uint32_t>(list.size())});
-    for (std::size_t k = 0; k < list.size(); k += 2) {
-      const gpu::uvec2 second = k + 1 < list.size() ? list[k + 1] : gpu::uvec2{padding == Padding::owner ? owner : list[k].x, 0};
-      packed.pairs.push_back({list[k].x, list[k].y, second.x, second.y});
-    }
-    if (packed.stride > 0) packed.pairs.resize(std::size_t(owner + 1) * packed.stride, {owner, 0, owner, 0});
-  }
-  return packed;
-}
-
-}  // namespace cooking
-
-std::uint32_t substeps_of(const SolverSettings& solver) {
-  if (solver.substeps > 0) return solver.substeps;
-  return solver.method == Method::implicit ? kImplicitSubsteps : kDefaultSubsteps;
-}
 
 Result<std::vector<Mesh>> make_meshes(const Scene& scene) {
   std::vector<Mesh> meshes;
@@ -172,8 +134,9 @@ Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) {
   if (meshes.size() != cloths + colliders.size())
     return fail("the scene has ", cloths, " cloths and ", colliders.size(), " mesh colliders but ", meshes.size(), " meshes were given");
   if (cloths == 0) return fail("the scene has no cloth");
-  // A scene that a host made has passed no reader.
-  if (!(scene.solver.rate > 0) || !std::isfinite(scene.solver.rate)) return fail("solver.rate: ", scene.solver.rate, " is not above 0 (Hz)");
+  // A scene made by the host has not been checked by the reader.
+  if (!(scene.solver.rate > 0) || !std::isfinite(scene.solver.rate))
+    return fail("solver.rate: ", scene.solver.rate, " is not above 0 (Hz)");
   if (scene.solver.iterations < 1) return fail("solver.iterations: 0 is less than 1");
   if (const std::string fault = method_fault(scene); !fault.empty()) return fail("solver.method: ", fault);
   if (const std::string fault = relaxation_fault(scene); !fault.empty()) return fail("solver.relaxation: ", fault);

@@ -1,0 +1,26 @@
+#include "engine/cook/cook_state.h"
+
+namespace weft {
+namespace {
+
+// 10 substeps keep a hung sheet of 200 x 200 vertices at 0.02 % mean and below 2 % largest strain, in the time of 28 plain C++
+// passes over its links (engine/README.md, "Speed").
+constexpr std::uint32_t kDefaultSubsteps = 10;
+// Implicit Euler is stable at any step, and a substep costs its iterations: 8 ms substeps, near the 10 ms of the system of 2006.
+constexpr std::uint32_t kImplicitSubsteps = 2;
+
+}  // namespace
+
+std::uint32_t substeps_of(const SolverSettings& solver) {
+  if (solver.substeps > 0) return solver.substeps;
+  return solver.method == Method::implicit ? kImplicitSubsteps : kDefaultSubsteps;
+}
+
+namespace cooking {
+
+CookState::CookState(const Scene& scene) : scene_(scene) { fabric_.h = 1 / (scene.solver.rate * substeps_of(scene.solver)); }
+
+double CookState::softening() const { return relaxation_of(scene_.solver) / (fabric_.h * fabric_.h); }
+
+}  // namespace cooking
+}  // namespace weft

@@ -1,0 +1,142 @@
+// What a cooked scene calls for, and from it the lengths and contents of buffers and the threads of passes.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+#include <string>
+
+#include "engine/effects/buffers.h"
+#include "tests/support/calls.h"
+
+namespace weft {
+namespace {
+
+TEST(Buffers, names_are_one_row_each_and_every_row_is_one_that_passes_touch) {
+  std::set<std::string_view> names;
+  for (const Buffer* row : all_buffers()) {
+    EXPECT_TRUE(names.insert(row->name).second) << row->name << " has two rows";
+    EXPECT_NE(row->length, nullptr) << row->name;
+    EXPECT_EQ(buffer_named(row->name), row);
+  }
+  std::set<const Buffer*> touched;
+  for_every_plan([&](const Plan& plan, const Calls&, bool) {
+    for (const Plan::PlannedBuffer& planned : plan.buffers) touched.insert(planned.row);
+  });
+  for (const Buffer* row : all_buffers()) EXPECT_TRUE(touched.contains(row->lies_in != nullptr ? row->lies_in : row)) << row->name;
+}
+
+// Small cloths with and without each effect.
+struct Sheet {
+  Scene scene;
+  CookedFabric fabric;
+  Cooked subject() const { return cooked_of(scene, fabric); }
+};
+
+Sheet sheet_for(const Calls& calls) {
+  Sheet made;
+  Cloth& cloth = made.scene.cloths.emplace_back();
+  cloth.grid = Grid{{1, 1}, 5, 4, Topology::diagonal, true};
+  cloth.bending = calls.has(Id::bend);
+  cloth.tethers = calls.has(Id::tether);
+  if (calls.has(Id::dihedral)) {
+    made.scene.cloths.push_back(made.scene.cloths[0]);
+    made.scene.cloths[1].bending = true;
+    made.scene.cloths[1].bend_rest = BendRest::mesh;
+  }
+  if (calls.has(Id::anchor)) {
+    made.scene.cloths[0].anchors.resize(1);
+    made.scene.cloths[0].anchors[0].top = 0;
+  }
+  if (calls.has(Id::collide)) made.scene.colliders.resize(3);
+  made.scene.contacts.enabled = calls.has(Id::contact);
+  made.scene.solver.iterations = calls.iterated ? 2 : 1;
+  made.scene.solver.linear = calls.relaxed ? Linear::jacobi : Linear::cg;
+  made.scene.solver.method = calls.has(Id::implicit)       ? Method::implicit
+                             : calls.has(Id::gauss_seidel) ? Method::gauss_seidel
+                             : calls.has(Id::spring)       ? Method::mass_spring
+                             : calls.has(Id::chebyshev)    ? Method::chebyshev
+                                                           : Method::jacobi;
+  const auto meshes = make_meshes(made.scene);
+  auto fabric = cook(made.scene, *meshes);
+  EXPECT_TRUE(fabric) << fabric.error();
+  if (fabric) made.fabric = std::move(*fabric);
+  return made;
+}
+
+TEST(NeedsOf, a_scene_calls_for_what_it_has) {
+  for (const Calls& calls : combinations()) {
+    // Tethers need an anchor to hold on to.
+    if (calls.has(Id::tether) && !calls.has(Id::anchor)) continue;
+    SCOPED_TRACE(words(calls));
+    const Sheet sheet = sheet_for(calls);
+    const Needs wanted = setup_for(calls, true), got = needs_of(sheet.subject(), kWorkgroup, true);
+    EXPECT_EQ(got.effects, wanted.effects);
+    for (const auto id : {constant::workgroup, constant::through_texels, constant::is_iterated, constant::is_accelerated,
+                          constant::has_tethers, constant::has_colliders, constant::has_contacts})
+      EXPECT_EQ(got.constants[id], wanted.constants[id]) << "constant " << id;
+    EXPECT_EQ(got.constants[constant::planes], calls.has(Id::collide) ? 3u : 0u);
+  }
+  const Sheet unheld = sheet_for({{Id::stretch, Id::tether}});
+  EXPECT_FALSE(needs_of(unheld.subject(), kWorkgroup, true).has(Id::tether));
+}
+
+TEST(Buffers, every_buffer_of_a_plan_has_bytes) {
+  for (const Calls& calls : combinations()) {
+    if (calls.has(Id::tether) && !calls.has(Id::anchor)) continue;
+    const Sheet sheet = sheet_for(calls);
+    const auto plan = make_plan(needs_of(sheet.subject(), kWorkgroup, true), specializer());
+    ASSERT_TRUE(plan) << plan.error();
+    for (const Plan::PlannedBuffer& planned : plan->buffers) {
+      EXPECT_GT(bytes_of(*planned.row, sheet.subject()), 0u) << planned.row->name;
+      if (planned.texels) { EXPECT_NE(planned.row->texel, Texel::none) << planned.row->name; }
+    }
+  }
+}
+
+TEST(Buffers, sizes_and_contents_are_those_of_the_cooked_arrays) {
+  const Sheet sheet = sheet_for({{Id::anchor, Id::stretch, Id::bend, Id::tether, Id::collide, Id::contact}, true});
+  const Cooked subject = sheet.subject();
+  const auto bytes = [&](const Buffer& row) { return bytes_of(row, subject); };
+  EXPECT_EQ(bytes(buffers::positions), 30 * 16u);
+  EXPECT_EQ(bytes(buffers::stretch_links), sheet.fabric.stretch.pairs.size() * 16);
+  EXPECT_EQ(bytes(buffers::stretch_lambda), sheet.fabric.stretch.pairs.size() * 8);
+  EXPECT_EQ(bytes(buffers::bends), sheet.fabric.bends.size() * 40);
+  EXPECT_EQ(bytes(buffers::bend_uses), sheet.fabric.bend_uses.pairs.size() * 16);
+  EXPECT_EQ(bytes(buffers::tethers), 30 * 4 * 8u);
+  EXPECT_EQ(bytes(buffers::anchors), 6 * 28u);
+  EXPECT_EQ(bytes(buffers::colliders), 3 * sizeof(gpu::Collider));
+  EXPECT_EQ(bytes(buffers::counters), sizeof(gpu::Counters));
+  EXPECT_EQ(bytes(buffers::triangles), sheet.fabric.triangles.size() * 16);
+  EXPECT_EQ(bytes(buffers::edges), sheet.fabric.edges.size() * 8);
+  EXPECT_EQ(bytes(buffers::candidates), subject.contacts.capacity * std::uint64_t(16));
+  EXPECT_EQ(bytes(buffers::near_edges), bytes(buffers::contact_normals)) << "they lie there";
+  EXPECT_EQ(bytes(buffers::near_faces), bytes(buffers::contact_weights));
+  for (const Buffer* row : all_buffers())
+    if (row->contents != nullptr && row->lifetime == Lifetime::cooked) {
+      EXPECT_EQ(row->contents(subject).bytes().size(), row->length(subject) * row->element_bytes) << row->name;
+    }
+}
+
+TEST(Passes, threads_are_counted_from_what_was_cooked) {
+  const Sheet sheet = sheet_for({{Id::anchor, Id::stretch, Id::bend, Id::contact}, true});
+  std::map<std::string, std::uint32_t> threads;
+  std::map<std::string, std::size_t> dispatches;
+  for (const Effect* effect : all_effects())
+    for (const Pass& pass : effect->passes) {
+      const auto ranges = ranges_of(pass, sheet.subject());
+      dispatches[pass.name] = ranges.size();
+      if (!ranges.empty()) threads[pass.name] = ranges.front().count;
+    }
+  EXPECT_EQ(threads["predict"], 30u);
+  EXPECT_EQ(threads["anchor"], 6u);
+  EXPECT_EQ(threads["bend_lambda"], sheet.fabric.bends.size());
+  EXPECT_EQ(threads["surface"], 30u);
+  EXPECT_EQ(threads["contact_arguments"], 30u);
+  EXPECT_EQ(dispatches["contact_limit"], std::size_t(WEFT_LIMIT_PASSES));
+  const Sheet coloured = sheet_for({{Id::gauss_seidel}});
+  for (const Pass& pass : effect(Id::gauss_seidel).passes)
+    EXPECT_EQ(ranges_of(pass, coloured.subject()).size(), coloured.fabric.colour_ends.size());
+}
+
+}  // namespace
+}  // namespace weft

@@ -1,0 +1,119 @@
+// What the tests of plans share: every combination of effects that a scene can call for, and the plan of each.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <compare>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "engine/solve/plan.h"
+
+namespace weft {
+
+using Id = EffectId;
+namespace constant = gpu::constant;
+inline constexpr std::uint32_t kWorkgroup = 128;
+
+// What a scene calls for, in short.
+struct Calls {
+  std::set<Id> effects;        // besides motion and surface
+  bool iterated = false;       // several iterations a substep
+  bool relaxed = false;        // the method implicit, solved by Jacobi
+  auto operator<=>(const Calls&) const = default;
+  bool has(Id id) const { return effects.contains(id); }
+};
+
+inline Needs setup_for(const Calls& calls, bool texels) {
+  Needs setup;
+  setup.constants[constant::workgroup] = kWorkgroup;
+  setup.constants[constant::through_texels] = texels;
+  setup.constants[constant::is_iterated] = calls.iterated;
+  setup.constants[constant::linear_solver] = calls.relaxed ? WEFT_LINEAR_JACOBI : WEFT_LINEAR_CG;
+  setup.constants[constant::is_accelerated] = calls.has(Id::chebyshev);
+  setup.constants[constant::has_tethers] = calls.has(Id::tether);
+  setup.constants[constant::has_colliders] = setup.constants[constant::spheres] = calls.has(Id::collide);
+  setup.constants[constant::has_contacts] = calls.has(Id::contact);
+  for (const Id id : {Id::motion, Id::surface}) setup.effects.set(static_cast<std::size_t>(id));
+  for (const Id id : calls.effects) setup.effects.set(static_cast<std::size_t>(id));
+  return setup;
+}
+
+inline std::string words(const Calls& calls) {
+  std::string text = std::string(calls.iterated ? "iterated " : "") + (calls.relaxed ? "relaxed " : "");
+  for (const Id id : calls.effects) text += std::string(effect(id).name) + ' ';
+  return text;
+}
+
+inline Calls with(Calls calls, std::initializer_list<Id> more) {
+  calls.effects.insert(more.begin(), more.end());
+  return calls;
+}
+
+// Every combination that a scene can call for (engine/scene/method.cpp).
+inline std::vector<Calls> combinations() {
+  std::vector<Calls> found;
+  constexpr Id kAny[] = {Id::anchor, Id::bend, Id::tether, Id::collide, Id::contact};
+  for (std::uint32_t bits = 0; bits < 64; ++bits) {
+    Calls calls;
+    for (std::size_t k = 0; k < std::size(kAny); ++k)
+      if (bits >> k & 1) calls.effects.insert(kAny[k]);
+    calls.iterated = bits >> 5 & 1;
+    found.push_back(with(calls, {Id::stretch}));
+    found.push_back(with(calls, {Id::gauss_seidel}));
+    found.push_back(with(calls, {Id::stretch, Id::dihedral}));
+    found.push_back(with(calls, {Id::gauss_seidel, Id::dihedral}));
+    if (calls.iterated && !calls.has(Id::contact) && !calls.has(Id::tether)) found.push_back(with(calls, {Id::stretch, Id::chebyshev}));
+    if (calls.iterated || calls.has(Id::bend)) continue;   // links and bends: not of the methods on springs
+    found.push_back(with(calls, {Id::spring}));
+    found.push_back(with(calls, {Id::spring, Id::implicit}));
+    found.push_back(with(calls, {Id::spring, Id::implicit}));
+    found.back().relaxed = true;
+  }
+  return found;
+}
+
+// Effects that these do not know: forces, and whatever else goes with everything and is no constant of others' passes.
+inline std::vector<Id> others() {
+  constexpr Id kKnown[] = {Id::anchor,   Id::stretch,   Id::gauss_seidel, Id::bend,    Id::dihedral, Id::spring, Id::implicit,
+                           Id::chebyshev, Id::tether, Id::collide,      Id::motion, Id::contact,  Id::surface};
+  std::vector<Id> found;
+  for (std::size_t k = 0; k < kEffects; ++k)
+    if (std::find(std::begin(kKnown), std::end(kKnown), Id(k)) == std::end(kKnown)) found.push_back(Id(k));
+  return found;
+}
+
+// Every combination without and with all of these.
+inline std::vector<Calls> all_combinations() {
+  std::vector<Calls> found = combinations();
+  const std::vector<Id> more = others();
+  const std::size_t known = more.empty() ? 0 : found.size();
+  for (std::size_t k = 0; k < known; ++k) {
+    found.push_back(found[k]);
+    found.back().effects.insert(more.begin(), more.end());
+  }
+  return found;
+}
+
+inline compute::Specializer& specializer() {
+  static compute::Specializer shared;   // what one plan has specialised another need not
+  return shared;
+}
+
+inline Plan plan_for(const Calls& calls, bool texels = true) {
+  auto plan = make_plan(setup_for(calls, texels), specializer());
+  EXPECT_TRUE(plan) << words(calls) << ": " << plan.error();
+  return plan ? std::move(*plan) : Plan{};
+}
+
+template <class Body>
+void for_every_plan(Body body) {
+  for (const Calls& calls : all_combinations())
+    for (const bool texels : {true, false}) {
+      SCOPED_TRACE(words(calls) + (texels ? "texels" : "storage"));
+      body(plan_for(calls, texels), calls, texels);
+    }
+}
+
+}  // namespace weft
