@@ -33,7 +33,10 @@ Result<std::vector<uint32_t>> specialize(std::span<const uint32_t> spirv, std::s
   optimizer.RegisterPass(spvtools::CreateSetSpecConstantDefaultValuePass(values))
       .RegisterPass(spvtools::CreateFreezeSpecConstantValuePass())
       .RegisterPass(spvtools::CreateFoldSpecConstantOpAndCompositePass())
-      .RegisterPerformancePasses();
+      .RegisterPass(spvtools::CreateCCPPass())
+      .RegisterPass(spvtools::CreateDeadBranchElimPass())
+      .RegisterPass(spvtools::CreateAggressiveDCEPass())
+      .RegisterPass(spvtools::CreateBlockMergePass());
   // Weft's own modules were validated when they were built.
   spvtools::OptimizerOptions options;
   options.set_run_validator(false);

@@ -2,10 +2,11 @@
 //
 // A driver is told the values of specialisation constants when it compiles a pipeline, too late for descriptor layouts and
 // barriers: a branch that is never taken still names its buffers. So the values are put in before: constants are frozen,
-// folded and propagated, dead code and the variables that only it used are removed, and what is left is optimised.
+// folded and propagated, and dead code and the variables that only it used are removed. Modules were optimised when they were built.
 // Reflection then sees what really runs. No Vulkan needed.
 //
-// The work is done by SPIRV-Tools' optimizer (Khronos), with the passes of `spirv-opt -O`.
+// The work is done by SPIRV-Tools' optimizer (Khronos): sparse conditional constant propagation (Wegman and Zadeck 1991),
+// elimination of dead branches, aggressive dead-code elimination, merging of blocks.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-# Shaders of the pictures. Nobody specialises them, so they are optimised here.
+# Shaders of the pictures.
 foreach(name cloth.vert cloth.frag solid.vert solid.frag screen.vert sky.frag occlusion.frag smooth.frag)
-  weft_shader(shading/${name} ${name} -O)
+  weft_shader(shading/${name} ${name})
 endforeach()
