@@ -39,8 +39,7 @@ build() {
   shift 2
   (( $# == 0 )) || targets=(--target "$@")
   if command -v ccache >/dev/null; then
-    # It does not know what stands in a precompiled header.
-    launcher=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON)
+    launcher=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
   fi
   echo "Building $preset into $root/build/$preset"
   (cd "$root" && cmake --log-level=WARNING --preset "$preset" "${launcher[@]}") >/dev/null || return
