@@ -17,7 +17,7 @@
   X(2,  bool, finalizes)        /* 1: the pass ends the iteration (motion/finalize.glsl) */                                  \
   X(3,  bool, is_iterated)      /* 1: more than one iteration a substep, so that multipliers are kept */                     \
   X(4,  bool, is_accelerated)   /* 1: by Chebyshev's iteration (chebyshev/chebyshev.glsl) */                                \
-  X(5,  bool, has_tethers)      /* 1: some particle has one */                                                               \
+  X(5,  uint, tether_pairs)     /* of tethers, per particle; 0: none */ \
   X(6,  bool, has_colliders)    /* 1: with a signed distance */                                                              \
   X(7,  bool, has_contacts)     /* 1: substeps end in contact_finalize */                                                    \
   X(8,  uint, planes)           /* colliders of this shape, and so on */                                                     \

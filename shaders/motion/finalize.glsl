@@ -23,7 +23,7 @@ void finalize(uint i, vec4 p) {
   const vec4 x = FETCH(positions, i);
   const vec4 v = FETCH(velocities, i);
   const vec4 material = FETCH(materials, floatBitsToUint(v.w));
-  if (has_tethers) p.xyz = within_tethers(i, p.xyz);
+  if (tether_pairs > 0) p.xyz = within_tethers(i, p.xyz);
   if (has_colliders) p.xyz = out_of_colliders(x.xyz, p.xyz, material);
   if (is_accelerated) chebyshev_iterates[3 * i + 1] = vec4(p.xyz, 0);
   if (last) p = update_velocity(i, x.xyz, p, v.xyz, material.x);

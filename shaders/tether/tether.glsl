@@ -30,8 +30,8 @@ vec3 correction_to_lens(vec3 d, vec3 axis, float max_a, float max_b) {
 }
 
 vec3 within_tethers(uint i, vec3 p) {
-  for (uint k = 0; k < tether_settings.pairs; ++k) {
-    const uvec4 pair = FETCH(tethers, i * tether_settings.pairs + k);
+  for (uint k = 0; k < tether_pairs; ++k) {
+    const uvec4 pair = FETCH(tethers, i * tether_pairs + k);
     if (pair.x == WEFT_NONE) break;   // it ends the list
     const vec3 a = FETCH(predicted, pair.x).xyz;
     const float max_a = uintBitsToFloat(pair.y), max_b = uintBitsToFloat(pair.w);

@@ -72,7 +72,7 @@ TEST(NeedsOf, a_scene_calls_for_what_it_has) {
     const Needs wanted = setup_for(calls, true), got = needs_of(sheet.subject(), kWorkgroup, true);
     EXPECT_EQ(got.effects, wanted.effects);
     for (const auto id : {constant::workgroup, constant::through_texels, constant::is_iterated, constant::is_accelerated,
-                          constant::has_tethers, constant::has_colliders, constant::has_contacts})
+                          constant::has_colliders, constant::has_contacts})
       EXPECT_EQ(got.constants[id], wanted.constants[id]) << "constant " << id;
     EXPECT_EQ(got.constants[constant::planes], calls.has(Id::collide) ? 3u : 0u);
   }

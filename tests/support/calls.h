@@ -32,7 +32,7 @@ inline Needs setup_for(const Calls& calls, bool texels) {
   setup.constants[constant::is_iterated] = calls.iterated;
   setup.constants[constant::linear_solver] = calls.relaxed ? WEFT_LINEAR_JACOBI : WEFT_LINEAR_CG;
   setup.constants[constant::is_accelerated] = calls.has(Id::chebyshev);
-  setup.constants[constant::has_tethers] = calls.has(Id::tether);
+  setup.constants[constant::tether_pairs] = calls.has(Id::tether);
   setup.constants[constant::has_colliders] = setup.constants[constant::spheres] = calls.has(Id::collide);
   setup.constants[constant::has_contacts] = calls.has(Id::contact);
   for (const Id id : {Id::motion, Id::surface}) setup.effects.set(static_cast<std::size_t>(id));

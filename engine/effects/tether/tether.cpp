@@ -51,7 +51,7 @@ constinit const Effect tether{
     .called_for = [](const Scene&, const CookedFabric& fabric) { return !fabric.tethers.empty(); },
     .buffers = kBuffers,
     .part_of_finalize = "+tether",
-    .specialize = [](const Cooked&, Constants& constants) { constants[gpu::constant::has_tethers] = 1; },
+    .specialize = [](const Cooked& s, Constants& constants) { constants[gpu::constant::tether_pairs] = s.fabric.tethers_per_particle / 2; },
     .slice = {"tether_settings", [](const Cooked& s) { return made(std::vector{gpu::TetherSettings{s.fabric.tethers_per_particle / 2}}); }},
     .reference = Reference::modelled,
     .cook = cook,
