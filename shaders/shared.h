@@ -69,7 +69,7 @@ WEFT_CONSTANTS(WEFT_DECLARE)
 #define WRITE(element, name) WEFT_BUFFER(restrict writeonly, element, name)
 #define READ_WRITE(element, name) WEFT_BUFFER(restrict, element, name)
 #define SHARE(element, name) WEFT_BUFFER(restrict coherent, element, name)   // workgroups of one dispatch read what others wrote
-// A slice of the uniform buffer: what a frame is told (Motion, TetherSettings, ContactSettings).
+// A slice of the uniform buffer: what a frame is told (Motion, ContactSettings).
 #define SLICE(struct_name, name) layout(set = WEFT_STORAGE_SET, scalar) uniform name##_slice { struct_name name; };
 
 // A gather reads through texel buffers, which the software driver fetches twice as fast as it loads from storage buffers; that holds for
@@ -240,10 +240,6 @@ struct Motion {
   vec3 origin;        // m: what is added to particles' positions for the renderer
 };
 
-struct TetherSettings {
-  uint pairs;         // of tethers, per particle
-};
-
 struct ContactSettings {
   uint triangles, edges;   // how many; together the grid's primitives
   uint buckets;       // of the grid, a power of two
@@ -268,7 +264,6 @@ struct ContactSettings {
 #ifndef __cplusplus
 layout(push_constant, scalar) uniform Constants { Push push; };
 SLICE(Motion, motion)
-SLICE(TetherSettings, tether_settings)
 SLICE(ContactSettings, contact_settings)
 #endif
 

@@ -52,7 +52,6 @@ constinit const Effect tether{
     .buffers = kBuffers,
     .part_of_finalize = "+tether",
     .specialize = [](const Cooked& s, Constants& constants) { constants[gpu::constant::tether_pairs] = s.fabric.tethers_per_particle / 2; },
-    .slice = {"tether_settings", [](const Cooked& s) { return made(std::vector{gpu::TetherSettings{s.fabric.tethers_per_particle / 2}}); }},
     .reference = Reference::modelled,
     .cook = cook,
     .lay_out = lay_out,
