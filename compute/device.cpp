@@ -19,6 +19,7 @@ struct Device::State {
   Candidate candidate;
   mutable std::mutex queue_mutex;
   mutable std::atomic<bool> lost = false;
+  mutable Specializer specializer;
 
   ~State() {
     if (!own || device == VK_NULL_HANDLE) return;
@@ -173,6 +174,7 @@ void Device::wait_idle() const {
   vk().vkDeviceWaitIdle(handle());
 }
 
+Specializer& Device::specializer() const { return state_->specializer; }
 bool Device::is_lost() const { return state_->lost; }
 
 VkResult Device::heard(VkResult result) const {

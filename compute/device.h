@@ -16,6 +16,7 @@
 
 #include "compute/functions.h"
 #include "compute/result.h"
+#include "compute/specialize.h"
 
 namespace weft::compute {
 
@@ -126,6 +127,9 @@ class Device {
   bool is_lost() const;
   /// `result`, remembered if it says that the device is lost; for those who call Vulkan's waits themselves.
   VkResult heard(VkResult result) const;
+
+  /// What was specialised for this device, so that simulations share it.
+  Specializer& specializer() const;
 
   /// Warnings and errors of the validation layers so far; empty when they are off. Thread-safe.
   std::vector<std::string> validation_messages() const;

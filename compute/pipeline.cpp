@@ -7,48 +7,56 @@
 #include <span>
 #include <vector>
 
+#include "compute/digest.h"
 #include "compute/file.h"
 #include "compute/reflect.h"
 
 namespace weft::compute {
 namespace {
 
-/// In front of the driver's blob. A driver update changes driver_version or the UUID, and so invalidates the file.
+/// Before what was specialised and the driver's blob. A driver update changes driver_version or the UUID, and so invalidates the file.
 struct CacheHeader {
   char magic[8];
   uint32_t vendor;
   uint32_t device;
   uint32_t driver_version;
-  uint32_t reserved;
+  uint32_t specialized_bytes;
   uint8_t uuid[VK_UUID_SIZE];
   uint64_t bytes;
   uint64_t checksum;
 };
 static_assert(sizeof(CacheHeader) == 56);
 
-constexpr char kMagic[8] = {'W', 'E', 'F', 'T', 'P', 'C', '0', '1'};
+constexpr char kMagic[8] = {'W', 'E', 'F', 'T', 'P', 'C', '0', '2'};
 constexpr uint64_t kMaxCacheBytes = uint64_t{256} << 20;  // a cache of Weft's few dozen kernels is far below this
 
-/// FNV-1a, 64 bits (Fowler, Noll, Vo): catches damage, and is not meant to catch malice.
 uint64_t checksum(std::span<const std::byte> bytes) {
-  uint64_t hash = 0xcbf29ce484222325u;
-  for (const std::byte b : bytes) hash = (hash ^ static_cast<uint64_t>(b)) * 0x100000001b3u;
-  return hash;
+  Digest digest;
+  digest.add(bytes);
+  return digest.value();
 }
 
-CacheHeader header_for(const Device& device, std::span<const std::byte> blob) {
+CacheHeader header_for(const Device& device, std::span<const std::byte> content, uint32_t specialized_bytes) {
   CacheHeader header{};
   std::memcpy(header.magic, kMagic, sizeof kMagic);
   header.vendor = device.properties().vendorID;
   header.device = device.properties().deviceID;
   header.driver_version = device.properties().driverVersion;
+  header.specialized_bytes = specialized_bytes;
   std::memcpy(header.uuid, device.properties().pipelineCacheUUID, VK_UUID_SIZE);
-  header.bytes = blob.size();
-  header.checksum = checksum(blob);
+  header.bytes = content.size();
+  header.checksum = checksum(content);
   return header;
 }
 
-Result<std::vector<std::byte>> load(const Device& device, const std::filesystem::path& path) {
+struct CacheContent {
+  std::vector<std::byte> bytes;
+  uint32_t specialized_bytes = 0;   // at the front; the rest is the driver's
+  uint64_t checksum = 0;
+  std::span<const std::byte> blob() const { return std::span(bytes).subspan(specialized_bytes); }
+};
+
+Result<CacheContent> load(const Device& device, const std::filesystem::path& path) {
   std::error_code problem;
   const uint64_t size = std::filesystem::file_size(path, problem);
   const auto refuse = [&](const auto&... why) { return fail("pipeline cache ", path.string(), " is ignored: ", why...); };
@@ -58,18 +66,22 @@ Result<std::vector<std::byte>> load(const Device& device, const std::filesystem:
   }
   std::ifstream file(path, std::ios::binary);
   CacheHeader header{};
-  std::vector<std::byte> blob(size - sizeof header);
+  CacheContent content;
+  content.bytes.resize(size - sizeof header);
   file.read(reinterpret_cast<char*>(&header), sizeof header);
-  file.read(reinterpret_cast<char*>(blob.data()), static_cast<std::streamsize>(blob.size()));
+  file.read(reinterpret_cast<char*>(content.bytes.data()), static_cast<std::streamsize>(content.bytes.size()));
   if (!file) return refuse("it could not be read");
-  const CacheHeader expected = header_for(device, blob);
-  if (std::memcmp(header.magic, expected.magic, sizeof kMagic) != 0) return refuse("it is not a cache of Weft's");
+  const CacheHeader expected = header_for(device, content.bytes, header.specialized_bytes);
+  if (std::memcmp(header.magic, expected.magic, sizeof kMagic) != 0) return refuse("it is not a cache of this version of Weft");
   if (header.bytes != expected.bytes) {
     return refuse("it announces ", header.bytes, " bytes and holds ", expected.bytes);
   }
   if (header.checksum != expected.checksum) return refuse("its checksum does not fit its content");
   if (std::memcmp(&header, &expected, sizeof header) != 0) return refuse("it is of another device or driver");
-  return blob;
+  if (header.specialized_bytes > header.bytes) return refuse("what was specialised has more bytes than all of it: ", header.specialized_bytes);
+  content.specialized_bytes = header.specialized_bytes;
+  content.checksum = header.checksum;
+  return content;
 }
 
 VkResult create_cache(const Device& device, std::span<const std::byte> blob, VkPipelineCache& cache) {
@@ -85,27 +97,31 @@ Result<PipelineCache> PipelineCache::create(const Device& device, const std::fil
   PipelineCache made;
   made.device_ = &device;
   made.path_ = path;
-  std::vector<std::byte> blob;
+  CacheContent content;
   std::error_code ignored;
   if (!path.empty() && std::filesystem::exists(path, ignored)) {
-    Result<std::vector<std::byte>> loaded = load(device, path);
+    Result<CacheContent> loaded = load(device, path);
     if (loaded) {
-      blob = std::move(*loaded);
+      content = std::move(*loaded);
+      std::vector<uint32_t> specialized(content.specialized_bytes / sizeof(uint32_t));
+      std::memcpy(specialized.data(), content.bytes.data(), specialized.size() * sizeof(uint32_t));
+      device.specializer().remember(specialized);
     } else {
       made.broken_files_ = 1;
       made.refusal_ = loaded.error();
     }
   }
   VkPipelineCache cache = VK_NULL_HANDLE;
-  VkResult result = create_cache(device, blob, cache);
-  if (result != VK_SUCCESS && !blob.empty()) {
+  VkResult result = create_cache(device, content.blob(), cache);
+  if (result != VK_SUCCESS && !content.blob().empty()) {
     made.broken_files_ = 1;
     made.refusal_ = "pipeline cache " + path.string() + " is ignored: the driver answered " + result_text(result);
-    blob.clear();
-    result = create_cache(device, blob, cache);
+    content = {};
+    result = create_cache(device, {}, cache);
   }
   if (result != VK_SUCCESS) return fail("the pipeline cache could not be created: ", result_name(result));
-  made.loaded_bytes_ = blob.size();
+  made.loaded_bytes_ = content.bytes.size();
+  made.loaded_checksum_ = content.checksum;
   made.cache_ = OwnedPipelineCache(device, cache);
   device.name_object(VK_OBJECT_TYPE_PIPELINE_CACHE, cache, "weft");
   return made;
@@ -120,13 +136,17 @@ Result<void> PipelineCache::save() const {
   if (result == VK_SUCCESS) result = fn.vkGetPipelineCacheData(device_->handle(), cache_.get(), &bytes, blob.data());
   if (result != VK_SUCCESS) return fail("the pipeline cache could not be read from the driver: ", result_name(result));
   blob.resize(bytes);
-  if (sizeof(CacheHeader) + bytes > kMaxCacheBytes) {
-    return fail("pipeline cache ", path_.string(), " would have ", bytes, " bytes, above ", kMaxCacheBytes);
+  const std::vector<uint32_t> remembered = device_->specializer().remembered();
+  const auto specialized = std::as_bytes(std::span(remembered));
+  blob.insert(blob.begin(), specialized.begin(), specialized.end());
+  if (sizeof(CacheHeader) + blob.size() > kMaxCacheBytes) {
+    return fail("pipeline cache ", path_.string(), " would have ", blob.size(), " bytes, above ", kMaxCacheBytes);
   }
 
+  const CacheHeader header = header_for(*device_, blob, static_cast<uint32_t>(specialized.size()));
+  if (header.bytes == loaded_bytes_ && header.checksum == loaded_checksum_) return {};
   std::error_code problem;
   if (path_.has_parent_path()) std::filesystem::create_directories(path_.parent_path(), problem);
-  const CacheHeader header = header_for(*device_, blob);
   const auto front = std::as_bytes(std::span(&header, 1));
   blob.insert(blob.begin(), front.begin(), front.end());
   if (Result<void> written = write_file(path_, blob); !written) return fail("pipeline cache: ", written.why());

@@ -10,9 +10,9 @@
 
 namespace weft::compute {
 
-/// A VkPipelineCache that outlives the process. The file carries the driver's own blob behind a header of ours (device,
-/// driver, cache UUID, length, checksum); a file that does not fit is ignored, counted, and replaced at the next save:
-/// a stale cache costs time, never correctness.
+/// A VkPipelineCache, and the modules specialised for the device (Specializer), that outlive the process. The file carries both
+/// behind a header (device, driver, cache UUID, lengths, checksum); a file that does not fit is ignored, counted, and replaced at
+/// the next save: a stale cache costs time, never correctness.
 class PipelineCache {
  public:
   /// An empty path keeps the cache in memory only. A missing file is no error.
@@ -27,7 +27,8 @@ class PipelineCache {
   /// Why, as a sentence.
   const std::string& refusal() const { return refusal_; }
 
-  /// Written beside the file and renamed, so that a reader never sees half of it. Makes the directory.
+  /// Written beside the file and renamed, so that a reader never sees half of it. Makes the directory. Nothing is written where
+  /// nothing has changed.
   Result<void> save() const;
 
  private:
@@ -35,6 +36,7 @@ class PipelineCache {
   OwnedPipelineCache cache_;
   std::filesystem::path path_;
   size_t loaded_bytes_ = 0;
+  uint64_t loaded_checksum_ = 0;
   uint32_t broken_files_ = 0;
   std::string refusal_;
 };

@@ -6,11 +6,15 @@
 #include <string>
 #include <unordered_map>
 
+#include "compute/digest.h"
+#include "compute/reflect.h"
 #include "compute/spirv.h"
 
 namespace weft::compute {
 namespace {
 constexpr size_t kHeaderWords = 5;
+// Of what `specialize` does: to be raised with each change of its passes, so that no file's words are taken for today's.
+constexpr uint32_t kVersion = 1;
 
 // glslang's own numbers repeat where a resource is used by the initialiser of a global alone.
 void number_bindings(std::span<uint32_t> spirv) {
@@ -66,26 +70,58 @@ std::vector<uint32_t> used_constants(std::span<const uint32_t> spirv) {
   return {used.begin(), used.end()};
 }
 
+std::vector<uint32_t> key_of(std::span<const uint32_t> spirv, std::span<const SpecializationConstant> constants) {
+  Digest digest;
+  digest.add(std::as_bytes(spirv));
+  std::vector<uint32_t> key = {kVersion, static_cast<uint32_t>(digest.value()), static_cast<uint32_t>(digest.value() >> 32)};
+  for (const uint32_t id : used_constants(spirv))
+    for (const SpecializationConstant& constant : constants)
+      if (constant.id == id) key.insert(key.end(), {id, constant.value});
+  return key;
+}
+
 }  // namespace
 
 Result<std::span<const uint32_t>> Specializer::specialize(std::span<const uint32_t> spirv,
                                                           std::span<const SpecializationConstant> constants) {
-  auto ids = ids_.find(spirv.data());
-  if (ids == ids_.end()) ids = ids_.try_emplace(spirv.data(), used_constants(spirv)).first;
-  std::vector<uint32_t> values;
-  for (const uint32_t id : ids->second)
-    for (const SpecializationConstant& constant : constants)
-      if (constant.id == id) values.insert(values.end(), {id, constant.value});
-  const auto [made, is_new] = made_.try_emplace({spirv.data(), std::move(values)});
-  if (is_new) {
+  std::vector<uint32_t> key = key_of(spirv, constants);
+  const std::lock_guard lock(mutex_);
+  auto made = made_.find(key);
+  if (made == made_.end()) {
     auto words = compute::specialize(spirv, constants);
-    if (!words) {
-      made_.erase(made);
-      return words.take_error();
-    }
-    made->second = std::move(*words);
+    if (!words) return words.take_error();
+    made = made_.emplace(std::move(key), std::move(*words)).first;
   }
   return std::span<const uint32_t>(made->second);
+}
+
+size_t Specializer::modules() const {
+  const std::lock_guard lock(mutex_);
+  return made_.size();
+}
+
+// Of each: the lengths of its key and of its words, its key, its words.
+std::vector<uint32_t> Specializer::remembered() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<uint32_t> all;
+  for (const auto& [key, words] : made_) {
+    all.insert(all.end(), {static_cast<uint32_t>(key.size()), static_cast<uint32_t>(words.size())});
+    all.insert(all.end(), key.begin(), key.end());
+    all.insert(all.end(), words.begin(), words.end());
+  }
+  return all;
+}
+
+void Specializer::remember(std::span<const uint32_t> remembered) {
+  const std::lock_guard lock(mutex_);
+  while (remembered.size() >= 2) {
+    const size_t key = remembered[0], words = remembered[1];
+    remembered = remembered.subspan(2);
+    if (key > remembered.size() || words > remembered.size() - key) return;
+    const auto one = remembered.subspan(key, words);
+    if (key > 0 && remembered[0] == kVersion && reflect(one)) made_.try_emplace({remembered.begin(), remembered.begin() + key}, one.begin(), one.end());
+    remembered = remembered.subspan(key + words);
+  }
 }
 
 }  // namespace weft::compute

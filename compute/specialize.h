@@ -11,8 +11,8 @@
 
 #include <cstdint>
 #include <map>
+#include <mutex>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "compute/result.h"
@@ -30,16 +30,24 @@ struct SpecializationConstant {
 /// Errors: words that are no valid SPIR-V for Vulkan 1.2.
 Result<std::vector<uint32_t>> specialize(std::span<const uint32_t> spirv, std::span<const SpecializationConstant> constants);
 
-/// The same, remembering: where nothing has changed that a module knows of, it is not specialised again.
+/// The same, remembering: where nothing has changed that a module knows of, it is not specialised again. What it remembers can be kept
+/// between runs (PipelineCache does). Any thread may call it.
 class Specializer {
  public:
-  /// `spirv` must outlive the specializer. The words are valid as long as it lives.
+  /// The words are valid as long as the specializer lives.
   Result<std::span<const uint32_t>> specialize(std::span<const uint32_t> spirv, std::span<const SpecializationConstant> constants);
-  size_t modules() const { return made_.size(); }
+  /// How many it remembers.
+  size_t modules() const;
+
+  /// All that it remembers.
+  std::vector<uint32_t> remembered() const;
+  /// Remembers that too. Words of another version of Weft, and words that are damaged, are left out; the rest is taken.
+  void remember(std::span<const uint32_t> remembered);
 
  private:
-  std::map<const uint32_t*, std::vector<uint32_t>> ids_;   // of the constants that a module uses
-  std::map<std::pair<const uint32_t*, std::vector<uint32_t>>, std::vector<uint32_t>> made_;
+  mutable std::mutex mutex_;
+  /// From a hash of the module, and the numbers and values of the constants that it uses, to the words of its specialisation.
+  std::map<std::vector<uint32_t>, std::vector<uint32_t>> made_;
 };
 
 }  // namespace weft::compute

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/digest.h"
+#include "compute/digest.h"
 #include "engine/fabric.h"
 #include "engine/metrics.h"
 

@@ -32,14 +32,14 @@ namespace weft {
 
 struct Snapshot {
   /// An anchor that the host drives.
-  struct AnchorLead {
+  struct AnchorTargetState {
     std::uint32_t anchor = 0;   // in CookedFabric::anchors' order
-    bool waits = false;         // `target` is pending: for the next frame
+    bool is_pending = false;    // `target` is for the next frame
     Vec3 target;                // m
   };
   struct ColliderState {
-    bool led = false;           // host-driven, instead of by keys
-    bool waits = false;         // `pending` is for the next frame
+    bool is_host_driven = false;   // instead of by keys
+    bool is_pending = false;       // `pending` is for the next frame
     ColliderPose pose, pending;
   };
   /// A buffer of the GPU, from its start on.
@@ -54,8 +54,8 @@ struct Snapshot {
   Vec3 gravity;                  // m/s^2
   std::uint32_t phase = 0;       // substeps modulo 3, as the solver counts them
   std::uint32_t capacity = 0;    // of candidate pairs; 0 without contacts
-  std::uint32_t losses_seen = 0; // candidates that overflowed in frames after which submit has enlarged the capacity
-  std::vector<AnchorLead> anchors;
+  std::uint32_t overflow_seen = 0; // candidates that overflowed in frames after which submit has enlarged the capacity
+  std::vector<AnchorTargetState> anchors;
   std::vector<ColliderState> colliders;   // of every collider of the scene
   std::vector<Content> contents;
   std::vector<std::byte> note;   // the host's own bytes, given back unchanged: how far its run was, say

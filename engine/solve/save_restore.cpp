@@ -98,7 +98,7 @@ Result<Snapshot> Simulation::save() const {
   snapshot.gravity = s.gravity;
   snapshot.phase = s.solver->phase();
   snapshot.capacity = s.solver->contact_settings().capacity;
-  snapshot.losses_seen = s.capacity.overflow_seen;
+  snapshot.overflow_seen = s.capacity.overflow_seen;
   for (std::uint32_t k = 0; k < s.kinematic.is_host_driven.size(); ++k)
     if (s.kinematic.is_host_driven[k])
       snapshot.anchors.push_back({k, s.kinematic.pending[k].has_value(), s.kinematic.pending[k].value_or(Vec3())});
@@ -129,9 +129,9 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
   if (const std::uint64_t most = std::max<std::uint64_t>(most_candidates(fabric), solver->contact_settings().capacity);
       snapshot.capacity > most)
     return unfit("its capacity of ", snapshot.capacity, " candidates is more than this scene can take, ", most);
-  for (const Snapshot::AnchorLead& lead : snapshot.anchors)
-    if (lead.anchor >= kinematic.is_host_driven.size() || !is_finite(lead.target))
-      return unfit("it leads anchor ", lead.anchor, " of ", kinematic.is_host_driven.size(), ", or to a target that is not finite");
+  for (const Snapshot::AnchorTargetState& state : snapshot.anchors)
+    if (state.anchor >= kinematic.is_host_driven.size() || !is_finite(state.target))
+      return unfit("it drives anchor ", state.anchor, " of ", kinematic.is_host_driven.size(), ", or to a target that is not finite");
   if (snapshot.colliders.size() != bodies.poses.size())
     return unfit("it has ", snapshot.colliders.size(), " colliders instead of ", bodies.poses.size());
   for (std::size_t k = 0; k < snapshot.colliders.size(); ++k)
@@ -212,21 +212,21 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
   const gpu::Detection found = detection_of(snapshot);
   std::memcpy(readback[1].mapped, &found, sizeof found);
   solver->set_phase(snapshot.phase);
-  capacity.overflow_seen = snapshot.losses_seen;
+  capacity.overflow_seen = snapshot.overflow_seen;
   clock.substeps = snapshot.substeps;
   clock.left_over = snapshot.left_over;
   gravity = snapshot.gravity;
   kinematic.is_host_driven.assign(kinematic.is_host_driven.size(), false);
   kinematic.pending.assign(kinematic.pending.size(), std::nullopt);
-  for (const Snapshot::AnchorLead& lead : snapshot.anchors) {
-    kinematic.is_host_driven[lead.anchor] = true;
-    if (lead.waits) kinematic.pending[lead.anchor] = lead.target;
+  for (const Snapshot::AnchorTargetState& state : snapshot.anchors) {
+    kinematic.is_host_driven[state.anchor] = true;
+    if (state.is_pending) kinematic.pending[state.anchor] = state.target;
   }
   for (std::size_t k = 0; k < bodies.poses.size(); ++k) {
     const Snapshot::ColliderState& state = snapshot.colliders[k];
     bodies.poses[k] = state.pose;
-    bodies.is_host_driven[k] = state.led;
-    bodies.pending[k] = state.waits ? std::optional(state.pending) : std::nullopt;
+    bodies.is_host_driven[k] = state.is_host_driven;
+    bodies.pending[k] = state.is_pending ? std::optional(state.pending) : std::nullopt;
     bodies.keys[k] = pose_at(scene.colliders[k].keys, now());
   }
   return draw_surface();

@@ -9,7 +9,8 @@
 #include <type_traits>
 
 #include "compute/file.h"
-#include "engine/digest.h"
+#include "compute/digest.h"
+#include "engine/effects/effect.h"
 
 namespace weft {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
 
 constexpr std::string_view kMagic = "WEFTSNAP";
-constexpr std::uint32_t kVersion = 5;
+constexpr std::uint32_t kVersion = 6;
 constexpr std::size_t kHead = kMagic.size() + sizeof kVersion + sizeof(std::uint64_t);
 constexpr std::size_t kEnd = sizeof(std::uint64_t);
 constexpr std::uint64_t kLongest = std::uint64_t(1) << 32;   // of a file: more than the most particles and candidates take
@@ -36,14 +37,14 @@ void fields(Walk& walk, T& pose) {
   walk(pose.centre), walk(pose.normal), walk(pose.rotation.x), walk(pose.rotation.y), walk(pose.rotation.z), walk(pose.rotation.w);
 }
 
-template <class Walk, Is<Snapshot::AnchorLead> T>
-void fields(Walk& walk, T& lead) {
-  walk(lead.anchor), walk(lead.waits), walk(lead.target);
+template <class Walk, Is<Snapshot::AnchorTargetState> T>
+void fields(Walk& walk, T& state) {
+  walk(state.anchor), walk(state.is_pending), walk(state.target);
 }
 
 template <class Walk, Is<Snapshot::ColliderState> T>
 void fields(Walk& walk, T& state) {
-  walk(state.led), walk(state.waits), walk(state.pose), walk(state.pending);
+  walk(state.is_host_driven), walk(state.is_pending), walk(state.pose), walk(state.pending);
 }
 
 template <class Walk, Is<Snapshot::Content> T>
@@ -53,7 +54,7 @@ void fields(Walk& walk, T& content) {
 
 template <class Walk, Is<Snapshot> T>
 void fields(Walk& walk, T& s) {
-  walk(s.digest), walk(s.substeps), walk(s.left_over), walk(s.gravity), walk(s.phase), walk(s.capacity), walk(s.losses_seen);
+  walk(s.digest), walk(s.substeps), walk(s.left_over), walk(s.gravity), walk(s.phase), walk(s.capacity), walk(s.overflow_seen);
   walk(s.anchors), walk(s.colliders), walk(s.contents), walk(s.note);
 }
 
@@ -209,18 +210,6 @@ Result<Snapshot> load_snapshot(const std::filesystem::path& file) {
   return snapshot;
 }
 
-namespace {
-
-// Of what the GPU gets: no padding (shared.h).
-template <class T>
-void add(Digest& digest, const std::vector<T>& values) {
-  const std::uint64_t size = values.size();
-  digest.add(std::as_bytes(std::span(&size, 1)));
-  digest.add(std::as_bytes(std::span(values)));
-}
-
-}  // namespace
-
 std::uint64_t digest_of(const Scene& described, const CookedFabric& fabric) {
   Scene scene = described;
   scene.name.clear();
@@ -239,20 +228,18 @@ std::uint64_t digest_of(const Scene& described, const CookedFabric& fabric) {
   }
   Digest digest;
   digest.add(scene_text(scene));
-  add(digest, fabric.positions);
-  add(digest, fabric.velocities);
-  add(digest, fabric.stretch.pairs);
-  add(digest, fabric.coloured_links);
-  add(digest, fabric.bends);
-  add(digest, fabric.hinges);
-  add(digest, fabric.bend.pairs);
-  add(digest, fabric.spring_rows.ends);
-  add(digest, fabric.spring_rows.springs);
-  add(digest, fabric.tethers);
-  add(digest, fabric.materials);
-  add(digest, fabric.triangles);
-  add(digest, fabric.edges);
-  add(digest, fabric.rest);
+  const Cooked subject = cooked_of(described, fabric);
+  for (const Effect* effect : all_effects()) {
+    if (!effect->called_for(described, fabric)) continue;
+    for (const Buffer* row : effect->buffers) {
+      if (row->contents == nullptr) continue;
+      const Contents contents = row->contents(subject);
+      const std::uint64_t size = contents.bytes().size();
+      digest.add(row->name);
+      digest.add(std::as_bytes(std::span(&size, 1)));
+      digest.add(contents.bytes());
+    }
+  }
   digest.add(std::as_bytes(std::span(&fabric.h, 1)));
   return digest.value();
 }

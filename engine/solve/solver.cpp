@@ -76,8 +76,7 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   solver.workgroup_ = options.workgroup != 0 ? options.workgroup : device.is_software() ? 512 : 64;
   if (solver.workgroup_ > device.limits().max_workgroup_invocations)
     return fail("a workgroup of ", solver.workgroup_, " threads is larger than the device's ", device.limits().max_workgroup_invocations);
-  compute::Specializer specializer;
-  auto plan = make_plan(needs_of(subject, solver.workgroup_, !options.gather_storage), specializer);
+  auto plan = make_plan(needs_of(subject, solver.workgroup_, !options.gather_storage), device.specializer());
   if (!plan) return plan.take_error();
   solver.plan_ = std::move(*plan);
   if (auto made = solver.create_buffers(subject); !made) return made.take_error();

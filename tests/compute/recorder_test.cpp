@@ -251,6 +251,8 @@ TEST_F(OnDevice, a_pipeline_cache_comes_back_from_disk_and_a_damaged_one_is_igno
     ASSERT_TRUE(cold) << cold.error();
     EXPECT_EQ(cold->cache.broken_files(), 0u);
     EXPECT_EQ(cold->cache.loaded_bytes(), 0u);
+    const SpecializationConstant three{1, 3};
+    ASSERT_TRUE(device().specializer().specialize(scale, {&three, 1}));
     const Result<void> saved = cold->cache.save();
     ASSERT_TRUE(saved) << saved.error();
   }
@@ -265,6 +267,17 @@ TEST_F(OnDevice, a_pipeline_cache_comes_back_from_disk_and_a_damaged_one_is_igno
     std::ofstream(path, std::ios::binary).write(text.data(), static_cast<std::streamsize>(text.size()));
   };
   EXPECT_GT(open().first, 0u);
+  {
+    const auto another = Device::create();
+    ASSERT_TRUE(another) << another.error();
+    EXPECT_EQ((*another)->specializer().modules(), 0u);
+    const auto cache = PipelineCache::create(**another, path);
+    ASSERT_TRUE(cache) << cache.error();
+    EXPECT_EQ((*another)->specializer().modules(), device().specializer().modules()) << "what was specialised comes with it";
+    const auto written = std::filesystem::last_write_time(path);
+    ASSERT_TRUE(cache->save());
+    EXPECT_EQ(std::filesystem::last_write_time(path), written) << "nothing has changed";
+  }
   std::string flipped = whole;
   flipped[whole.size() - 1] ^= 1;
   rewrite(flipped);
@@ -273,6 +286,10 @@ TEST_F(OnDevice, a_pipeline_cache_comes_back_from_disk_and_a_damaged_one_is_igno
   foreign[8] ^= 1;  // the vendor
   rewrite(foreign);
   EXPECT_NE(open().second.find("another device"), std::string::npos);
+  std::string longer = whole;
+  longer[23] = 0x7f;  // of what was specialised
+  rewrite(longer);
+  EXPECT_NE(open().second.find("more bytes than all of it"), std::string::npos);
   for (const size_t length : {size_t{0}, size_t{7}, size_t{56}, whole.size() - 1}) {
     rewrite(std::string_view(whole).substr(0, length));
     const auto [loaded, refusal] = open();

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/digest.h"
+#include "compute/digest.h"
 #include "engine/snapshot.h"
 
 namespace {

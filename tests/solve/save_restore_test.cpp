@@ -215,7 +215,7 @@ TEST_F(SimulationSnapshot, a_snapshot_that_does_not_fit_is_refused_and_changes_n
   refuse("left over", [](Snapshot& s) { s.left_over = std::numeric_limits<double>::quiet_NaN(); });
   refuse("gravity", [&](Snapshot& s) { s.gravity.z = nan; });
   refuse("phase", [](Snapshot& s) { s.phase = 3; });
-  refuse("leads anchor 2", [](Snapshot& s) { s.anchors[0].anchor = 2; });
+  refuse("drives anchor 2", [](Snapshot& s) { s.anchors[0].anchor = 2; });
   refuse("colliders instead of 3", [](Snapshot& s) { s.colliders.clear(); });
   refuse("collider 1", [&](Snapshot& s) { s.colliders[1].pending.rotation.x = nan; });
 

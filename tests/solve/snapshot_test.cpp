@@ -8,7 +8,8 @@
 #include <fstream>
 #include <string>
 
-#include "engine/digest.h"
+#include "compute/digest.h"
+#include "engine/effects/effect.h"
 #include "engine/snapshot.h"
 
 namespace weft {
@@ -23,7 +24,7 @@ Snapshot example() {
   s.gravity = {1, -2, 3};
   s.phase = 2;
   s.capacity = 4096;
-  s.losses_seen = 5;
+  s.overflow_seen = 5;
   s.anchors = {{7, true, {1, 2, 3}}, {9, false, {}}};
   s.colliders = {{true, true, {{1, 2, 3}, {0, 0, 1}, {0, 0, 1, 0}}, {{4, 5, 6}, {1, 0, 0}, {1, 0, 0, 0}}}};
   s.contents = {{"positions", std::vector<std::byte>(48, std::byte{42})}, {"candidates", {}}};
@@ -56,7 +57,7 @@ TEST(Snapshots, what_is_written_is_read_back) {
   EXPECT_EQ(read->gravity, s.gravity);
   EXPECT_EQ(read->phase, s.phase);
   EXPECT_EQ(read->capacity, s.capacity);
-  EXPECT_EQ(read->losses_seen, s.losses_seen);
+  EXPECT_EQ(read->overflow_seen, s.overflow_seen);
   EXPECT_EQ(read->anchors.at(0).target, s.anchors[0].target);
   EXPECT_EQ(read->colliders.at(0).pending.rotation, s.colliders[0].pending.rotation);
   EXPECT_EQ(read->contents.at(0).bytes, s.contents[0].bytes);
@@ -168,6 +169,38 @@ TEST(Snapshots, the_digest_knows_what_a_simulation_depends_on_and_nothing_else) 
     change(other);
     EXPECT_NE(digest(other), before);
   }
+}
+
+TEST(Snapshots, the_digest_knows_every_list_that_was_cooked) {
+  Scene scene;
+  for (Cloth& cloth : scene.cloths = std::vector<Cloth>(2)) {
+    cloth.grid = Grid{{1, 1}, 4, 4, Topology::diagonal, true};
+    cloth.bending = cloth.tethers = true;
+    cloth.anchors.emplace_back().top = 0;
+  }
+  scene.cloths[1].bend_rest = BendRest::mesh;
+  scene.colliders.emplace_back();
+  scene.contacts.enabled = true;
+  const auto meshes = make_meshes(scene);
+  ASSERT_TRUE(meshes) << meshes.error();
+  const auto fabric = cook(scene, *meshes);
+  ASSERT_TRUE(fabric) << fabric.error();
+  const std::uint64_t before = digest_of(scene, *fabric);
+  const Cooked subject = cooked_of(scene, *fabric);
+  int lists = 0;
+  for (const Effect* effect : all_effects()) {
+    if (!effect->called_for(scene, *fabric)) continue;
+    for (const Buffer* row : effect->buffers) {
+      if (row->contents == nullptr || row->contents(subject).lying.empty()) continue;
+      auto* last = const_cast<std::byte*>(&row->contents(subject).lying.back());
+      *last ^= std::byte{1};
+      EXPECT_NE(digest_of(scene, *fabric), before) << row->name;
+      *last ^= std::byte{1};
+      ++lists;
+    }
+  }
+  EXPECT_GT(lists, 10);
+  EXPECT_EQ(digest_of(scene, *fabric), before);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A 64-bit digest of bytes (FNV-1a, Fowler, Noll and Vo 1991): of positions, of what a snapshot belongs to, of its own bytes.
+// A 64-bit digest of bytes (FNV-1a, Fowler, Noll and Vo 1991): of positions, of what a snapshot belongs to, of files.
 //
 // Each step is a bijection of the state, whatever the byte, so a change of any single byte always changes the digest. It is
 // no protection against deliberate forgery.
