@@ -14,7 +14,6 @@ namespace {
 using namespace spirv;
 using Words = std::span<const uint32_t>;
 
-constexpr size_t kHeaderWords = 5;
 constexpr uint32_t kMaxBound = 0x3fffff;       // universal limit of the specification, section 2.17
 constexpr uint32_t kMaxDepth = 16;             // of nested types; the shaders here need 4
 constexpr uint32_t kMaxSizeSteps = 4096;       // struct members visited for a push block

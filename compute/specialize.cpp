@@ -12,21 +12,20 @@
 
 namespace weft::compute {
 namespace {
-constexpr size_t kHeaderWords = 5;
 // Of what `specialize` does: to be raised with each change of its passes, so that no file's words are taken for today's.
 constexpr uint32_t kVersion = 1;
 
 // glslang's own numbers repeat where a resource is used by the initialiser of a global alone.
 void number_bindings(std::span<uint32_t> spirv) {
   uint32_t next = 0;
-  for (size_t at = kHeaderWords; at < spirv.size() && spirv[at] >> 16 != 0; at += spirv[at] >> 16)
+  for (size_t at = spirv::kHeaderWords; at < spirv.size() && spirv[at] >> 16 != 0; at += spirv[at] >> 16)
     if ((spirv[at] & 0xffff) == spirv::OpDecorate && spirv[at] >> 16 == 4 && spirv[at + 2] == spirv::kBinding) spirv[at + 3] = next++;
 }
 
 }  // namespace
 
 Result<std::vector<uint32_t>> specialize(std::span<const uint32_t> spirv, std::span<const SpecializationConstant> constants) {
-  if (spirv.size() < kHeaderWords) return fail("SPIR-V of ", spirv.size(), " words is shorter than its header of ", kHeaderWords);
+  if (spirv.size() < spirv::kHeaderWords) return fail("SPIR-V of ", spirv.size(), " words is shorter than its header of ", spirv::kHeaderWords);
   std::unordered_map<uint32_t, std::vector<uint32_t>> values;
   for (const SpecializationConstant& constant : constants) values[constant.id] = {constant.value};
   spvtools::Optimizer optimizer(SPV_ENV_VULKAN_1_2);
@@ -59,7 +58,7 @@ std::vector<uint32_t> used_constants(std::span<const uint32_t> spirv) {
   using namespace spirv;
   std::map<uint32_t, uint32_t> specs;   // result -> number
   std::set<uint32_t> used;
-  for (size_t at = kHeaderWords; at < spirv.size() && spirv[at] >> 16 != 0; at += spirv[at] >> 16) {
+  for (size_t at = spirv::kHeaderWords; at < spirv.size() && spirv[at] >> 16 != 0; at += spirv[at] >> 16) {
     const auto words = spirv.subspan(at, std::min<size_t>(spirv[at] >> 16, spirv.size() - at));
     const uint32_t op = words[0] & 0xffff;
     if (op == OpDecorate && words.size() > 3 && words[2] == kSpecId) specs[words[1]] = words[3];

@@ -1,12 +1,14 @@
 // The enumerants of SPIR-V that reflect.cpp looks at, under the specification's own names (SPIR-V 1.6, section 3).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace weft::compute::spirv {
 
 constexpr uint32_t kMagic = 0x07230203;
 constexpr uint32_t kSwappedMagic = 0x03022307;
+constexpr size_t kHeaderWords = 5;
 
 enum Op : uint32_t {
   OpName = 5,

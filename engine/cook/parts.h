@@ -15,6 +15,9 @@ namespace weft::cooking {
 // of zero is NaN, which spreads to the particle's other links.
 inline constexpr double kSoftest = 1e12;
 
+// Of angles at a vertex: a larger one belongs to an angle below 3 degrees, and such slivers would make their neighbours rigid.
+inline constexpr double kLargestCotangent = 20;
+
 inline Eigen::Vector3d vector(Vec3 v) { return {v.x, v.y, v.z}; }
 
 /// order[k] is the point that becomes the cloth's k-th particle: reverse Cuthill-McKee (1969) over the mesh's edges.

@@ -99,9 +99,9 @@ std::string decode_percent(const std::string& text) {
 
 /// Copies a document's geometry and remembers the first fault. After a fault its numbers are 0 and its lists empty, so callers
 /// need to look only once, at the end.
-class Stripper {
+class GltfStripper {
  public:
-  Stripper(const json& document, const std::string* chunk, const std::filesystem::path& folder)
+  GltfStripper(const json& document, const std::string* chunk, const std::filesystem::path& folder)
       : document_(document), chunk_(chunk), folder_(folder) {}
 
   Result<std::string> strip() {
@@ -389,7 +389,7 @@ Result<std::string> gltf_geometry(const std::string& content, const std::filesys
   if (nests_too_deeply(text)) return fail("its brackets nest deeper than ", kDeepestNesting, " levels");
   const json document = json::parse(text, nullptr, false);
   if (document.is_discarded() || !document.is_object()) return fail("it is not a JSON document, or is cut short");
-  return Stripper(document, has_chunk ? &chunk : nullptr, folder).strip();
+  return GltfStripper(document, has_chunk ? &chunk : nullptr, folder).strip();
 }
 
 }   // namespace weft::parts

@@ -31,7 +31,7 @@ constexpr std::array<const char*, 3> kKeyword{"v", "vt", "vn"};
 constexpr std::array<int, 3> kNeeded{3, 1, 3}, kKept{3, 2, 3};
 
 /// Goes through the lines once; the first fault ends it.
-class Stripper {
+class ObjStripper {
  public:
   Result<ObjGeometry> strip(std::string_view text) {
     while (!text.empty() && fault_.empty()) {
@@ -148,6 +148,6 @@ class Stripper {
 
 }   // namespace
 
-Result<ObjGeometry> obj_geometry(std::string_view content) { return Stripper().strip(content); }
+Result<ObjGeometry> obj_geometry(std::string_view content) { return ObjStripper().strip(content); }
 
 }   // namespace weft::parts

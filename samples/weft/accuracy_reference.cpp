@@ -1,4 +1,4 @@
-// Runs references, and saves them: a few counts and then all coordinates in double precision, as the machine has them.
+// Runs references, and saves them: a few head and then all coordinates in double precision, as the machine has them.
 #include "samples/weft/accuracy_reference.h"
 
 #include <array>
@@ -16,17 +16,17 @@ namespace {
 
 using reference::Trajectory;
 
-struct Counts {
+struct FileHead {
   std::uint64_t frames = 0, particles = 0, not_converged = 0, newton_steps = 0;
 };
 
 bool read(const std::filesystem::path& file, std::uint32_t frames, std::size_t particles, Trajectory& run) {
   std::ifstream stream(file, std::ios::binary);
-  Counts counts;
-  if (!stream.read(reinterpret_cast<char*>(&counts), sizeof counts) || counts.frames != frames || counts.particles != particles)
+  FileHead head;
+  if (!stream.read(reinterpret_cast<char*>(&head), sizeof head) || head.frames != frames || head.particles != particles)
     return false;
-  run.not_converged = counts.not_converged;
-  run.newton_steps = counts.newton_steps;
+  run.not_converged = head.not_converged;
+  run.newton_steps = head.newton_steps;
   for (std::uint32_t frame = 0; frame < frames; ++frame) {
     reference::Positions& pose = run.poses.emplace_back(3, static_cast<Eigen::Index>(particles));
     stream.read(reinterpret_cast<char*>(pose.data()), static_cast<std::streamsize>(sizeof(double) * static_cast<std::size_t>(pose.size())));
@@ -35,9 +35,9 @@ bool read(const std::filesystem::path& file, std::uint32_t frames, std::size_t p
 }
 
 std::string bytes_of(const Trajectory& run) {
-  const Counts counts{run.poses.size(), run.poses.empty() ? 0 : static_cast<std::uint64_t>(run.poses[0].cols()), run.not_converged,
+  const FileHead head{run.poses.size(), run.poses.empty() ? 0 : static_cast<std::uint64_t>(run.poses[0].cols()), run.not_converged,
                       run.newton_steps};
-  std::string bytes(reinterpret_cast<const char*>(&counts), sizeof counts);
+  std::string bytes(reinterpret_cast<const char*>(&head), sizeof head);
   for (const reference::Positions& pose : run.poses)
     bytes.append(reinterpret_cast<const char*>(pose.data()), sizeof(double) * static_cast<std::size_t>(pose.size()));
   return bytes;

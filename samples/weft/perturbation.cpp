@@ -15,7 +15,7 @@ constexpr double kRateBands = 2.5;                  // a solver of 30 Hz has eig
 constexpr double kMasses[] = {1e-3, 1e-1, 10, 1e3};
 constexpr double kSize = 100;
 constexpr Vec3 kAway{10e3f, 0, -10e3f};             // m
-constexpr double kHitch = 0.5;                      // s
+constexpr double kHitchSeconds = 0.5;                      // s
 constexpr Vec3 kJump{5, 0, 0};                      // m
 constexpr Vec3 kTeleport{30, 10, -40};              // m
 
@@ -146,7 +146,7 @@ std::vector<Perturbation> all_perturbations(const Scene& scene, bool quick) {
     }
   add("far away", "10 km away").away = kAway;
   add("large", "everything x " + text(kSize)).size = kSize;
-  add("hitch", "a frame of " + text(kHitch) + " s").hitch = kHitch;
+  add("hitch", "a frame of " + text(kHitchSeconds) + " s").hitch = kHitchSeconds;
   add("teleport", "everything set 51 m away").teleport = kTeleport;
   Perturbation& jolt = add("jolt", "anchors and colliders jump 5 m");
   jolt.jolt = kJump;
@@ -155,7 +155,7 @@ std::vector<Perturbation> all_perturbations(const Scene& scene, bool quick) {
 }
 
 std::uint32_t least_frames(const Scene& scene) {
-  const double hitch = std::min(kHitch, scene.solver.longest_advance) * scene.solver.rate;   // frames
+  const double hitch = std::min(kHitchSeconds, scene.solver.longest_advance) * scene.solver.rate;   // frames
   return 2 * static_cast<std::uint32_t>(std::ceil(hitch - 1e-6));
 }
 

@@ -12,6 +12,7 @@
 #include "compute/commands.h"
 #include "engine/simulation.h"
 #include "engine/solve/solver.h"
+#include "tests/bench/need.h"
 #include "tests/bench/yardstick.h"
 
 namespace weft::bench {
@@ -31,13 +32,6 @@ Scene hung_sheet(std::uint32_t n) {
   cloth.anchors.push_back(anchor);
   scene.cloths.push_back(cloth);
   return scene;
-}
-
-template <class T>
-T need(Result<T> result) {
-  if (result) return std::move(*result);
-  std::fprintf(stderr, "weft_bench: %s\n", result.error().c_str());
-  std::exit(1);
 }
 
 const compute::Device& device() {

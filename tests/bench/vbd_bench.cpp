@@ -12,6 +12,7 @@
 #include "engine/reference/errors.h"
 #include "engine/reference/vbd.h"
 #include "engine/simulation.h"
+#include "tests/bench/need.h"
 
 namespace weft::bench {
 namespace {
@@ -19,13 +20,6 @@ namespace {
 enum Solver : std::int64_t { kGaussSeidel, kVbd, kAugmented };
 enum Sheet : std::int64_t { kRigid10m, kCotton10m, kCotton1m };
 constexpr std::uint32_t kFrames = 48;
-
-template <class T>
-T need(Result<T> result) {
-  if (result) return std::move(*result);
-  std::fprintf(stderr, "weft_bench: %s\n", result.error().c_str());
-  std::exit(1);
-}
 
 // 33 x 33 particles, dropped from the horizontal into two corners, without tethers.
 Scene falling_sheet(Sheet sheet, std::uint32_t substeps) {

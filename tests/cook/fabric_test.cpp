@@ -10,6 +10,7 @@
 #include <random>
 
 #include "engine/cook/parts.h"
+#include "tests/support/cooked.h"
 
 namespace weft {
 namespace {
@@ -23,15 +24,6 @@ Scene hung(std::uint32_t cells, Topology topology = Topology::diagonal) {
   cloth.anchors.resize(1);
   cloth.anchors[0].corners = {Corner::low_high, Corner::high_high};
   return scene;
-}
-
-CookedFabric cooked(const Scene& scene) {
-  const auto meshes = make_meshes(scene);
-  EXPECT_TRUE(meshes) << meshes.error();
-  if (!meshes) return {};
-  auto fabric = cook(scene, *meshes);
-  EXPECT_TRUE(fabric) << fabric.error();
-  return fabric ? std::move(*fabric) : CookedFabric{};
 }
 
 // Particle -> its entries (id, payload) without padding.

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "engine/fabric.h"
+#include "tests/support/cooked.h"
 
 namespace weft {
 namespace {
@@ -15,14 +15,6 @@ Scene sheet(StartPose pose) {
   cloth.transform.translate = {3, 1, 0};
   cloth.start.pose = pose;
   return scene;
-}
-
-CookedFabric cooked(const Scene& scene) {
-  auto meshes = make_meshes(scene);
-  EXPECT_TRUE(meshes) << meshes.error();
-  auto fabric = cook(scene, *meshes);
-  EXPECT_TRUE(fabric) << fabric.error();
-  return std::move(*fabric);
 }
 
 double length_of(const CookedFabric& fabric, const StretchLink& link) {

@@ -17,6 +17,7 @@
 #include "engine/shading/image.h"
 #include "engine/simulation.h"
 #include "tests/support/on_device.h"
+#include "tests/support/sheets.h"
 #include "tests/support/watched_vulkan.h"
 
 namespace weft {
@@ -24,7 +25,6 @@ namespace {
 
 using compute::Device;
 
-constexpr double kFrame = 1.0 / 60;
 constexpr int kFrames = 6;
 
 // Stretch, bending, tethers, an anchor and a ball that move, a floor: every pass and every kind of input.

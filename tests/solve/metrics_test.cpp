@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/metrics.h"
+#include "tests/support/cooked.h"
 
 namespace weft {
 namespace {
@@ -13,10 +14,7 @@ CookedFabric strip() {
   Scene scene;
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{{2, 1}, 12, 6, Topology::diagonal, true};
-  const auto meshes = make_meshes(scene);
-  auto fabric = cook(scene, *meshes);
-  EXPECT_TRUE(fabric) << fabric.error();
-  return std::move(*fabric);
+  return cooked(scene);
 }
 
 // Rest lengths are packed with a relative error of 8e-6.

@@ -19,8 +19,6 @@ namespace {
 using NonFinite = GpuTest;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
-constexpr double kFrame = 1.0 / 60;
-
 bool same_bits(const gpu::vec4& a, const gpu::vec4& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 void expect_same(const Simulation& a, const Simulation& b) {

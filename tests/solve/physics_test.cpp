@@ -12,8 +12,6 @@ namespace {
 
 using SimulationPhysics = GpuTest;
 
-constexpr double kFrame = 1.0 / 60;
-
 // Symplectic Euler: after n steps of h from rest v = n h g and y = h^2 g n (n + 1) / 2.
 TEST_F(SimulationPhysics, a_sheet_in_free_fall_follows_the_integrators_closed_form) {
   Scene scene = sheet(10);

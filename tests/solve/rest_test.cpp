@@ -13,7 +13,6 @@ namespace {
 
 using Rest = GpuTest;
 
-constexpr double kFrame = 1.0 / 60;
 constexpr double kAtRest = 1e-3;   // m/s
 
 double seen_speed(Simulation& simulation) {

@@ -16,14 +16,14 @@ namespace {
 
 using SimulationSnapshot = GpuTest;
 
-constexpr double kFrame = 0.0123;   // s, no whole number of substeps
+constexpr double kOddFrame = 0.0123;   // s, no whole number of substeps
 
 void frame(Simulation& simulation, int k) {
   const Vec3 target{0.5f, 0.01f * static_cast<float>(k), -0.5f}, centre{0.3f, -0.5f + 0.01f * static_cast<float>(k), 0};
   must(simulation.move_anchors(1, std::span(&target, 1)));
   must(simulation.move_collider(1, {.centre = centre, .normal = {0, 1, 0}, .rotation = {}}));
   if (k == 3) must(simulation.set_gravity({0, -5, 1}));
-  must(simulation.advance(kFrame));
+  must(simulation.advance(kOddFrame));
 }
 
 void expect_same(const Simulation& a, const Simulation& b) {
@@ -65,7 +65,7 @@ TEST_F(SimulationSnapshot, going_on_from_a_snapshot_is_bitwise_the_same_as_never
     must(resumed->advance(1.0 / 60));   // it need not be a fresh one
     must(resumed->restore(must(parse_snapshot(bytes))));
     expect_same(*whole, *resumed);
-    for (Simulation* simulation : {whole.get(), resumed.get()}) must(simulation->advance(kFrame));
+    for (Simulation* simulation : {whole.get(), resumed.get()}) must(simulation->advance(kOddFrame));
     for (int k = 10; k < 17; ++k)
       for (Simulation* simulation : {whole.get(), resumed.get()}) frame(*simulation, k);
     expect_same(*whole, *resumed);
@@ -73,7 +73,7 @@ TEST_F(SimulationSnapshot, going_on_from_a_snapshot_is_bitwise_the_same_as_never
     EXPECT_EQ(whole->counts().unaccelerated > 0, subject.scene.solver.method == Method::chebyshev);
     EXPECT_EQ(whole->counts().contacts_most > 16, subject.scene.contacts.enabled);
     must(whole->restore(snapshot));   // back in time, too
-    must(whole->advance(kFrame));
+    must(whole->advance(kOddFrame));
     for (int k = 10; k < 17; ++k) frame(*whole, k);
     expect_same(*whole, *resumed);
     const Snapshot one = must(whole->save()), other = must(resumed->save());
@@ -127,9 +127,9 @@ TEST_F(SimulationSnapshot, cloth_on_a_mesh_collider_10_km_away_goes_on_the_same_
   floor.keys = {{0, {}, {0, 1, 0}, 0}, {1, {0, 0.25f, 0}, {0, 1, 0}, 30}};
   const auto on = [&](Simulation& simulation, int frames) {
     for (int k = 0; k < frames; ++k) {
-      must(simulation.submit(kFrame));
+      must(simulation.submit(kOddFrame));
       must(simulation.read_positions());   // waits: the host's own commands must come after it
-      must(compute::run_once(device(), "host", [&](VkCommandBuffer commands) { must(simulation.record(commands, kFrame)); }));
+      must(compute::run_once(device(), "host", [&](VkCommandBuffer commands) { must(simulation.record(commands, kOddFrame)); }));
     }
   };
   const auto whole = must(Simulation::create(device(), scene));

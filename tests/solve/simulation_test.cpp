@@ -15,7 +15,6 @@ namespace {
 
 using SimulationApi = GpuTest;
 
-constexpr double kFrame = 1.0 / 60;
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 

@@ -12,8 +12,6 @@ namespace {
 using Teleport = GpuTest;
 
 constexpr Vec3 kBy{2, 1, -2};
-constexpr double kFrame = 1.0 / 60;
-
 void teleport(Simulation& simulation) {
   auto positions = must(simulation.read_positions());
   for (gpu::vec4& p : positions) p = {p.x + kBy.x, p.y + kBy.y, p.z + kBy.z, p.w};

@@ -26,8 +26,6 @@ using Threads = GpuTest;
 #endif
 
 constexpr int kFrames = 8;
-constexpr double kFrame = 1.0 / 60;
-
 Scene hung_sheet(std::uint32_t cells) {
   Scene scene = sheet(cells);
   scene.cloths[0].anchors.push_back(held_at({Corner::low_low, Corner::high_low}));

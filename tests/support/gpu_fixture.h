@@ -6,12 +6,12 @@
 
 #include <memory>
 #include <mutex>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "compute/device.h"
+#include "tests/support/must.h"
 
 namespace weft {
 
@@ -62,16 +62,5 @@ class GpuTest : public testing::Test {
   }
   const compute::Device& device() const { return *kGpu->device(); }
 };
-
-/// The value, or a failure with the sentence.
-template <class T>
-T must(Result<T> result) {
-  EXPECT_TRUE(result) << result.error();
-  if (!result) throw std::runtime_error(result.error());   // ends the test; GoogleTest reports it
-  return std::move(*result);
-}
-inline void must(Result<void> result) {
-  if (!result) throw std::runtime_error(result.error());
-}
 
 }  // namespace weft

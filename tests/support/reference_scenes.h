@@ -9,16 +9,9 @@
 #include <vector>
 
 #include "engine/reference/trajectory.h"
+#include "tests/support/cooked.h"
 
 namespace weft::reference {
-
-inline CookedFabric cooked(const Scene& scene) {
-  auto meshes = make_meshes(scene);
-  EXPECT_TRUE(meshes) << meshes.error();
-  auto fabric = cook(scene, *meshes);
-  EXPECT_TRUE(fabric) << fabric.error();
-  return std::move(*fabric);
-}
 
 /// A square sheet of 1 m without damping or tethers, hung from two corners of its top.
 inline Scene hung_sheet(std::uint32_t cells, bool upright) {

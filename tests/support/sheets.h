@@ -12,6 +12,8 @@
 
 namespace weft {
 
+inline constexpr double kFrame = 1.0 / 60;   // s
+
 /// A flat sheet of 1 m by 1 m in the xz plane at y = 0, free, in gravity, without colliders or damping.
 inline Scene sheet(std::uint32_t cells) {
   Scene scene;

@@ -22,9 +22,6 @@
 namespace weft::cooking {
 namespace {
 
-// A cotangent beyond this belongs to an angle below 3 degrees; such slivers would make their neighbours rigid.
-constexpr double kLargestCotangent = 20;
-
 double cotangent(const Eigen::Vector3d& u, const Eigen::Vector3d& v, bool& clamped) {
   const double sine = u.cross(v).norm(), cosine = u.dot(v);
   if (std::abs(cosine) <= kLargestCotangent * sine) return cosine / sine;

@@ -25,14 +25,11 @@
 namespace weft::cooking {
 namespace {
 
-// Slivers are softened: where an angle at the edge is below 3 degrees the opposite vertex would move rigidly with the edge.
-// The factor is that of the isometric model, which limits its cotangents.
-constexpr double kLargestCotangent = 20;
-
 // A larger compliance (rad^2/J) has no visible effect, and an infinite one leads to NaN (engine/cook/parts.h, kSoftest).
 constexpr double kSoftestHinge = 1e12;
 
-// The limit over the larger cotangent at the edge of the triangle (x0, x1, across); at most 1.
+// The limit over the larger cotangent at the edge of the triangle (x0, x1, across), at most 1: slivers are softened as in the isometric
+// model, where the opposite vertex would move rigidly with the edge.
 double within_limit(const Eigen::Vector3d& edge, const Eigen::Vector3d& from_0, double twice_area) {
   const double largest = std::max(std::abs(edge.dot(from_0)), std::abs(edge.dot(edge - from_0)));
   return std::min(1.0, kLargestCotangent * twice_area / largest);

@@ -16,8 +16,6 @@ namespace {
 
 using ContactCase = GpuTest;
 
-constexpr double kFrame = 1.0 / 60;
-
 std::uint64_t crossings_of(const Simulation& simulation) {
   std::vector<Vec3> places;
   for (const gpu::vec4& p : must(simulation.read_positions())) places.push_back({p.x, p.y, p.z});
@@ -43,7 +41,7 @@ Cloth cloth_of(Vec2 size, std::uint32_t cells, Vec3 centre, Topology topology = 
   return cloth;
 }
 
-Scene scene_of(std::vector<Cloth> cloths) {
+Scene scene_with(std::vector<Cloth> cloths) {
   Scene scene;
   scene.contacts.enabled = true;
   scene.cloths = std::move(cloths);
@@ -67,7 +65,7 @@ Scene twist(std::uint32_t vertices, Topology topology, double seconds) {
     anchor.keys = {start, end};
     cloth.anchors.push_back(anchor);
   }
-  return scene_of({cloth});
+  return scene_with({cloth});
 }
 
 class Twist : public GpuTest, public testing::WithParamInterface<std::pair<std::uint32_t, Topology>> {};
@@ -95,7 +93,7 @@ TEST_F(ContactCase, ten_sheets_dropped_on_each_other_stay_apart_in_order_and_com
     cloth.fabric.damping = 1;
     cloths.push_back(cloth);
   }
-  Scene scene = scene_of(cloths);
+  Scene scene = scene_with(cloths);
   scene.colliders.push_back(plane(0, 0.6));
   const auto simulation = must(Simulation::create(device(), scene));
   run_without_crossing(*simulation, 100);
@@ -112,7 +110,7 @@ TEST_F(ContactCase, ten_sheets_dropped_on_each_other_stay_apart_in_order_and_com
 }
 
 TEST_F(ContactCase, a_sheet_folded_over_a_sphere_onto_the_floor_never_crosses) {
-  Scene scene = scene_of({cloth_of({1, 1}, 32, {0.1f, 0.75f, 0})});
+  Scene scene = scene_with({cloth_of({1, 1}, 32, {0.1f, 0.75f, 0})});
   scene.colliders.push_back(plane(0));
   scene.colliders.push_back(sphere({0, 0.25f, 0}, 0.15));
   const auto simulation = must(Simulation::create(device(), scene));
@@ -127,7 +125,7 @@ TEST_F(ContactCase, a_gltf_mesh_collapses_onto_the_floor_without_crossing_itself
   for (const Vec3& p : must(load_mesh(file)).points) lowest = std::min(lowest, p.y);
   Cloth cloth;
   cloth.mesh = file.string();
-  Scene scene = scene_of({cloth});
+  Scene scene = scene_with({cloth});
   scene.colliders.push_back(plane(lowest - 0.01f));
   const auto simulation = must(Simulation::create(device(), scene));
   run_without_crossing(*simulation, 40);
@@ -164,7 +162,7 @@ TEST_F(ContactCase, a_mesh_with_a_seam_crumples_without_crossing_itself) {
   cloth.mesh = gltf.write(folder).string();
   cloth.fabric.thickness = 0.002;
   for (const bool contacts : {true, false}) {
-    Scene scene = scene_of({cloth});
+    Scene scene = scene_with({cloth});
     scene.colliders.push_back(plane(-0.01f));
     scene.contacts.enabled = contacts;
     const auto simulation = must(Simulation::create(device(), scene));
@@ -187,7 +185,7 @@ TEST_F(ContactCase, a_mesh_with_a_seam_crumples_without_crossing_itself) {
 // F4: contact reactions that are not barycentric do not conserve momentum. A strip is bent into a U and its arms are thrown at
 // each other, one faster than the other.
 TEST_F(ContactCase, a_free_folded_sheet_keeps_its_momentum) {
-  Scene scene = scene_of({cloth_of({0.6f, 0.3f}, 30, {0, 0, 0})});
+  Scene scene = scene_with({cloth_of({0.6f, 0.3f}, 30, {0, 0, 0})});
   scene.gravity = {0, 0, 0};
   scene.cloths[0].fabric.damping = 0;
   const auto simulation = must(Simulation::create(device(), scene));
@@ -246,7 +244,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, Hanging, testing::Values(30u, 100u, 200u, 300u),
 
 // The sphere goes through, or drags along what it can; the cloth may be torn about but not through itself.
 TEST_F(ContactCase, a_collider_through_cloth_at_five_metres_a_frame_makes_it_cross_nowhere) {
-  Scene scene = scene_of({cloth_of({1, 1}, 40, {0, 0, 0})});
+  Scene scene = scene_with({cloth_of({1, 1}, 40, {0, 0, 0})});
   scene.cloths[0].anchors.push_back(held_at({Corner::low_low, Corner::high_low}));
   scene.colliders.push_back(sphere({0, 2.5f, 0}, 0.2));
   const auto simulation = must(Simulation::create(device(), scene));
@@ -292,7 +290,7 @@ TEST_F(ContactCase, submitted_frames_that_overflowed_are_safe_and_say_so) {
 TEST_F(ContactCase, recorded_frames_that_overflow_are_safe_and_say_so) {
   for (const std::uint32_t capacity : {1u, 8u, 64u, 512u}) {
     SCOPED_TRACE(capacity);
-    Scene scene = scene_of({cloth_of({0.3f, 0.3f}, 8, {0, 0, 0}), cloth_of({0.3f, 0.3f}, 7, {0.01f, 0.1f, 0.02f})});
+    Scene scene = scene_with({cloth_of({0.3f, 0.3f}, 8, {0, 0, 0}), cloth_of({0.3f, 0.3f}, 7, {0.01f, 0.1f, 0.02f})});
     scene.cloths[1].transform.degrees = 10;
     scene.contacts.capacity = capacity;
     const auto simulation = must(Simulation::create(device(), scene));

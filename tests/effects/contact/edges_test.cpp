@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "engine/fabric.h"
+#include "tests/support/cooked.h"
 #include "tests/support/mesh_files.h"
 
 namespace weft {
@@ -22,15 +22,6 @@ Scene two_sheets() {
   scene.cloths[1].transform.translate = {0, 1, 0};
   scene.contacts.enabled = true;
   return scene;
-}
-
-CookedFabric cooked(const Scene& scene) {
-  const auto meshes = make_meshes(scene);
-  EXPECT_TRUE(meshes) << meshes.error();
-  if (!meshes) return {};
-  auto fabric = cook(scene, *meshes);
-  EXPECT_TRUE(fabric) << fabric.error();
-  return fabric ? std::move(*fabric) : CookedFabric{};
 }
 
 using Pair = std::pair<std::uint32_t, std::uint32_t>;

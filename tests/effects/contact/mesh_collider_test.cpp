@@ -17,8 +17,6 @@ namespace {
 
 using MeshCollider = GpuTest;
 
-constexpr double kFrame = 1.0 / 60;
-
 // A block of 0.4 x 0.2 x 0.4 m about its origin, its sides facing outwards.
 constexpr const char* kBlock = R"(v -0.2 -0.1 -0.2
 v 0.2 -0.1 -0.2

@@ -4,7 +4,7 @@
 #include <set>
 #include <tuple>
 
-#include "engine/fabric.h"
+#include "tests/support/cooked.h"
 
 namespace weft {
 namespace {
@@ -15,10 +15,7 @@ CookedFabric coloured(Topology topology, std::uint32_t cells, std::vector<Corner
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{{1, 1}, cells, cells, topology, true};
   if (!corners.empty()) cloth.anchors.emplace_back().corners = std::move(corners);
-  const auto meshes = make_meshes(scene);
-  auto fabric = cook(scene, *meshes);
-  EXPECT_TRUE(fabric) << fabric.error();
-  return std::move(*fabric);
+  return cooked(scene);
 }
 
 TEST(Colours, no_two_links_of_one_share_a_particle) {

@@ -11,13 +11,13 @@ namespace {
 
 using KernelSweep = GpuTest;
 
-struct Crumpled {
+struct CrumpledColours {
   Scene scene;
   CookedFabric fabric;
 };
 
-Crumpled crumpled(std::uint32_t iterations, double stretch, Random& random, Method method = Method::gauss_seidel) {
-  Crumpled c;
+CrumpledColours crumpled(std::uint32_t iterations, double stretch, Random& random, Method method = Method::gauss_seidel) {
+  CrumpledColours c;
   c.scene.solver = {.rate = 600, .substeps = 1, .iterations = iterations, .method = method, .relaxation = 1.1};
   Cloth& cloth = c.scene.cloths.emplace_back();
   cloth.grid = Grid{.size = {1, 1}, .cells_x = 14, .cells_y = 11};
@@ -38,7 +38,7 @@ TEST_F(KernelSweep, a_sweep_through_the_colours_does_what_its_twin_does) {
   Random random(11);
   for (const std::uint32_t iterations : {1u, 3u})
     for (const double stretch : {1e3, std::numeric_limits<double>::infinity()}) {
-      const Crumpled c = crumpled(iterations, stretch, random);
+      const CrumpledColours c = crumpled(iterations, stretch, random);
       std::vector<reference::Stretch> links;
       for (const gpu::uvec4& packed : c.fabric.coloured_links) {
         const gpu::ColouredLink link = gpu::unpack_coloured(packed);
@@ -97,7 +97,7 @@ TEST_F(KernelSweep, a_substep_of_chebyshev_does_what_its_twin_does) {
   Random random(12);
   for (const std::uint32_t iterations : {2u, 5u})
     for (const double stretch : {1e3, std::numeric_limits<double>::infinity()}) {
-      Crumpled c = crumpled(iterations, stretch, random, Method::chebyshev);
+      CrumpledColours c = crumpled(iterations, stretch, random, Method::chebyshev);
       c.scene.gravity = {0, 0, 0};
       SinglePass passes(device(), c.scene, c.fabric, iterations == 5);
       passes.begin(frame_of(1));

@@ -15,12 +15,12 @@ using reference::ImplicitEquations;
 
 // A sheet of 9 x 11 vertices, its particles anywhere within 5 cm of where they rest and moving; two corners are held. `links`: with
 // the springs of a fabric, which only pull in part and bend, instead of 24 neighbours.
-struct Crumpled {
+struct CrumpledSprings {
   Scene scene;
   CookedFabric fabric;
   ImplicitEquations equations;
 
-  Crumpled(Linear linear, std::uint32_t iterations, bool links, unsigned seed) {
+  CrumpledSprings(Linear linear, std::uint32_t iterations, bool links, unsigned seed) {
     scene.solver = {.rate = 100, .substeps = 1, .iterations = iterations, .method = Method::implicit, .linear = linear};
     Cloth& cloth = scene.cloths.emplace_back();
     cloth.grid = Grid{{0.8f, 1}, 8, 10, Topology::diagonal, true};
@@ -71,7 +71,7 @@ TEST_F(KernelImplicit, assemble_makes_the_equations_of_its_twin) {
   for (const bool links : {false, true})
     for (const bool gather_storage : {false, true})
       for (const unsigned seed : {1u, 2u}) {
-        const Crumpled sheet(Linear::cg, 1, links, seed);
+        const CrumpledSprings sheet(Linear::cg, 1, links, seed);
         const SinglePass passes = sheet.passes(device(), gather_storage);
         const std::size_t n = sheet.fabric.positions.size();
         const Columns right = columns(passes.get<gpu::vec4>(buffers::solve_vectors, n), 0, n);
@@ -94,7 +94,7 @@ TEST_F(KernelImplicit, multiply_is_the_product_with_the_twins_matrix) {
   for (const bool links : {false, true})
     for (const bool gather_storage : {false, true})
       for (const std::uint32_t workgroup : {24u, 64u}) {
-        const Crumpled sheet(Linear::cg, 1, links, 3);
+        const CrumpledSprings sheet(Linear::cg, 1, links, 3);
         SinglePass passes = sheet.passes(device(), gather_storage, workgroup);
         Random random(7);
         const std::size_t n = sheet.fabric.positions.size();
@@ -125,7 +125,7 @@ struct Solved {
   Columns got, wanted;
   gpu::Counters counters;
 };
-Solved solve(const compute::Device& device, const Crumpled& sheet, bool gather_storage) {
+Solved solve(const compute::Device& device, const CrumpledSprings& sheet, bool gather_storage) {
   SinglePass passes = sheet.passes(device, gather_storage);
   const std::uint32_t iterations = sheet.scene.solver.iterations;
   const bool jacobi = sheet.scene.solver.linear == Linear::jacobi;
@@ -153,7 +153,7 @@ TEST_F(KernelImplicit, a_solve_goes_where_its_twin_goes) {
     for (const bool links : {false, true})
       for (const bool gather_storage : {false, true})
         for (const std::uint32_t iterations : {2u, 3u, 5u, 40u}) {
-          const Crumpled sheet(linear, iterations, links, 4);
+          const CrumpledSprings sheet(linear, iterations, links, 4);
           const Solved solved = solve(device(), sheet, gather_storage);
           EXPECT_LT((solved.got - solved.wanted).norm(), 1e-3 * solved.wanted.norm())
               << (linear == Linear::cg ? "cg " : "jacobi ") << iterations << " iterations, links " << links;
@@ -163,14 +163,14 @@ TEST_F(KernelImplicit, a_solve_goes_where_its_twin_goes) {
 
 TEST_F(KernelImplicit, a_solve_with_many_iterations_is_exact_to_rounding_and_says_so) {
   for (const bool links : {false, true}) {
-    const Crumpled sheet(Linear::cg, 300, links, 5);
+    const CrumpledSprings sheet(Linear::cg, 300, links, 5);
     const Solved solved = solve(device(), sheet, false);
     const Columns exact = reference::solve_conjugate_gradients(sheet.equations, 2000, 1e-13).change;
     // A condition below 1000 times the rounding of the right side.
     EXPECT_LT((solved.got - exact).norm(), 1000 * 24 * kRounding * exact.norm());
     EXPECT_EQ(solved.counters.unconverged, 0u);
     EXPECT_LT(solved.counters.residual, 1e-5);
-    const Crumpled hasty(Linear::jacobi, 3, links, 5);
+    const CrumpledSprings hasty(Linear::jacobi, 3, links, 5);
     const Solved early = solve(device(), hasty, false);
     EXPECT_EQ(early.counters.unconverged, 1u);
     EXPECT_GT(early.counters.residual, WEFT_CONVERGED);
@@ -179,7 +179,7 @@ TEST_F(KernelImplicit, a_solve_with_many_iterations_is_exact_to_rounding_and_say
 
 // With this weight Jacobi diverges: it must rest with the iterate before the residual grew, as its twin does.
 TEST_F(KernelImplicit, jacobi_that_diverges_is_broken_off_with_its_best_iterate) {
-  Crumpled sheet(Linear::jacobi, 60, false, 6);
+  CrumpledSprings sheet(Linear::jacobi, 60, false, 6);
   sheet.fabric.jacobi_weight = 1.9;
   SinglePass passes = sheet.passes(device(), false);
   for (int k = 0; k < 60; ++k) passes.run("implicit_relax", k);

@@ -10,6 +10,7 @@
 
 #include "engine/reference/implicit.h"
 #include "shaders/bend/bend.ref.h"
+#include "tests/support/cooked.h"
 
 namespace weft::reference {
 namespace {
@@ -33,14 +34,6 @@ Scene sheet(std::uint32_t cells, Linear linear = Linear::cg, std::uint32_t itera
   cloth.tethers = false;
   cloth.springs = Springs{{500, 0.01}, {500, 0.01}, {50, 0.001}};
   return scene;
-}
-
-CookedFabric cooked(const Scene& scene) {
-  const auto meshes = make_meshes(scene);
-  EXPECT_TRUE(meshes) << meshes.error();
-  auto fabric = cook(scene, *meshes);
-  EXPECT_TRUE(fabric) << fabric.error();
-  return std::move(*fabric);
 }
 
 ImplicitSystem system_of(const Scene& scene, const CookedFabric& fabric) {

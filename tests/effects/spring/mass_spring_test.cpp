@@ -3,6 +3,7 @@
 
 #include "shaders/motion/motion.ref.h"
 #include "shaders/spring/spring.ref.h"
+#include "tests/support/cooked.h"
 #include "tests/support/sheets.h"
 #include "tests/support/single_pass.h"
 
@@ -25,8 +26,6 @@ Scene scarf(std::uint32_t cells, double h) {
   cloth.anchors.emplace_back().top = 0;
   return scene;
 }
-
-CookedFabric cooked(const Scene& scene) { return must(cook(scene, must(make_meshes(scene)))); }
 
 std::string refusal(const Scene& scene) {
   const auto fabric = cook(scene, must(make_meshes(scene)));

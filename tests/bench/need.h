@@ -1,0 +1,19 @@
+// A value, or the end of the program.
+#pragma once
+
+#include <cstdio>
+#include <cstdlib>
+#include <utility>
+
+#include "compute/result.h"
+
+namespace weft::bench {
+
+template <class T>
+T need(Result<T> result) {
+  if (result) return std::move(*result);
+  std::fprintf(stderr, "weft_bench: %s\n", result.error().c_str());
+  std::exit(1);
+}
+
+}  // namespace weft::bench
