@@ -43,6 +43,7 @@
 
 #include "compute/device.h"
 #include "compute/result.h"
+#include "engine/counts.h"
 #include "engine/fabric.h"
 #include "engine/frame_view.h"
 #include "engine/mesh.h"
@@ -97,27 +98,6 @@ struct PassUse {
 struct BufferUse {
   std::string name;
   std::uint64_t bytes = 0;
-};
-
-/// Counts since create. non_finite, coincident and contacts_overflowed are 0 in a healthy run.
-struct Counts {
-  std::uint32_t non_finite = 0;            // particles put back to their last finite position
-  /// Links with both ends at one position, pushed apart in an arbitrary direction. Springs that only pull, and those of the
-  /// method implicit, are left as they are.
-  std::uint32_t coincident = 0;
-  std::uint32_t contacts_most = 0;         // the most candidate pairs that one detection found
-  /// Candidate pairs beyond the capacity, whose particles were held still instead: with record and submit, and where the device
-  /// has no more memory.
-  std::uint32_t contacts_overflowed = 0;
-  std::uint32_t truncated = 0;             // steps of particles and anchors cut short to prevent a crossing; may be several a substep
-  std::uint32_t detections = 0;            // searches for candidate pairs
-  float tracking_error = 0;                // m, the largest distance of an anchor or a mesh collider's vertex, held back, from its target
-  // Method implicit only. The norm of a residual r is r . D^-1 r, D the blocks on the matrix's diagonal.
-  std::uint32_t unconverged = 0;           // substeps whose solve left more than 1 % of the free flight's residual
-  std::uint32_t stopped = 0;               // substeps whose solve was stopped early, with the best iterate so far
-  float residual = 0;                      // relative, of the last substep's solve, before its last iteration
-  // Method chebyshev only.
-  std::uint32_t unaccelerated = 0;         // substeps finished as jacobi, because the acceleration diverged
 };
 
 class Simulation {

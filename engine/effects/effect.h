@@ -1,5 +1,5 @@
 // An effect is one declaration: what calls for it, what it cooks, its buffers, its passes, their specialization constants and uniform
-// values, and whether the reference has it. list.h lists all effects.
+// values, whether the reference has it, and what it reports. Its keys stand beside it (keys.h). list.h lists all effects.
 //
 // A scene that does not call for an effect has none of it: no pipeline, no byte, no dispatch. Where an effect is no pass of its own but a
 // part of other passes (a tether is satisfied where the iteration ends), it is a constant that these are specialised to.
@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/counts.h"
 #include "engine/effects/buffer.h"
 #include "engine/effects/list.h"
 
@@ -98,6 +99,14 @@ enum class Reference {
   a_way_to      // it is a method, and the reference reaches the same solution by another
 };
 
+/// A number that an effect reports: in report.json under its name, "contacts.max" in an object. One of the three is set.
+struct Figure {
+  const char* name;
+  std::uint64_t (*cooked)(const CookedFabric&) = nullptr;
+  std::uint64_t (*counted)(const Counts&) = nullptr;
+  double (*measured)(const Counts&) = nullptr;
+};
+
 struct Effect {
   const char* name;
   const char* key = "";                          // by which a scene asks for it, for sentences
@@ -108,6 +117,8 @@ struct Effect {
   void (*specialize)(const Cooked&, Constants&) = nullptr;
   Slice slice = {};
   Reference reference = Reference::absent;
+  std::span<const Figure> figures = {};
+  void (*remark)(const Counts&, std::vector<std::string>& remarks) = nullptr;   // sentences about a run, for people
   /// Cooks one cloth; then kinematic bodies, after all cloths; then the lists as the GPU reads them, when all particles are known.
   /// Errors are sentences without the cloth's path.
   Result<void> (*cook)(cooking::CookState&, const cooking::ClothInput&) = nullptr;

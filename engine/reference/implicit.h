@@ -22,7 +22,7 @@
 //
 // Planes constrain the direction across them: a particle that would end below goes onto the plane, and the filter takes that
 // direction out of its residual, unless the springs would pull it off. If they fail to, it is projected onto the plane after
-// the solve. On the GPU all colliders with a signed distance do so, with friction (shaders/implicit/implicit_wall.glsl).
+// the solve. On the GPU all colliders with a signed distance do so, with friction (shaders/implicit/implicit_collide.glsl).
 //
 // Limitations: springs only; planes that stand still, without friction; no tethers; one thread.
 #pragma once

@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "engine/fabric.h"
+#include "engine/figures.h"
 #include "samples/weft/commands.h"
 #include "samples/weft/console.h"
 #include "samples/weft/subject.h"
@@ -36,9 +37,7 @@ Exit check_scene(const std::filesystem::path& file) {
     return kBadInput;
   }
   for (const std::string& note : fabric->notes) std::printf("note: %s\n", note.c_str());
-  std::printf("%s: nothing is wrong: %zu particles, %zu edges, %zu bends, %llu tethers, %zu anchored, %zu colliders\n",
-              file.string().c_str(), std::size_t(cloth_particles(*fabric)), fabric->links.size(),
-              fabric->bends.size() + fabric->hinges.size(), static_cast<unsigned long long>(fabric->tether_count), fabric->anchors.size(),
+  std::printf("%s: nothing is wrong: %s, %zu colliders\n", file.string().c_str(), summary_of(*scene, *fabric).c_str(),
               scene->colliders.size());
   return kDone;
 }

@@ -77,15 +77,13 @@ Result<Figures> figures_of(const Simulation& simulation) {
   figures.timed_on_cpu = simulation.timed_on_cpu();
   figures.particles = cloth_particles(fabric);
   figures.edges = fabric.links.size();
-  figures.bends = fabric.bends.size() + fabric.hinges.size();
-  figures.tethers = fabric.tether_count;
-  figures.contacts = contacts_on(simulation.scene());
-  figures.chebyshev = simulation.scene().solver.method == Method::chebyshev;
-  figures.implicit = simulation.scene().solver.method == Method::implicit;
+  figures.counts = simulation.counts();
+  figures.cooked = cooked_figures(simulation.scene(), fabric);
+  figures.counted = counted_figures(simulation.scene(), fabric, figures.counts);
+  figures.remarks = remarks_on(simulation.scene(), fabric, figures.counts);
   figures.mesh_colliders = !fabric.collider_meshes.empty();
   figures.buffers = simulation.buffers();
   figures.strain = measure_strain(fabric, *positions);
-  figures.counts = simulation.counts();
   figures.hash = position_hash(*positions);
   return figures;
 }
@@ -98,6 +96,15 @@ using Json = nlohmann::ordered_json;
 Json milliseconds(const std::optional<Spread>& spread) {
   if (!spread) return {{"ms_median", nullptr}, {"ms_p95", nullptr}};
   return {{"ms_median", spread->median}, {"ms_p95", spread->p95}};
+}
+
+void put(Json& report, const std::vector<FigureValue>& figures) {
+  for (const auto& [name, value] : figures) {
+    const std::size_t dot = name.find('.');
+    Json& entry = dot == std::string_view::npos ? report[std::string(name)]
+                                                : report[std::string(name.substr(0, dot))][std::string(name.substr(dot + 1))];
+    std::visit([&](auto number) { entry = number; }, value);
+  }
 }
 
 }  // namespace
@@ -115,8 +122,7 @@ std::string report_json(const Figures& figures, const PassTimes& times) {
   if (figures.resumed_at) report["resumed_at"] = *figures.resumed_at;
   report["particles"] = figures.particles;
   report["edges"] = figures.edges;
-  report["bends"] = figures.bends;
-  report["tethers"] = figures.tethers;
+  put(report, figures.cooked);
   report["timed_on_cpu"] = figures.timed_on_cpu;
   report["timed"] = {{"first", times.first_frame()}, {"frames", times.frames()}};
   report["passes"] = Json::array();
@@ -133,15 +139,7 @@ std::string report_json(const Figures& figures, const PassTimes& times) {
   report["non_finite"] = figures.counts.non_finite;
   report["coincident"] = figures.counts.coincident;
   if (figures.intersections) report["intersections"] = {{"max", figures.intersections->max}, {"final", figures.intersections->final}};
-  if (const Counts& counts = figures.counts; figures.contacts)
-    report["contacts"] = {{"max", counts.contacts_most},
-                          {"overflowed", counts.contacts_overflowed},
-                          {"truncated", counts.truncated},
-                          {"detections", counts.detections},
-                          {"tracking_error", counts.tracking_error}};
-  if (figures.chebyshev) report["unaccelerated"] = figures.counts.unaccelerated;
-  if (const Counts& counts = figures.counts; figures.implicit)
-    report["linear"] = {{"residual", counts.residual}, {"unconverged", counts.unconverged}, {"stopped", counts.stopped}};
+  put(report, figures.counted);
   report["clamped_seconds"] = figures.clamped_seconds;
   report["hash"] = hash;
   constexpr int kIndent = 2;

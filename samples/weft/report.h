@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/figures.h"
 #include "engine/metrics.h"
 #include "engine/simulation.h"
 
@@ -57,9 +58,10 @@ struct Figures {
   std::optional<std::uint32_t> resumed_at;   // the first that this program simulated, where it went on with a checkpoint
   bool interrupted = false;
   bool timed_on_cpu = false;     // no timestamps on this device
-  std::size_t particles = 0, edges = 0, bends = 0;   // of cloth
-  std::uint64_t tethers = 0;
-  bool contacts = false, mesh_colliders = false, chebyshev = false, implicit = false;   // whether the scene has them
+  std::size_t particles = 0, edges = 0;   // of cloth
+  std::vector<FigureValue> cooked, counted;   // of the scene's effects
+  std::vector<std::string> remarks;
+  bool mesh_colliders = false;   // whether the scene has them
   std::vector<BufferUse> buffers;
   std::optional<Spread> frame;   // ms, whole frames without timestamps; none when no frame was timed
   Strain strain;

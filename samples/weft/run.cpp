@@ -112,22 +112,10 @@ void print(const Figures& figures, double rate) {
   else if (found)
     std::printf("Cloth crosses %s: %llu pairs of edge and triangle in the worst frame, %llu in the last\n", what,
                 static_cast<unsigned long long>(found->max), static_cast<unsigned long long>(found->final));
-  if (const Counts& counts = figures.counts; figures.implicit && counts.unconverged > 0)
-    std::printf("%u substeps were solved to worse than 1 %% (the last to %.2g %%): more iterations or shorter substeps do better\n",
-                counts.unconverged, 100 * counts.residual);
-  if (const Counts& counts = figures.counts; figures.contacts) {
-    std::printf("Contacts: up to %u pairs, searched for %u times; %u times a particle was stopped short\n", counts.contacts_most,
-                counts.detections, counts.truncated);
-    if (counts.tracking_error > 0)
-      std::printf("Anchors waited for cloth to make way, up to %.2g mm behind their targets\n",
-                  1000 * static_cast<double>(counts.tracking_error));
-    if (counts.contacts_overflowed > 0)
-      std::printf("%u pairs found no room: their particles were held still instead\n", counts.contacts_overflowed);
-  }
+  for (const std::string& remark : figures.remarks) std::printf("%s\n", remark.c_str());
   if (figures.timed_on_cpu) std::printf("This device has no timestamps: passes were timed on the CPU\n");
   if (figures.clamped_seconds > 0)
     std::printf("%.3g s were not simulated: solver.longest_advance is shorter than a frame\n", figures.clamped_seconds);
-  if (figures.chebyshev) std::printf("%u substeps were finished without acceleration\n", figures.counts.unaccelerated);
   if (figures.counts.non_finite > 0) std::printf("%u times a particle that was not finite was put back\n", figures.counts.non_finite);
 }
 
@@ -216,9 +204,7 @@ Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& f
     if (const Exit exit = painter.create(**device, simulation, kPictureSize); exit != kDone) return exit;
 
   const CookedFabric& fabric = simulation.fabric();
-  std::printf("%s: %zu particles, %zu edges, %zu bends, %llu tethers on %s\n", scene.name.c_str(), std::size_t(cloth_particles(fabric)),
-              fabric.links.size(), fabric.bends.size() + fabric.hinges.size(), static_cast<unsigned long long>(fabric.tether_count),
-              (*device)->name().c_str());
+  std::printf("%s: %s on %s\n", scene.name.c_str(), summary_of(simulation.scene(), fabric).c_str(), (*device)->name().c_str());
   const std::size_t notes_before = fabric.notes.size();
   for (const std::string& note : fabric.notes) std::printf("note: %s\n", note.c_str());
   if (const Exit exit = begin(simulation, options, state); exit != kDone) return exit;

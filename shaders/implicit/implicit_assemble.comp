@@ -8,7 +8,7 @@
 //
 // A spring of rest length 0 is linear, of either sign (the bending matrix), and has no direction.
 //
-// Where colliders constrain a direction (implicit_wall.glsl) the diagonal block becomes S D S + m (I - S), so that its inverse maps free
+// Where colliders constrain a direction (implicit_collide.glsl) the diagonal block becomes S D S + m (I - S), so that its inverse maps free
 // directions to free directions.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -29,7 +29,7 @@ READ_WRITE(Counters, counters)
 WRITE(vec4, collider_filters)
 
 #include "implicit/implicit.glsl"
-#include "implicit/implicit_wall.glsl"
+#include "implicit/implicit_collide.glsl"
 
 uint coincident = 0;
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "engine/effects/buffers.h"
+#include "engine/figures.h"
 #include "tests/support/calls.h"
 
 namespace weft {
@@ -115,6 +116,43 @@ TEST(Buffers, sizes_and_contents_are_those_of_the_cooked_arrays) {
     if (row->contents != nullptr && row->lifetime == Lifetime::cooked) {
       EXPECT_EQ(row->contents(subject).bytes().size(), row->length(subject) * row->element_bytes) << row->name;
     }
+}
+
+TEST(Figures, every_effect_reports_under_names_of_its_own) {
+  std::set<std::string_view> names;
+  for (const Effect* effect : all_effects())
+    for (const Figure& figure : effect->figures) {
+      EXPECT_TRUE(names.insert(figure.name).second) << figure.name;
+      EXPECT_EQ((figure.cooked != nullptr) + (figure.counted != nullptr) + (figure.measured != nullptr), 1) << figure.name;
+    }
+}
+
+TEST(Figures, a_scene_reports_what_it_calls_for_and_nothing_else) {
+  const auto names = [](const std::vector<FigureValue>& figures) {
+    std::set<std::string_view> found;
+    for (const FigureValue& figure : figures) found.insert(figure.name);
+    return found;
+  };
+  const Sheet hung = sheet_for({{Id::anchor, Id::stretch, Id::bend, Id::tether}});
+  EXPECT_EQ(names(cooked_figures(hung.scene, hung.fabric)), (std::set<std::string_view>{"anchored", "bends", "tethers"}));
+  EXPECT_EQ(summary_of(hung.scene, hung.fabric),
+            "30 particles, " + std::to_string(hung.fabric.links.size()) + " edges, 6 anchored, " + std::to_string(hung.fabric.bends.size()) +
+                " bends, " + std::to_string(hung.fabric.tether_count) + " tethers");
+  EXPECT_TRUE(counted_figures(hung.scene, hung.fabric, {}).empty());
+  EXPECT_TRUE(remarks_on(hung.scene, hung.fabric, {}).empty());
+
+  const Sheet touching = sheet_for({{Id::stretch, Id::contact}});
+  Counts counts;
+  counts.contacts_most = 7;
+  counts.tracking_error = 0.002f;
+  const auto figures = counted_figures(touching.scene, touching.fabric, counts);
+  EXPECT_EQ(names(figures), (std::set<std::string_view>{"contacts.max", "contacts.overflowed", "contacts.truncated", "contacts.detections",
+                                                        "contacts.tracking_error"}));
+  EXPECT_EQ(std::get<std::uint64_t>(figures[0].value), 7u);
+  const auto remarks = remarks_on(touching.scene, touching.fabric, counts);
+  ASSERT_EQ(remarks.size(), 2u);
+  EXPECT_NE(remarks[0].find("up to 7 pairs"), std::string::npos);
+  EXPECT_NE(remarks[1].find("2 mm behind"), std::string::npos);
 }
 
 TEST(Passes, threads_are_counted_from_what_was_cooked) {

@@ -31,6 +31,8 @@ constexpr Pass kPasses[] = {
      .only_towards_targets = true},
 };
 
+constexpr Figure kFigures[] = {{.name = "anchored", .cooked = [](const CookedFabric& f) { return std::uint64_t(f.anchors.size()); }}};
+
 }  // namespace
 
 constinit const Effect anchor{
@@ -39,6 +41,7 @@ constinit const Effect anchor{
     .buffers = kBuffers,
     .passes = kPasses,
     .reference = Reference::modelled,
+    .figures = kFigures,
 };
 
 }  // namespace effects

@@ -99,6 +99,8 @@ void lay_out(cooking::CookState& state) {
   fabric.bend = cooking::pack_rows(bend_matrix(shares, fabric, state.softening()), cooking::Padding::repeated);
 }
 
+constexpr Figure kFigures[] = {{.name = "bends", .cooked = [](const CookedFabric& f) { return std::uint64_t(f.bends.size()); }}};
+
 }  // namespace
 
 constinit const Effect bend{
@@ -107,6 +109,7 @@ constinit const Effect bend{
     .buffers = kBuffers,
     .passes = kPasses,
     .reference = Reference::modelled,
+    .figures = kFigures,
     .cook = cook,
     .lay_out = lay_out,
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
 
 #include "engine/cook/cook_state.h"
 #include "engine/effects/effect.h"
@@ -98,6 +99,28 @@ Result<void> cook_bodies(cooking::CookState& state, std::span<const Mesh> collid
   return {};
 }
 
+constexpr Figure kFigures[] = {
+    {.name = "contacts.max", .counted = [](const Counts& c) { return std::uint64_t(c.contacts_most); }},
+    {.name = "contacts.overflowed", .counted = [](const Counts& c) { return std::uint64_t(c.contacts_overflowed); }},
+    {.name = "contacts.truncated", .counted = [](const Counts& c) { return std::uint64_t(c.truncated); }},
+    {.name = "contacts.detections", .counted = [](const Counts& c) { return std::uint64_t(c.detections); }},
+    {.name = "contacts.tracking_error", .measured = [](const Counts& c) { return double(c.tracking_error); }},
+};
+
+void remark(const Counts& counts, std::vector<std::string>& remarks) {
+  char text[160];
+  std::snprintf(text, sizeof text, "Contacts: up to %u pairs, searched for %u times; %u times a particle was stopped short",
+                counts.contacts_most, counts.detections, counts.truncated);
+  remarks.emplace_back(text);
+  if (counts.tracking_error > 0) {
+    std::snprintf(text, sizeof text, "Anchors waited for cloth to make way, up to %.2g mm behind their targets",
+                  1000 * double(counts.tracking_error));
+    remarks.emplace_back(text);
+  }
+  if (counts.contacts_overflowed > 0)
+    remarks.push_back(std::to_string(counts.contacts_overflowed) + " pairs found no room: their particles were held still instead");
+}
+
 }  // namespace
 
 constinit const Effect contact{
@@ -109,6 +132,8 @@ constinit const Effect contact{
     .specialize = [](const Cooked&, Constants& constants) { constants[gpu::constant::has_contacts] = 1; },
     .slice = {"contact_settings", [](const Cooked& s) { return made(std::vector{s.contacts}); }},
     .reference = Reference::absent,
+    .figures = kFigures,
+    .remark = remark,
     .cook_bodies = cook_bodies,
 };
 

@@ -25,6 +25,8 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   return {};
 }
 
+constexpr Figure kFigures[] = {{.name = "hinges", .cooked = [](const CookedFabric& f) { return std::uint64_t(f.hinges.size()); }}};
+
 }  // namespace
 
 constinit const Effect dihedral{
@@ -34,6 +36,7 @@ constinit const Effect dihedral{
     .buffers = kBuffers,
     .passes = kPasses,
     .reference = Reference::absent,
+    .figures = kFigures,
     .cook = cook,
     .lay_out =
         [](cooking::CookState& state) {

@@ -1,5 +1,7 @@
 #include "engine/effects/implicit/implicit.h"
 
+#include <cstdio>
+
 #include "engine/effects/effect.h"
 
 namespace weft::effects {
@@ -25,6 +27,21 @@ constexpr Pass kPasses[] = {
     {.name = "implicit_step", .stage = Stage::iteration, .threads = threads::particles, .changes = Changes::iterate, .can_finalize = true},
 };
 
+constexpr Figure kFigures[] = {
+    {.name = "linear.residual", .measured = [](const Counts& c) { return double(c.residual); }},
+    {.name = "linear.unconverged", .counted = [](const Counts& c) { return std::uint64_t(c.unconverged); }},
+    {.name = "linear.stopped", .counted = [](const Counts& c) { return std::uint64_t(c.stopped); }},
+};
+
+void remark(const Counts& counts, std::vector<std::string>& remarks) {
+  if (counts.unconverged == 0) return;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "%u substeps were solved to worse than 1 %% (the last to %.2g %%): more iterations or shorter substeps do better",
+                counts.unconverged, 100 * double(counts.residual));
+  remarks.emplace_back(text);
+}
+
 }  // namespace
 
 constinit const Effect implicit{
@@ -37,6 +54,8 @@ constinit const Effect implicit{
           constants[gpu::constant::linear_solver] = s.scene.solver.linear == Linear::jacobi ? WEFT_LINEAR_JACOBI : WEFT_LINEAR_CG;
         },
     .reference = Reference::a_way_to,
+    .figures = kFigures,
+    .remark = remark,
 };
 
 }  // namespace weft::effects

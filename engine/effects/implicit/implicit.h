@@ -33,7 +33,7 @@ inline constexpr Buffer free_cloths = buffer<gpu::FreeCloth>(
         if (s.fabric.cloths[k].anchors == 0) cloths[k] = {s.fabric.cloths[k].first_particle, s.fabric.cloths[k].particles, {0, 0, 0}};
       return made(cloths);
     });
-/// Two a particle: what colliders decide of a substep (implicit_wall.glsl).
+/// Two a particle: what colliders decide of a substep (implicit_collide.glsl).
 inline constexpr Buffer collider_filters =
     scratch<gpu::vec4>("collider_filters", [](const Cooked& s) { return 2 * lengths::particles(s); });
 }  // namespace buffers

@@ -44,6 +44,8 @@ void lay_out(cooking::CookState& state) {
   }
 }
 
+constexpr Figure kFigures[] = {{.name = "tethers", .cooked = [](const CookedFabric& f) { return f.tether_count; }}};
+
 }  // namespace
 
 constinit const Effect tether{
@@ -53,6 +55,7 @@ constinit const Effect tether{
     .part_of_finalize = "+tether",
     .specialize = [](const Cooked& s, Constants& constants) { constants[gpu::constant::tether_pairs] = s.fabric.tethers_per_particle / 2; },
     .reference = Reference::modelled,
+    .figures = kFigures,
     .cook = cook,
     .lay_out = lay_out,
 };

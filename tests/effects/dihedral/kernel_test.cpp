@@ -13,7 +13,7 @@
 namespace weft {
 namespace {
 
-using HingeKernel = GpuTest;
+using DihedralKernel = GpuTest;
 
 constexpr double kPi = std::numbers::pi;
 
@@ -89,7 +89,7 @@ std::vector<gpu::vec4> visited(const compute::Device& device, const Pleated& mad
   return passes.iterate();
 }
 
-TEST_F(HingeKernel, hinges_do_what_their_twin_does_on_crumpled_pleats) {
+TEST_F(DihedralKernel, hinges_do_what_their_twin_does_on_crumpled_pleats) {
   for (const Averaging averaging : {Averaging::mass_split, Averaging::count})
     for (const std::uint32_t iterations : {1u, 3u})
       for (const double rigidity : {1e-5, 1.0}) {
@@ -103,13 +103,13 @@ TEST_F(HingeKernel, hinges_do_what_their_twin_does_on_crumpled_pleats) {
       }
 }
 
-TEST_F(HingeKernel, a_pose_at_rest_is_left_to_rounding) {
+TEST_F(DihedralKernel, a_pose_at_rest_is_left_to_rounding) {
   const Pleated made = pleated(1, Averaging::mass_split, 1.0);
   EXPECT_LT(largest_gap(visited(device(), made, made.fabric.positions), points(made.fabric.positions)), 4 * kRounding);
 }
 
 // Everything in one point, on a line, far away, not a number: particles of other hinges do not notice, and all others stay finite.
-TEST_F(HingeKernel, lost_and_degenerate_poses_take_nobody_along) {
+TEST_F(DihedralKernel, lost_and_degenerate_poses_take_nobody_along) {
   const Pleated made = pleated(1, Averaging::mass_split, 1.0);
   const auto n = made.fabric.positions.size();
   for (int kind = 0; kind < 6; ++kind) {
@@ -176,7 +176,7 @@ double farthest_off(const CookedFabric& fabric, const std::vector<gpu::vec4>& po
   return most;
 }
 
-TEST_F(HingeKernel, a_free_hinge_comes_back_to_any_rest_angle_from_any_other) {
+TEST_F(DihedralKernel, a_free_hinge_comes_back_to_any_rest_angle_from_any_other) {
   const Hinges hinges = all_hinges(30);
   ASSERT_EQ(hinges.mesh.points.size(), 4 * hinges.count) << "two hinges were welded";
   for (const Method method : {Method::jacobi, Method::gauss_seidel})
@@ -208,7 +208,7 @@ TEST_F(HingeKernel, a_free_hinge_comes_back_to_any_rest_angle_from_any_other) {
 }
 
 // What a visit moves has no momentum and no moment about any point, where masses are split.
-TEST_F(HingeKernel, hinges_move_no_centre_of_mass_and_turn_nothing) {
+TEST_F(DihedralKernel, hinges_move_no_centre_of_mass_and_turn_nothing) {
   Random random(8);
   const Pleated made = pleated(1, Averaging::mass_split, 1.0, false);
   const auto pose = crumpled(made.fabric, random);

@@ -28,7 +28,7 @@ HingePose pose(Random& random, double angle) {
   return x;
 }
 
-TEST(HingeTwin, its_angle_is_nothing_where_flat_and_a_half_turn_where_closed) {
+TEST(DihedralTwin, its_angle_is_nothing_where_flat_and_a_half_turn_where_closed) {
   Random random(1);
   for (int trial = 0; trial < 200; ++trial) {
     const double angle = between(random, -kPi, kPi);
@@ -40,7 +40,7 @@ TEST(HingeTwin, its_angle_is_nothing_where_flat_and_a_half_turn_where_closed) {
 }
 
 // At every angle, flat and closed ones too, where the energy of an angle subtracted would jump.
-TEST(HingeTwin, its_gradient_is_the_slope_of_its_energy_in_every_pose) {
+TEST(DihedralTwin, its_gradient_is_the_slope_of_its_energy_in_every_pose) {
   Random random(2);
   for (const double angle : {0.0, 1e-3, 0.5, kPi / 2, 3.0, kPi, -kPi / 2, -3.0})
     for (int trial = 0; trial < 50; ++trial) {
@@ -56,7 +56,7 @@ TEST(HingeTwin, its_gradient_is_the_slope_of_its_energy_in_every_pose) {
     }
 }
 
-TEST(HingeTwin, its_gradients_and_their_moments_sum_to_nothing) {
+TEST(DihedralTwin, its_gradients_and_their_moments_sum_to_nothing) {
   Random random(3);
   for (int trial = 0; trial < 500; ++trial) {
     const HingePose x = pose(random, between(random, -kPi, kPi));
@@ -103,7 +103,7 @@ HingePose pose_of(const CookedFabric& fabric, const std::uint32_t (&particle)[4]
   return x;
 }
 
-TEST(HingeTwin, cooking_rests_at_the_meshs_angles_and_splits_masses_among_hinges) {
+TEST(DihedralTwin, cooking_rests_at_the_meshs_angles_and_splits_masses_among_hinges) {
   for (const Averaging averaging : {Averaging::mass_split, Averaging::count}) {
     Random random(4);
     const CookedFabric fabric = cooked(rolled(5, random), BendRest::mesh, averaging);
@@ -130,7 +130,7 @@ TEST(HingeTwin, cooking_rests_at_the_meshs_angles_and_splits_masses_among_hinges
 }
 
 // Out of the plane by little: the same energies, stencil by stencil, up to the fourth power of what is out of it over the cells' size.
-TEST(HingeTwin, a_nearly_flat_mesh_has_the_isometric_models_energy) {
+TEST(DihedralTwin, a_nearly_flat_mesh_has_the_isometric_models_energy) {
   Random random(5);
   const Mesh mesh = rolled(0, random);
   const CookedFabric hinged = cooked(mesh, BendRest::mesh), isometric = cooked(mesh, BendRest::flat);
@@ -154,7 +154,7 @@ TEST(HingeTwin, a_nearly_flat_mesh_has_the_isometric_models_energy) {
   EXPECT_GT(energies, 1e-12);
 }
 
-TEST(HingeTwin, slivers_are_softened_and_counted) {
+TEST(DihedralTwin, slivers_are_softened_and_counted) {
   Mesh mesh = make_grid({.size = {1, 1}, .cells_x = 2, .cells_y = 2});
   mesh.points[4].x = 0.499f;   // the middle one: beside an edge, nearly
   const CookedFabric hinged = cooked(mesh, BendRest::mesh), isometric = cooked(mesh, BendRest::flat);
