@@ -5,9 +5,13 @@
 #pragma once
 
 #include <cassert>
+#include <exception>
+#include <new>
 #include <optional>
 #include <sstream>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 
@@ -49,6 +53,19 @@ template <class... Parts>
   (detail::add_part(text, error, parts), ...);
   error.message = text.str();
   return error;
+}
+
+/// In a catch (...) block: what was thrown, as an error about `what`. Public functions end in one.
+inline Error caught(std::string_view what) {
+  try {
+    throw;
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorKind::memory, what, ": there is not enough memory");
+  } catch (const std::length_error&) {
+    return fail(ErrorKind::memory, what, ": has more elements than any memory holds");
+  } catch (const std::exception& problem) {
+    return fail(ErrorKind::other, what, ": ", problem.what());
+  }
 }
 
 template <class T>

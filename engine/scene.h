@@ -222,6 +222,11 @@ Result<Scene> load_scene(const std::filesystem::path& file, std::span<const Assi
 /// The same from text; `folder` is what relative paths start from.
 Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& folder, std::span<const Assignment> assignments = {});
 
+/// What a scene file is checked for, of a scene that a program made: every number within its limits and finite, every list within its
+/// length, every choice one of those there are, and the rules between keys. Files are not looked for. The fault is one sentence a line,
+/// each with its JSON path.
+Result<void> check(const Scene& scene);
+
 /// A scene as JSON, every key written out: parse_scene with the same folder reads it back to the same scene.
 std::string scene_text(const Scene& scene);
 

@@ -17,7 +17,7 @@ namespace weft::scene_fields {
 template <class V>
 void fields(V& v, Grid& grid) {
   v.vector2("size", grid.size, above(0, kFarthest, "m"));
-  v.cells("cells", grid.cells_x, grid.cells_y, between(1, 2048));
+  v.cells("cells", grid.cells_x, grid.cells_y, kCells);
   v.choice("topology", grid.topology, kTopologies);
   v.flag("upright", grid.upright);
 }

@@ -220,7 +220,7 @@ Result<void> Simulation::State::run_pass_by_pass(const FrameInput& input, bool s
   return {};
 }
 
-Result<Advance> Simulation::advance(double seconds) {
+Result<Advance> Simulation::advance(double seconds) try {
   State& s = *state_;
   FrameInput input;
   auto advance = s.plan_frame(seconds, input);
@@ -229,9 +229,11 @@ Result<Advance> Simulation::advance(double seconds) {
   if (auto done = s.run_to_the_end(input); !done) return done.take_error();
   if (advance->substeps > 0) s.kinematic.are_dirty = false;
   return advance;
+} catch (...) {
+  return caught("the frame");
 }
 
-Result<Advance> Simulation::submit(double seconds, std::span<const VkSemaphoreSubmitInfo> waits) {
+Result<Advance> Simulation::submit(double seconds, std::span<const VkSemaphoreSubmitInfo> waits) try {
   FrameInput input;
   auto advance = state_->plan_frame(seconds, input);
   if (!advance) return advance;
@@ -239,9 +241,12 @@ Result<Advance> Simulation::submit(double seconds, std::span<const VkSemaphoreSu
   if (auto done = state_->submit_frame(input, waits, false); !done) return done.take_error();
   if (advance->substeps > 0) state_->kinematic.are_dirty = false;
   return advance;
+} catch (...) {
+  return caught("the frame");
 }
 
-Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) {
+Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) try {
+  if (commands == VK_NULL_HANDLE) return fail("record: the command buffer is VK_NULL_HANDLE");
   FrameInput input;
   auto advance = state_->plan_frame(seconds, input);
   if (!advance) return advance;
@@ -249,6 +254,8 @@ Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) {
   state_->rollback.frame_is_torn = false;
   if (advance->substeps > 0) state_->kinematic.are_dirty = false;
   return advance;
+} catch (...) {
+  return caught("the frame");
 }
 
 bool Simulation::State::timed_on_cpu() const {

@@ -87,7 +87,7 @@ std::uint64_t Simulation::State::own_digest() {
   return *digest;
 }
 
-Result<Snapshot> Simulation::save() const {
+Result<Snapshot> Simulation::save() const try {
   State& s = *state_;
   if (auto done = s.wait(); !done) return done.take_error();
   if (auto done = s.put_frame_back(); !done) return done.take_error();
@@ -115,6 +115,8 @@ Result<Snapshot> Simulation::save() const {
   const auto anchors = std::as_bytes(std::span(s.kinematic.targets));
   snapshot.contents.push_back({kAnchors, {anchors.begin(), anchors.end()}});
   return snapshot;
+} catch (...) {
+  return caught("the snapshot");
 }
 
 Result<void> Simulation::State::check(const Snapshot& snapshot) {
@@ -178,13 +180,17 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
   return {};
 }
 
-Result<void> Simulation::fits(const Snapshot& snapshot) const { return state_->check(snapshot); }
+Result<void> Simulation::fits(const Snapshot& snapshot) const try { return state_->check(snapshot); } catch (...) {
+  return caught("the snapshot");
+}
 
-Result<void> Simulation::restore(const Snapshot& snapshot) {
+Result<void> Simulation::restore(const Snapshot& snapshot) try {
   if (auto good = fits(snapshot); !good) return good;
   if (auto done = state_->wait(); !done) return done;
   if (auto done = state_->put_frame_back(); !done) return done;
   return state_->put_back(snapshot);
+} catch (...) {
+  return caught("the snapshot");
 }
 
 Result<void> Simulation::State::put_back(const Snapshot& snapshot) {

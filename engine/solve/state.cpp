@@ -53,11 +53,15 @@ Result<void> Simulation::State::write(std::vector<compute::Upload> uploads, cons
   return {};
 }
 
-Result<std::vector<gpu::vec4>> Simulation::read_positions() const {
+Result<std::vector<gpu::vec4>> Simulation::read_positions() const try {
   return state_->read(buffers::positions, state_->fabric.positions.size());
+} catch (...) {
+  return caught("the positions");
 }
-Result<std::vector<gpu::vec4>> Simulation::read_velocities() const {
+Result<std::vector<gpu::vec4>> Simulation::read_velocities() const try {
   return state_->read(buffers::velocities, state_->fabric.positions.size());
+} catch (...) {
+  return caught("the velocities");
 }
 
 // All of write_positions but the surface.
@@ -98,12 +102,14 @@ Result<void> Simulation::State::put(std::span<const gpu::vec4> positions) {
   return {};
 }
 
-Result<void> Simulation::write_positions(std::span<const gpu::vec4> positions) {
+Result<void> Simulation::write_positions(std::span<const gpu::vec4> positions) try {
   if (auto done = state_->put(positions); !done) return done;
   return state_->draw_surface();
+} catch (...) {
+  return caught("the positions");
 }
 
-Result<void> Simulation::write_velocities(std::span<const gpu::vec4> velocities) {
+Result<void> Simulation::write_velocities(std::span<const gpu::vec4> velocities) try {
   State& s = *state_;
   if (auto good = s.check_count(velocities); !good) return good;
   auto wanted = read_velocities();   // w belongs to the solver
@@ -117,6 +123,8 @@ Result<void> Simulation::write_velocities(std::span<const gpu::vec4> velocities)
   auto counted = s.counters_and_sanitized(sanitized);
   if (!counted) return counted.take_error();
   return s.write({{&s.solver->buffer(buffers::velocities), std::as_bytes(std::span(*wanted))}}, *counted);
+} catch (...) {
+  return caught("the velocities");
 }
 
 namespace {
@@ -131,12 +139,16 @@ Result<std::vector<Vec3>> narrowed(Result<std::vector<gpu::vec4>> wide) {
 
 }  // namespace
 
-Result<std::vector<Vec3>> Simulation::read_vertex_positions() const {
+Result<std::vector<Vec3>> Simulation::read_vertex_positions() const try {
   return narrowed(state_->read(buffers::vertex_positions, state_->fabric.surface_rows.size()));
+} catch (...) {
+  return caught("the vertices");
 }
 
-Result<std::vector<Vec3>> Simulation::read_vertex_normals() const {
+Result<std::vector<Vec3>> Simulation::read_vertex_normals() const try {
   return narrowed(state_->read(buffers::vertex_normals, state_->fabric.surface_rows.size()));
+} catch (...) {
+  return caught("the vertices");
 }
 
 }  // namespace weft

@@ -104,6 +104,45 @@ TEST_F(Host, weft_neither_destroys_nor_idles_what_it_borrows) {
   EXPECT_EQ(watch.forbidden, 0);
 }
 
+// Each feature may be enabled by its own structure or by that of its version.
+TEST_F(Host, a_device_that_was_created_without_what_weft_needs_is_refused_when_its_host_tells) {
+  VkDeviceCreateInfo created{};
+  created.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
+  compute::BorrowedDevice lent = loan();
+  lent.created_with = &created;
+  const auto refusal = [&] {
+    const auto borrowed = Device::borrow(lent);
+    return borrowed ? std::string() : borrowed.error();
+  };
+  EXPECT_NE(refusal().find("was created without synchronization2 and timelineSemaphore and hostQueryReset and scalarBlockLayout"),
+            std::string::npos)
+      << refusal();
+  VkPhysicalDeviceVulkan12Features version{};
+  version.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
+  version.timelineSemaphore = version.scalarBlockLayout = VK_TRUE;
+  VkPhysicalDeviceHostQueryResetFeatures reset{};
+  reset.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_HOST_QUERY_RESET_FEATURES;
+  reset.hostQueryReset = VK_TRUE;
+  created.pNext = &version;
+  version.pNext = &reset;
+  EXPECT_NE(refusal().find("was created without synchronization2, which"), std::string::npos) << refusal();
+  VkPhysicalDeviceSynchronization2Features barriers{};
+  barriers.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SYNCHRONIZATION_2_FEATURES;
+  barriers.synchronization2 = VK_TRUE;
+  reset.pNext = &barriers;
+  EXPECT_EQ(refusal(), "");
+}
+
+TEST_F(Host, a_command_buffer_that_is_none_is_refused_and_changes_nothing) {
+  const auto borrowed = borrow();
+  const auto simulation = simulate(*borrowed);
+  ASSERT_TRUE(simulation);
+  const auto recorded = simulation->record(VK_NULL_HANDLE, kFrame);
+  ASSERT_FALSE(recorded);
+  EXPECT_EQ(recorded.error(), "record: the command buffer is VK_NULL_HANDLE");
+  EXPECT_EQ(simulation->time(), 0);
+}
+
 TEST_F(Host, recording_leaves_the_queue_to_the_host) {
   watch.get_instance_proc_addr = device().vk().vkGetInstanceProcAddr;
   watch.get_device_proc_addr = device().vk().vkGetDeviceProcAddr;
