@@ -1,8 +1,8 @@
 // Checks a scene that a program made: walks the reader's tables for numbers that are not finite, or too large for shaders. The
 // reader itself lets none through.
 #include <cmath>
-#include <sstream>
 
+#include "compute/text.h"
 #include "engine/finite.h"
 #include "engine/scene/fields.h"
 
@@ -46,7 +46,7 @@ struct FiniteCheck {
   void look(std::string_view key, Vec3 v) {
     look(std::string(key), double(v.x) + v.y + v.z);
     if (!fault.empty() || is_finite(v)) return;
-    std::ostringstream text;
+    TextStream text;
     text << path << key << ": [" << v.x << ", " << v.y << ", " << v.z << "] is not shorter than " << kTooLarge
          << ", which floats cannot square";
     fault = text.str();

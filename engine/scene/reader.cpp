@@ -6,8 +6,8 @@
 #include <cctype>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
+#include "compute/text.h"
 #include "engine/scene/fields.h"
 #include "engine/scene/json.h"
 #include "engine/scene/rules.h"
@@ -20,12 +20,7 @@ using nlohmann::json;
 using scene_fields::Names;
 using scene_fields::Range;
 
-std::string number_text(double value) {
-  std::ostringstream text;
-  text.precision(10);
-  text << value;
-  return text.str();
-}
+std::string number_text(double value) { return rounded_text(value, 10); }
 
 // What is wrong with a number of this range; nothing when it is in it.
 std::string outside(double value, const Range& range) {
