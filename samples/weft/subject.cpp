@@ -2,7 +2,6 @@
 #include "samples/weft/subject.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <fstream>
 #include <iterator>
@@ -34,6 +33,13 @@ Result<Scene> load_subject(const std::filesystem::path& file, std::span<const As
   return parse_scene(scene_text(scene), scene.folder, assignments);
 }
 
+std::vector<std::pair<std::string, std::string>> maps_of(const Appearance& looks) {
+  std::vector<std::pair<std::string, std::string>> maps = {
+      {"albedo", looks.albedo}, {"normal", looks.normal}, {"roughness", looks.roughness}, {"occlusion", looks.occlusion}};
+  std::erase_if(maps, [](const auto& map) { return map.second.empty(); });
+  return maps;
+}
+
 std::vector<std::string> file_faults(const Scene& scene) {
   std::vector<std::string> faults;
   for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
@@ -41,14 +47,9 @@ std::vector<std::string> file_faults(const Scene& scene) {
     const std::string path = "cloths[" + std::to_string(i) + "].";
     if (!cloth.mesh.empty())
       if (const Result<Mesh> mesh = load_mesh(scene.folder / cloth.mesh); !mesh) faults.push_back(path + "mesh: " + mesh.error());
-    const Appearance& looks = cloth.appearance;
-    const std::array<std::pair<const char*, const std::string*>, 4> maps = {
-        {{"albedo", &looks.albedo}, {"normal", &looks.normal}, {"roughness", &looks.roughness}, {"occlusion", &looks.occlusion}}};
-    for (const auto& [key, name] : maps) {
-      if (name->empty()) continue;
-      if (const Result<Image> image = read_image(scene.folder / *name); !image)
+    for (const auto& [key, map] : maps_of(cloth.appearance))
+      if (const Result<Image> image = read_image(scene.folder / map); !image)
         faults.push_back(path + "appearance." + key + ": " + image.error());
-    }
   }
   for (const std::uint32_t i : mesh_colliders(scene))
     if (const Result<Mesh> mesh = load_mesh(scene.folder / scene.colliders[i].mesh); !mesh)
