@@ -219,6 +219,8 @@ Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& f
   const std::size_t notes_before = fabric.notes.size();
   for (const std::string& note : fabric.notes) std::printf("note: %s\n", note.c_str());
   if (const Exit exit = begin(simulation, options, state); exit != kDone) return exit;
+  const std::string crossing = state.resumed_at ? "" : crossing_note(simulation.scene(), fabric);
+  if (!crossing.empty()) std::printf("note: %s\n", crossing.c_str());
   std::fflush(stdout);
   if (const Result<void> done = simulate(simulation, painter, options, state); !done) return failed(done.error());
   for (const std::string& note : std::span(fabric.notes).subspan(notes_before)) std::printf("note: %s\n", note.c_str());

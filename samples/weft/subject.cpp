@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "engine/reference/choice.h"
+#include "engine/reference/intersections.h"
 #include "engine/shading/image.h"
 #include "samples/weft/console.h"
 #include "samples/weft/files.h"
@@ -55,6 +56,19 @@ std::vector<std::string> file_faults(const Scene& scene) {
     if (const Result<Mesh> mesh = load_mesh(scene.folder / scene.colliders[i].mesh); !mesh)
       faults.push_back("colliders[" + std::to_string(i) + "].mesh: " + mesh.error());
   return faults;
+}
+
+std::string crossing_note(const Scene& scene, const CookedFabric& fabric) {
+  constexpr std::uint64_t kMostCandidates = 256;   // an edge: a flat sheet has ten, a crumpled one some dozens
+  if (!scene.contacts.enabled) return "";
+  std::vector<Vec3> positions;
+  positions.reserve(fabric.positions.size());
+  for (const gpu::vec4& particle : fabric.positions) positions.push_back({particle.x, particle.y, particle.z});
+  const CrossingCount found =
+      count_crossings_among(positions, fabric.triangles, kMostCandidates * fabric.edges.size(), fabric.cloth_triangles);
+  if (found.pairs == 0) return "";
+  return "contacts: cloth starts out crossing or touching cloth or a mesh, in " + std::string(found.all ? "" : "at least ") +
+         std::to_string(found.pairs) + " pairs of edge and triangle, and contacts do not untangle it.";
 }
 
 namespace {
