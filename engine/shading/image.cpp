@@ -94,15 +94,22 @@ std::string png_fault(std::string_view file) {
   return inflation.whole() ? "" : "its data are damaged or cut short";
 }
 
-// Nothing where the file can be decoded within the memory that its picture takes.
+// A scan goes over the whole picture, and takes ten bytes of the file: some kilobytes could keep a processor busy for minutes.
+std::string jpeg_fault(std::string_view file) {
+  constexpr std::size_t kMostScans = 100;   // progressive pictures have some ten
+  std::size_t scans = 0;
+  for (std::size_t at = file.find("\xff\xda"); at != std::string_view::npos; at = file.find("\xff\xda", at + 2)) ++scans;
+  return scans <= kMostScans ? "" : fail("it has ", scans, " scans; at most ", kMostScans, " are read").message;
+}
+
+// Nothing where the file can be decoded within the memory, and about the time, that its picture takes.
 std::string fault_of(std::string_view file) {
   int width = 0, height = 0, channels = 0;
   if (!stbi_info_from_memory(reinterpret_cast<const stbi_uc*>(file.data()), static_cast<int>(file.size()), &width, &height, &channels))
     return fail("is not a whole PNG or JPEG: ", stbi_failure_reason()).message;
   if (static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) > kMostPixels)
     return fail("has ", width, " x ", height, " pixels; at most ", kMostPixels, " are read").message;
-  if (!file.starts_with("\x89PNG")) return "";
-  const std::string fault = png_fault(file);
+  const std::string fault = file.starts_with("\x89PNG") ? png_fault(file) : jpeg_fault(file);
   return fault.empty() ? "" : "is not a whole PNG or JPEG: " + fault;
 }
 

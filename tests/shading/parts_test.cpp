@@ -169,6 +169,16 @@ TEST(Jpeg, a_picture_of_more_pixels_than_are_read_is_refused_by_its_header) {
   std::filesystem::remove(file);
 }
 
+// Each scan is over 64 million pixels, and has no data.
+TEST(Jpeg, a_file_of_more_scans_than_a_picture_has_is_refused) {
+  const std::string header = "\xff\xd8\xff\xc2" + std::string("\x00\x0b\x08\x20\x00\x20\x00\x01\x01\x11\x00", 11);
+  std::string scans;
+  for (int k = 0; k < 101; ++k) scans += std::string("\xff\xda\x00\x08\x01\x01\x00\x00\x00\x00", 10);
+  const auto read = read_bytes(header + scans + "\xff\xd9");
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().find("it has 101 scans; at most 100 are read"), std::string::npos) << read.error();
+}
+
 TEST(Jpeg, a_picture_is_read) {
   const std::filesystem::path file = testing::TempDir() + "weft_grey.jpg";
   const std::vector<std::uint8_t> grey(3 * 16 * 8, 130);
