@@ -78,7 +78,8 @@ Result<CacheContent> load(const Device& device, const std::filesystem::path& pat
   }
   if (header.checksum != expected.checksum) return refuse("its checksum does not fit its content");
   if (std::memcmp(&header, &expected, sizeof header) != 0) return refuse("it is of another device or driver");
-  if (header.specialized_bytes > header.bytes) return refuse("what was specialised has more bytes than all of it: ", header.specialized_bytes);
+  if (header.specialized_bytes > header.bytes)
+    return refuse("what was specialised has more bytes than all of it: ", header.specialized_bytes);
   content.specialized_bytes = header.specialized_bytes;
   content.checksum = header.checksum;
   return content;
