@@ -150,7 +150,7 @@ Result<void> PipelineCache::save() const {
   if (path_.has_parent_path()) std::filesystem::create_directories(path_.parent_path(), problem);
   const auto front = std::as_bytes(std::span(&header, 1));
   blob.insert(blob.begin(), front.begin(), front.end());
-  if (Result<void> written = write_file(path_, blob); !written) return fail("pipeline cache: ", written.why());
+  if (Result<void> written = write_file(path_, blob, Link::replace); !written) return fail("pipeline cache: ", written.why());
   return {};
 }
 

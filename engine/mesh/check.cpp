@@ -52,7 +52,8 @@ Result<void> triangles_are_of_points(const Mesh& mesh) {
       if (vertex >= mesh.point_of.size())
         return fail("render.triangles[", k, "]: ", vertex, " is not one of the ", mesh.point_of.size(), " vertices");
       if (mesh.point_of[vertex] != point)
-        return fail("render.triangles[", k, "]: vertex ", vertex, " belongs to point ", mesh.point_of[vertex], ", and triangles has ", point);
+        return fail("render.triangles[", k, "]: vertex ", vertex, " belongs to point ", mesh.point_of[vertex], ", and triangles has ",
+                    point);
     }
     if (a == b || b == c || c == a) return fail("triangles[", k, "]: has a point twice");
   }
@@ -70,7 +71,8 @@ Result<void> edges_are_of_triangles(const Mesh& mesh) {
       return fail("edges[", k, "]: is not after the one before, in the order of its smaller and its greater point");
     last = ends;
     for (int side = 0; side < 2; ++side) {
-      if ((edge.triangle[side] == kNone) != (edge.across[side] == kNone)) return fail("edges[", k, "]: has a triangle without the point across");
+      if ((edge.triangle[side] == kNone) != (edge.across[side] == kNone))
+        return fail("edges[", k, "]: has a triangle without the point across");
       if (edge.triangle[side] != kNone && (edge.triangle[side] >= mesh.triangles.size() || edge.across[side] >= mesh.points.size()))
         return fail("edges[", k, "]: triangle ", edge.triangle[side], " or point ", edge.across[side], " is not there");
     }

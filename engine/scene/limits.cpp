@@ -1,19 +1,12 @@
 #include "engine/scene/limits.h"
 
 #include <cmath>
-#include <sstream>
 
+#include "compute/text.h"
 #include "shaders/shared.h"
 
 namespace weft {
 namespace {
-
-std::string in_digits(double value, int digits) {
-  std::ostringstream text;
-  text.precision(digits);
-  text << value;
-  return text.str();
-}
 
 template <class T>
 std::string sentence_for(T value, const scene_fields::Range& range) {
@@ -33,8 +26,8 @@ std::string sentence_for(T value, const scene_fields::Range& range) {
 
 }  // namespace
 
-std::string number_text(double value) { return in_digits(value, 10); }
-std::string number_text(float value) { return in_digits(value, 6); }
+std::string number_text(double value) { return rounded_text(value, 10); }
+std::string number_text(float value) { return rounded_text(value, 6); }
 
 std::string outside(double value, const scene_fields::Range& range) { return sentence_for(value, range); }
 std::string outside(float value, const scene_fields::Range& range) { return sentence_for(value, range); }

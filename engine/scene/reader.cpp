@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "compute/text.h"
 #include "engine/scene/fields.h"
 #include "engine/scene/json.h"
 #include "engine/scene/limits.h"

@@ -1,8 +1,8 @@
 // Rules that bind several keys of one object together.
 #include "engine/scene/rules.h"
 
-#include <sstream>
 
+#include "compute/text.h"
 #include "engine/scene/fields.h"
 #include "engine/scene/limits.h"
 
@@ -12,7 +12,7 @@ namespace {
 
 template <class... Parts>
 std::string join(const Parts&... parts) {
-  std::ostringstream text;
+  TextStream text;
   (text << ... << parts);
   return text.str();
 }

@@ -38,7 +38,8 @@ const Flaw kFlaws[] = {
     {"cloths[0].grid.size[0]: -1 is not above 0 (m)", [](Scene& s) { s.cloths[0].grid->size.x = -1; }},
     {"cloths[0].grid.cells[0]: 4000000000 is more than 2048", [](Scene& s) { s.cloths[0].grid->cells_x = 4'000'000'000; }},
     {"cloths[0].grid.cells[1]: 0 is less than 1", [](Scene& s) { s.cloths[0].grid->cells_y = 0; }},
-    {"cloths[0].grid.topology: 7 is not the number of \"diagonal\" or \"centre\"", [](Scene& s) { s.cloths[0].grid->topology = Topology(7); }},
+    {"cloths[0].grid.topology: 7 is not the number of \"diagonal\" or \"centre\"",
+     [](Scene& s) { s.cloths[0].grid->topology = Topology(7); }},
     {"cloths[0].transform.scale: -1 is not above 0", [](Scene& s) { s.cloths[0].transform.scale = -1; }},
     {"cloths[0].transform.axis: is a vector of length 0: a direction needs one above 1e-12",
      [](Scene& s) { s.cloths[0].transform.axis = {}; }},
@@ -51,9 +52,13 @@ const Flaw kFlaws[] = {
     {"cloths[0].anchors[0].every: 0 is less than 1", [](Scene& s) { s.cloths[0].anchors[0].every = 0; }},
     {"cloths[0].anchors[0].corners[0]: 4 is not the number of", [](Scene& s) { s.cloths[0].anchors[0].corners[0] = Corner(4); }},
     {"cloths[0].anchors[0]: chooses no vertex", [](Scene& s) { s.cloths[0].anchors[0].corners.clear(); }},
-    {"cloths[0].anchors[0].vertices[0]: 1089 is not a vertex, the grid has 1089", [](Scene& s) { s.cloths[0].anchors[0].vertices = {1089}; }},
+    {"cloths[0].anchors[0].vertices[0]: 1089 is not a vertex, the grid has 1089",
+     [](Scene& s) { s.cloths[0].anchors[0].vertices = {1089}; }},
     {"cloths[0].anchors[0].keys[1].time: 1 is not after 2 (s), the time of the key before",
-     [](Scene& s) { s.cloths[0].anchors[0].keys.resize(2), s.cloths[0].anchors[0].keys[0].time = 2, s.cloths[0].anchors[0].keys[1].time = 1; }},
+     [](Scene& s) {
+       s.cloths[0].anchors[0].keys.resize(2);
+       s.cloths[0].anchors[0].keys[0].time = 2, s.cloths[0].anchors[0].keys[1].time = 1;
+     }},
     {"cloths[0].anchors[0].keys[0].axis: is a vector of length 2, not 1",
      [](Scene& s) { s.cloths[0].anchors[0].keys.resize(1), s.cloths[0].anchors[0].keys[0].axis = {0, 2, 0}; }},
     {"colliders[0].normal: is a vector of length 0", [](Scene& s) { s.colliders[0].normal = {}; }},
