@@ -36,6 +36,7 @@ void fields(V& v, Start& start) {
   v.number("degrees", start.degrees, kTurn);
   v.number("radius", start.radius, between(0, kFarthest, "m"));
   v.vector3("velocity", start.velocity, between(-1e3, 1e3, "m/s"));
+  v.number("imperfection", start.imperfection, between(0, 1));
 }
 
 template <class V>
