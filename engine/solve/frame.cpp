@@ -140,15 +140,13 @@ void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput&
     copy_saved(commands, true);
     recorder.barrier(Use::transfer, Use::compute | Use::transfer | Use::indirect);
   }
-  if (save) {
-    copy_saved(commands, false);
-    recorder.barrier(Use::transfer, Use::compute | Use::transfer);
-  }
+  if (save) copy_saved(commands, false);
   const auto steps = solver->frame(input);
-  if (!steps.empty()) solver->record_input(recorder, input);
-  for (const Solver::Step& step : steps) solver->record_step(recorder, step);
-  recorder.finish();
-  recorder.barrier(Use::compute, Use::compute | Use::vertex | Use::transfer);
+  if (!steps.empty()) {
+    solver->record_input(recorder, input);   // writes nothing that is saved, and its barrier to the steps is that of the copies, too
+    for (const Solver::Step& step : steps) solver->record_step(recorder, step);
+    recorder.barrier(Use::compute, Use::compute | Use::vertex | Use::transfer);
+  }
   const auto report = [&](const Buffer& row, std::size_t bytes, const compute::Buffer& to) {
     const VkBufferCopy region{0, 0, bytes};
     device->vk().vkCmdCopyBuffer(commands, solver->buffer(row).handle, to.handle, 1, &region);
