@@ -182,7 +182,7 @@ TEST_F(Barriers, none_is_missing_and_none_is_needless_in_every_scene) {
 
 // Candidates overflow: frames are repeated with a larger capacity, which is made while others are under way.
 TEST_F(Barriers, none_is_missing_where_frames_are_repeated_and_states_are_written) {
-  Scene scene = subjects().back().scene;
+  const Scene scene = subjects().back().scene;
   ASSERT_GT(scene.contacts.capacity, 0u);
   for (const bool at_once : {false, true}) {
     std::uint32_t found = 0;
@@ -208,6 +208,33 @@ TEST_F(Barriers, none_is_missing_where_frames_are_repeated_and_states_are_writte
     EXPECT_TRUE(std::ranges::any_of(stream.events, [](const Event& event) { return event.commands == "weft repeat"; }));
     expect_no_hazard(stream);
   }
+}
+
+// What a frame reports is read when it is done, by the frame that takes its place: neither how fast the device is nor whether the host
+// waits and asks decides when the capacity grows.
+TEST_F(Barriers, a_host_that_waits_and_asks_gets_more_capacity_no_sooner_than_one_that_does_not) {
+  Scene scene = subjects().back().scene;
+  scene.solver.substeps = 4;
+  int grown_at[2] = {-1, -1}, overflowed_at = -1;
+  for (const bool patient : {false, true})
+    heard(scene, {}, true, [&](Simulation& simulation, DrawingHost& host) {
+      const auto candidates = [&] {
+        for (const BufferUse& use : simulation.buffers())
+          if (use.name == "candidates") return use.bytes;
+        return std::uint64_t{0};
+      };
+      const std::uint64_t first = candidates();
+      for (int frame = 0; frame < 8 && grown_at[patient] < 0; ++frame) {
+        host.let_submit(kFrame);
+        if (candidates() > first) grown_at[patient] = frame;
+        if (!patient) continue;
+        host.wait();
+        if (overflowed_at < 0 && simulation.counts().contacts_overflowed > 0) overflowed_at = frame;
+      }
+    });
+  EXPECT_GE(overflowed_at, 0);
+  EXPECT_EQ(grown_at[true], overflowed_at + 2);
+  EXPECT_EQ(grown_at[false], overflowed_at + 2);
 }
 
 // Passes one by one, until there is no memory for a submit: the next frame begins with putting this one back.

@@ -12,7 +12,7 @@
 //          device; a wait comes before everything later of its stages. Without them submissions to one queue are in no order
 //   7.9    a submission comes after all that the host did before it, the wait for a fence included
 // A fence or a wait of the host makes nothing visible to the host: that takes a barrier to VK_PIPELINE_STAGE_2_HOST_BIT.
-// Limitations: one queue; no images, events or render passes; scopes meet where their stages do.
+// Limitations: one queue; no images, events or render passes; scopes meet where their stages do; of the host only what it has waited for.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -40,10 +40,10 @@ struct Access {
 };
 
 struct Event {
-  enum class Kind { command, barrier, signal, wait, host_wait, host_read } kind = Kind::command;
+  enum class Kind { command, barrier, signal, wait, host_wait } kind = Kind::command;
   std::string name;                      // of the pass, or of the function
   std::string commands;                  // the command buffer's name
-  std::vector<Access> accesses;          // of a command; of the host
+  std::vector<Access> accesses;          // of a command
   VkMemoryBarrier2 barrier{};
   std::uint64_t semaphore = 0;           // or a fence
   std::uint64_t value = 0;
@@ -179,11 +179,6 @@ inline void Checker::take(std::size_t at) {
       });
       break;
     case Event::Kind::host_wait: host_waits(event, at); break;
-    case Event::Kind::host_read:   // what the host has waited for is past
-      for (const Access& access : event.accesses)
-        for (const Past& past : pasts_[access.buffer])
-          if (past.writes()) tell("read of the host while the device writes", access, past, at);
-      break;
   }
 }
 
@@ -198,7 +193,7 @@ inline void Checker::order(const VkMemoryBarrier2& barrier) {
   });
 }
 
-// The host may then read all memory that it has mapped, and what is submitted after that comes after all that it has waited for.
+// The host is taken to read then all memory that it has mapped. What is submitted after that comes after all that it has waited for.
 inline void Checker::host_waits(const Event& event, std::size_t at) {
   for (auto& [buffer, pasts] : pasts_) {
     std::erase_if(pasts, [&](const Past& past) {

@@ -9,6 +9,7 @@
 #include <map>
 #include <set>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -21,10 +22,11 @@
 namespace weft::overheard {
 
 #define WEFT_HEARD_FUNCTIONS(X) \
-  X(vkCreateBuffer) X(vkAllocateMemory) X(vkMapMemory) X(vkBindBufferMemory) X(vkCreateBufferView) X(vkCreateShaderModule) \
-  X(vkDestroyShaderModule) X(vkCreateComputePipelines) X(vkDestroyPipeline) X(vkUpdateDescriptorSets) \
-  X(vkBeginCommandBuffer) X(vkCmdBindPipeline) X(vkCmdBindDescriptorSets) X(vkCmdPushConstants) X(vkCmdDispatch) X(vkCmdDispatchIndirect) X(vkCmdPipelineBarrier2) \
-  X(vkCmdCopyBuffer) X(vkCmdFillBuffer) X(vkCmdUpdateBuffer) X(vkQueueSubmit2) X(vkWaitForFences) X(vkWaitSemaphores) \
+  X(vkCreateBuffer) X(vkAllocateMemory) X(vkMapMemory) X(vkBindBufferMemory) X(vkCreateBufferView) \
+  X(vkCreateShaderModule) X(vkDestroyShaderModule) X(vkCreateComputePipelines) X(vkDestroyPipeline) \
+  X(vkUpdateDescriptorSets) X(vkBeginCommandBuffer) X(vkCmdBindPipeline) X(vkCmdBindDescriptorSets) \
+  X(vkCmdPushConstants) X(vkCmdDispatch) X(vkCmdDispatchIndirect) X(vkCmdPipelineBarrier2) X(vkCmdCopyBuffer) \
+  X(vkCmdFillBuffer) X(vkCmdUpdateBuffer) X(vkQueueSubmit2) X(vkWaitForFences) X(vkWaitSemaphores) \
   X(vkSetDebugUtilsObjectNameEXT)
 
 enum class Call {
@@ -156,7 +158,8 @@ inline void heard(Tag<Call::vkCreateBufferView>, VkDevice, const VkBufferViewCre
 inline void heard(Tag<Call::vkCreateShaderModule>, VkDevice, const VkShaderModuleCreateInfo* create, const VkAllocationCallbacks*,
                   VkShaderModule* made) {
   auto reflected = compute::reflect({create->pCode, create->codeSize / sizeof(std::uint32_t)});
-  ear.modules[*made] = reflected ? std::move(reflected->bindings) : std::vector<compute::Binding>();
+  if (!reflected) throw std::runtime_error(reflected.error());   // nothing could be said of what it touches
+  ear.modules[*made] = std::move(reflected->bindings);
 }
 inline void heard(Tag<Call::vkCreateComputePipelines>, VkDevice, VkPipelineCache, std::uint32_t count,
                   const VkComputePipelineCreateInfo* create, const VkAllocationCallbacks*, VkPipeline* made) {
@@ -202,7 +205,7 @@ inline void heard(Tag<Call::vkCmdDispatchIndirect>, VkCommandBuffer commands, Vk
   ear.dispatch(commands, {ear.part(arguments, offset, sizeof(VkDispatchIndirectCommand), VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
                                    VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT)});
 }
-// Barriers of buffers and images are taken for what they say of memory in general.
+// Barriers of single buffers and of images count for nothing: Weft's frames have none.
 inline void heard(Tag<Call::vkCmdPipelineBarrier2>, VkCommandBuffer commands, const VkDependencyInfo* dependency) {
   for (std::uint32_t k = 0; k < dependency->memoryBarrierCount; ++k)
     ear.add(commands, Event::Kind::barrier, "barrier").barrier = dependency->pMemoryBarriers[k];
