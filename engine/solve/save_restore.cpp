@@ -213,10 +213,9 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
 
   kinematic.targets = anchors_of(snapshot);
   kinematic.are_dirty = true;
-  // What the frame's end would have copied there.
-  std::memcpy(readback[0].mapped, find(snapshot, "counters")->data(), sizeof(gpu::Counters));
-  const gpu::Detection found = detection_of(snapshot);
-  std::memcpy(readback[1].mapped, &found, sizeof found);
+  // What the frame has reported at its end.
+  std::memcpy(&heard.counters, find(snapshot, "counters")->data(), sizeof heard.counters);
+  heard.detection = detection_of(snapshot);
   solver->set_phase(snapshot.phase);
   capacity.overflow_seen = snapshot.overflow_seen;
   clock.substeps = snapshot.substeps;

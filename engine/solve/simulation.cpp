@@ -92,8 +92,11 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   if (!options.pipeline_cache.empty())
     if (auto saved = state->cache.save(); !saved) state->fabric.notes.push_back(saved.error());
 
-  const compute::BufferRequest reports[] = {{"counters readback", sizeof(gpu::Counters), VK_BUFFER_USAGE_TRANSFER_DST_BIT},
-                                            {"detection readback", sizeof(gpu::Detection), VK_BUFFER_USAGE_TRANSFER_DST_BIT}};
+  std::vector<compute::BufferRequest> reports;
+  for (std::size_t place = 0; place <= state->place_of_recorded(); ++place) {
+    reports.push_back({"counters readback", sizeof(gpu::Counters), VK_BUFFER_USAGE_TRANSFER_DST_BIT});
+    reports.push_back({"detection readback", sizeof(gpu::Detection), VK_BUFFER_USAGE_TRANSFER_DST_BIT});
+  }
   auto readback = compute::Arena::create(device, compute::Memory::readback, "weft readback", reports);
   if (!readback) return readback.take_error();
   state->readback = std::move(*readback);
@@ -278,7 +281,7 @@ std::vector<BufferUse> Simulation::buffers() const {
 }
 
 Counts Simulation::counts() const {
-  const gpu::Counters& counters = state_->counters();
+  const gpu::Counters counters = state_->newest_report().counters;
   return {counters.non_finite, counters.coincident, counters.contacts_most, counters.contacts_overflowed, counters.truncated,
           counters.detections, std::bit_cast<float>(counters.tracking_error), counters.unconverged, counters.stopped,
           counters.residual, counters.unaccelerated};

@@ -8,8 +8,49 @@
 
 namespace weft {
 
-Result<void> Simulation::State::wait() const {
-  return queue.submitted == 0 ? Result<void>() : compute::wait_for(*device, queue.ready.get(), queue.submitted);
+Result<void> Simulation::State::wait() {
+  if (queue.submitted > 0)
+    if (auto done = compute::wait_for(*device, queue.ready.get(), queue.submitted); !done) return done;
+  hear(queue.submitted);
+  return {};
+}
+
+// The next frame takes the place of the last but one.
+Result<void> Simulation::State::wait_for_slot() {
+  const std::uint64_t frame = queue.slots[slot_of(queue.submitted + 1)].value;
+  if (frame > 0)
+    if (auto done = compute::wait_for(*device, queue.ready.get(), frame); !done) return done;
+  hear(frame);
+  return {};
+}
+
+// `place` is that of a frame that is done.
+Report Simulation::State::reported(std::size_t place) const {
+  Report report;
+  std::memcpy(&report.counters, readback[2 * place].mapped, sizeof report.counters);
+  std::memcpy(&report.detection, readback[2 * place + 1].mapped, sizeof report.detection);
+  return report;
+}
+
+// Frame `frame` and all before it are done, and so are those that the host has recorded.
+void Simulation::State::hear(std::uint64_t frame) {
+  if (has_recorded) {
+    heard = reported(place_of_recorded());
+    queue.heard = queue.submitted;   // recorded after them
+  } else if (frame > queue.heard) {
+    heard = reported(slot_of(frame));
+    queue.heard = frame;
+  }
+  has_recorded = false;
+}
+
+// That of the last frame that is done, for those who ask while others are under way. What Weft itself does next must not depend on
+// which that is.
+Report Simulation::State::newest_report() const {
+  if (has_recorded) return reported(place_of_recorded());
+  for (std::uint64_t frame = queue.submitted; frame > queue.heard; --frame)
+    if (compute::wait_for(*device, queue.ready.get(), frame, 0)) return reported(slot_of(frame));
+  return heard;
 }
 
 // The surface of the pose at hand, outside a frame.
@@ -49,7 +90,7 @@ Result<gpu::Counters> Simulation::State::counters_and_sanitized(std::size_t more
 Result<void> Simulation::State::write(std::vector<compute::Upload> uploads, const gpu::Counters& counted) {
   uploads.push_back({&solver->buffer(buffers::counters), std::as_bytes(std::span(&counted, 1))});
   if (auto done = compute::upload_all(*device, uploads); !done) return done;
-  std::memcpy(readback[0].mapped, &counted, sizeof counted);
+  heard.counters = counted;
   return {};
 }
 
