@@ -114,7 +114,7 @@ Result<Arena> Arena::create(const Device& device, Memory kind, std::string_view 
     buffer.bytes = align(std::max<VkDeviceSize>(request.bytes, 1), kGranule);
     auto create = typed<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
     create.size = buffer.bytes;
-    create.usage = request.usage;
+    create.usage = buffer.usage = request.usage;
     const VkResult result = fn.vkCreateBuffer(device.handle(), &create, nullptr, &buffer.handle);
     if (result != VK_SUCCESS) {
       return fail("buffer ", request.name, " of ", buffer.bytes, " bytes could not be created: ", result_name(result));

@@ -34,6 +34,7 @@ struct Buffer {
   VkDeviceSize bytes = 0;
   VkBufferView view = VK_NULL_HANDLE;
   std::byte* mapped = nullptr;  ///< null in device memory
+  VkBufferUsageFlags usage = 0;
 };
 
 /// Move-only. Buffers keep their address when an arena moves.

@@ -16,6 +16,8 @@ struct FrameView {
   std::uint32_t stride = 16;                        // bytes
   VkFormat format = VK_FORMAT_R32G32B32A32_SFLOAT;  // w is not read
   std::uint32_t count = 0;                          // vertices
+  /// What the buffer was created for: vertex and storage buffer, source and destination of copies. Written by compute shaders.
+  VkBufferUsageFlags usage = 0;
 };
 
 }  // namespace weft

@@ -128,7 +128,9 @@ class Simulation {
   std::uint64_t ready_value() const;
 
   /// Records `seconds` into the host's command buffer (recording state, outside a render pass, on the queue family of the
-  /// device). Barriers to and from vertex input, host copies and earlier frames are recorded too. Before advance, submit and
+  /// device). It waits for all earlier commands on the queue, and makes positions and normals visible to vertex input, vertex shaders,
+  /// compute shaders and copies. Any number of recorded frames may be under way; each is submitted once, in the order in which they were
+  /// recorded, to one queue. The simulation may be destroyed when they are done. Before advance, submit and
   /// every call that waits the host's recorded frames must be done: these calls may replace the buffers of contacts, and read
   /// the last frame's counters. Errors: `seconds` not finite or negative.
   Result<Advance> record(VkCommandBuffer commands, double seconds);
@@ -147,6 +149,8 @@ class Simulation {
   /// axes). The host drives this collider from now on, instead of the scene's keys. It rotates by the shorter arc. Errors: no
   /// such collider; a pose that is not finite, or 1e10 m away or more; a normal or rotation of length 0.
   Result<void> move_collider(std::uint32_t collider, const ColliderPose& pose);
+  /// The same of several, in the scene's order from `first` on; all of them or, with an error, none.
+  Result<void> move_colliders(std::uint32_t first, std::span<const ColliderPose> poses);
   /// Puts the collider there at once; it meets no cloth on the way. A pending pose of move_collider is dropped; keys, where they
   /// drive the collider, move it on from there. Together with write_positions, which does the same to cloth and its anchors,
   /// this teleports a scene. Waits if it is a mesh collider. Errors: as move_collider; what Vulkan refuses.

@@ -154,12 +154,14 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
 FrameView Simulation::positions() const {
   const compute::Buffer& buffer = state_->solver->buffer(buffers::vertex_positions);
   return {buffer.handle, 0, sizeof(gpu::vec4), VK_FORMAT_R32G32B32A32_SFLOAT,
-          static_cast<std::uint32_t>(state_->fabric.surface_rows.size())};
+          static_cast<std::uint32_t>(state_->fabric.surface_rows.size()), buffer.usage};
 }
 
 FrameView Simulation::normals() const {
+  const compute::Buffer& buffer = state_->solver->buffer(buffers::vertex_normals);
   FrameView view = positions();
-  view.buffer = state_->solver->buffer(buffers::vertex_normals).handle;
+  view.buffer = buffer.handle;
+  view.usage = buffer.usage;
   return view;
 }
 
@@ -196,14 +198,28 @@ Result<ColliderPose> Simulation::State::checked_pose(std::uint32_t collider, con
   return checked;
 }
 
-Result<void> Simulation::move_collider(std::uint32_t collider, const ColliderPose& pose) try {
-  auto checked = state_->checked_pose(collider, pose);
-  if (!checked) return checked.take_error();
-  state_->bodies.pending[collider] = *checked;
-  state_->bodies.is_host_driven[collider] = true;
+Result<void> Simulation::move_collider(std::uint32_t collider, const ColliderPose& pose) {
+  return move_colliders(collider, std::span(&pose, 1));
+}
+
+// All of them or none.
+Result<void> Simulation::move_colliders(std::uint32_t first, std::span<const ColliderPose> poses) try {
+  const std::size_t colliders = state_->bodies.poses.size();
+  if (first > colliders || poses.size() > colliders - first)
+    return fail("colliders ", first, " to ", first + poses.size(), " (exclusive) are beyond the simulation's ", colliders);
+  std::vector<ColliderPose> checked;
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    auto pose = state_->checked_pose(static_cast<std::uint32_t>(first + k), poses[k]);
+    if (!pose) return pose.take_error();
+    checked.push_back(*pose);
+  }
+  for (std::size_t k = 0; k < checked.size(); ++k) {
+    state_->bodies.pending[first + k] = checked[k];
+    state_->bodies.is_host_driven[first + k] = true;
+  }
   return {};
 } catch (...) {
-  return caught("the collider");
+  return caught("the colliders");
 }
 
 Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPose& pose) try {

@@ -298,6 +298,20 @@ TEST_F(Host, anchors_and_colliders_go_where_the_host_says) {
   ASSERT_TRUE(simulation->advance(kFrame));
   EXPECT_EQ(vertices(*simulation)[anchors[1].vertex], target);
   EXPECT_EQ(simulation->colliders()[0].centre, (Vec3{5, 6, 7}));
+  const ColliderPose both[] = {{.centre = {5, 5, 5}}, {.centre = {0, -2, 0}}};
+  EXPECT_TRUE(simulation->move_colliders(0, both));
+  ASSERT_TRUE(simulation->advance(kFrame));
+  EXPECT_EQ(simulation->colliders()[0].centre, (Vec3{5, 5, 5}));
+  EXPECT_EQ(simulation->colliders()[1].centre, (Vec3{0, -2, 0}));
+}
+
+TEST_F(Host, views_say_what_their_buffers_were_created_for) {
+  const auto borrowed = borrow();
+  const auto simulation = simulate(*borrowed);
+  ASSERT_TRUE(simulation);
+  constexpr VkBufferUsageFlags kPromised = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                                           VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  for (const FrameView& view : {simulation->positions(), simulation->normals()}) EXPECT_EQ(view.usage & kPromised, kPromised);
 }
 
 TEST_F(Host, a_sphere_may_be_moved_without_a_normal_and_a_plane_may_not) {

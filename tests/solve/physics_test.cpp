@@ -90,10 +90,17 @@ TEST_F(SimulationPhysics, flat_cloth_that_is_dragged_in_its_own_plane_folds) {
   const auto folds = must(Simulation::create(device(), scene));
   scene.cloths[0].start.imperfection = 0;
   const auto stays = must(Simulation::create(device(), scene));
-  for (Simulation* simulation : {folds.get(), stays.get()}) run(*simulation, 1.5);
+  double strain[] = {0, 0};   // the sum over two seconds from the stop on
+  for (Simulation* simulation : {folds.get(), stays.get()}) {
+    run(*simulation, 0.7);
+    for (int k = 0; k < 20; ++k) {
+      run(*simulation, 0.1);
+      strain[simulation == stays.get()] += strain_of(*simulation).rms;
+    }
+  }
   EXPECT_LT(extent_of(*stays).z, 1e-6f);
   EXPECT_GT(extent_of(*folds).z, 0.1f);
-  EXPECT_LT(strain_of(*folds).rms, 0.8 * strain_of(*stays).rms);
+  EXPECT_LT(strain[0], 0.8 * strain[1]);
 }
 
 // Rest lengths are stored with a relative error of up to 2^-19, different for links of different lengths. Let go, a sheet swings

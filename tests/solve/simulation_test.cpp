@@ -188,6 +188,9 @@ TEST_F(SimulationApi, bad_input_is_refused_with_a_sentence_that_names_it) {
   const Vec3 second_bad[] = {good, bad};
   expect_refused(simulation->move_anchors(0, second_bad), "anchor 1");
   expect_refused(simulation->move_collider(2, {good, good}), "2");
+  const ColliderPose poses[] = {{good, good}, {good, bad}};
+  expect_refused(simulation->move_colliders(0, poses), "collider 1");
+  expect_refused(simulation->move_colliders(1, poses), "beyond the simulation's 2");
   expect_refused(simulation->move_collider(0, {bad, good}), "collider 0");
   expect_refused(simulation->move_collider(0, {good, bad}), "collider 0");
   expect_refused(simulation->move_collider(0, {good, {0, 0, 0}}), "normal");
