@@ -1,4 +1,4 @@
-// What C++ and shaders share: the structs in GPU memory, the constants that specialise a pass, and what a dispatch is told.
+// What C++ and shaders share: the structs in GPU memory, the constants that specialise a pass, push constants and uniforms.
 //
 // A pass says in its shader, by name, which buffers it READs, WRITEs or GATHERs (random access, through a texel buffer where the device
 // has a fast one). Nobody numbers them: the compiler does, and reflection finds them again by their names. Descriptor sets, barriers and
@@ -69,7 +69,7 @@ WEFT_CONSTANTS(WEFT_DECLARE)
 #define WRITE(element, name) WEFT_BUFFER(restrict writeonly, element, name)
 #define READ_WRITE(element, name) WEFT_BUFFER(restrict, element, name)
 #define SHARE(element, name) WEFT_BUFFER(restrict coherent, element, name)   // workgroups of one dispatch read what others wrote
-// A slice of the uniform buffer: what a frame is told (Motion, ContactSettings).
+// A slice of the uniform buffer (Motion, ContactSettings).
 #define SLICE(struct_name, name) layout(set = WEFT_STORAGE_SET, scalar) uniform name##_slice { struct_name name; };
 
 // A gather reads through texel buffers, which the software driver fetches twice as fast as it loads from storage buffers; that holds for
@@ -230,7 +230,7 @@ struct Push {
   uint first;         // of `coloured_links`: where this dispatch's colour begins
 };
 
-/// What a frame is told: slices of one uniform buffer, written where a frame begins.
+/// Slices of one uniform buffer, written where a frame begins.
 struct Motion {
   float h;            // s, substep
   float inverse_h;    // 1/s

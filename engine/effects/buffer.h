@@ -25,11 +25,11 @@ struct Cooked {
 };
 
 enum class Lifetime {
-  cooked,    // as it was cooked, for good
-  told,      // written by the host at the start of a frame
-  kept,      // what a frame leaves to the next: restored by a rollback, and part of a snapshot
-  cleared,   // every word has one value between any two frames
-  scratch    // made anew before it is read
+  cooked,       // as it was cooked, for good
+  uploaded,     // written by the host at the start of a frame
+  persistent,   // what a frame leaves to the next: restored by a rollback, and part of a snapshot
+  cleared,      // every word has one value between any two frames
+  scratch       // made anew before it is read
 };
 
 /// What a fetch of one element through a texel buffer returns.
@@ -60,7 +60,7 @@ struct Buffer {
   Texel texel = Texel::none;
   Lifetime lifetime = Lifetime::scratch;
   std::uint64_t (*length)(const Cooked&) = nullptr;      // elements; an empty buffer gets one
-  Contents (*contents)(const Cooked&) = nullptr;         // initial; null: every word is `word`, in lifetimes kept and cleared
+  Contents (*contents)(const Cooked&) = nullptr;         // initial; null: every word is `word`, if persistent or cleared
   std::uint32_t word = 0;
   bool grows = false;                                     // with the capacity for contacts, while running
   Access access = Access::shaders;

@@ -37,7 +37,7 @@ enum class Stage { frame_begin, substep_begin, force, detect, assemble, linear, 
 
 /// How many threads a pass has.
 struct Threads {
-  Length count;                         // what the shader is told
+  Length count;                         // push.count
   Length groups = nullptr;              // of workgroups; null: as many as `count` threads need
   std::uint32_t arguments = kCounted;   // offset in gpu::Detection of the workgroup counts that the GPU writes, in bytes
   bool grows = false;                   // with the capacity for contacts
@@ -46,7 +46,7 @@ struct Threads {
 
 namespace threads {
 inline constexpr Threads particles{lengths::particles}, vertices{lengths::vertices};
-/// A single one, which is told how many particles there are.
+/// A single one; push.count is the number of particles.
 inline constexpr Threads once{lengths::particles, lengths::one};
 }  // namespace threads
 
@@ -86,7 +86,7 @@ struct Pass {
 };
 
 /// A slice of the uniform buffer, updated each frame, for all passes that read SLICE(..., name). The solver sets what changes while
-/// running (Solver::tell).
+/// running (Solver::set_uniforms).
 struct Slice {
   std::string_view name = {};
   Contents (*first)(const Cooked&) = nullptr;

@@ -21,7 +21,7 @@ Vec3 origin_near(std::span<const Mesh> meshes) {
   return {whole_steps(low.x, high.x), whole_steps(low.y, high.y), whole_steps(low.z, high.z)};
 }
 
-Scene told_from(Scene scene, Vec3 origin) {
+Scene relative_to(Scene scene, Vec3 origin) {
   for (Cloth& cloth : scene.cloths) {
     cloth.transform.translate = cloth.transform.translate - origin;
     for (Anchor& anchor : cloth.anchors)
@@ -31,13 +31,13 @@ Scene told_from(Scene scene, Vec3 origin) {
   return scene;
 }
 
-Result<Near> told_near(const Scene& scene) {
+Result<Near> recentred(const Scene& scene) {
   auto meshes = make_meshes(scene);
   if (!meshes) return meshes.take_error();
   Near near{scene, std::move(*meshes), {}};
   near.origin = origin_near(std::span(near.meshes).first(scene.cloths.size()));
   if (near.origin == Vec3{}) return near;
-  near.scene = told_from(scene, near.origin);
+  near.scene = relative_to(scene, near.origin);
   meshes = make_meshes(near.scene);
   if (!meshes) return meshes.take_error();
   near.meshes = std::move(*meshes);

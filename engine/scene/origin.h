@@ -17,7 +17,7 @@ Vec3 origin_near(std::span<const Mesh> meshes);
 
 /// The scene relative to `origin`. Keys stay as they are: they are relative to what they move. So do the camera and the light,
 /// which are the renderer's.
-Scene told_from(Scene scene, Vec3 origin);
+Scene relative_to(Scene scene, Vec3 origin);
 
 /// make_meshes, with scene and meshes relative to an origin near the cloths. Meshes far away are made twice: the first ones are
 /// rounded.
@@ -26,6 +26,6 @@ struct Near {
   std::vector<Mesh> meshes;
   Vec3 origin;
 };
-Result<Near> told_near(const Scene& scene);
+Result<Near> recentred(const Scene& scene);
 
 }  // namespace weft

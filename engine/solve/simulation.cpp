@@ -30,7 +30,7 @@ Simulation::~Simulation() {
 Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& device, const Scene& scene,
                                                        const SimulationOptions& options) try {
   if (const auto good = check(scene); !good) return good.why();
-  auto near = told_near(scene);
+  auto near = recentred(scene);
   if (!near) return near.take_error();
   return create_at(device, scene, near->origin, std::move(near->meshes), options);
 } catch (...) {
@@ -55,7 +55,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
 // `meshes` are relative to the origin, the scene is not.
 Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device& device, const Scene& given, Vec3 origin,
                                                           std::vector<Mesh> meshes, const SimulationOptions& options) {
-  const Scene described = origin == Vec3{} ? given : told_from(given, origin);
+  const Scene described = origin == Vec3{} ? given : relative_to(given, origin);
   std::string chosen_by;
   std::uint64_t points = 0;
   for (std::size_t k = 0; k < std::min(described.cloths.size(), meshes.size()); ++k) points += meshes[k].points.size();
@@ -87,7 +87,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   if (!solver) return solver.take_error();
   state->solver = std::move(*solver);
   for (const Plan::PlannedBuffer& planned : state->solver->plan().buffers)
-    if (planned.row->lifetime == Lifetime::kept) state->rollback.rows.push_back(planned.row);
+    if (planned.row->lifetime == Lifetime::persistent) state->rollback.rows.push_back(planned.row);
   // A cache that cannot be written only makes the next start slower: a note, no error.
   if (!options.pipeline_cache.empty())
     if (auto saved = state->cache.save(); !saved) state->fabric.notes.push_back(saved.error());
@@ -255,9 +255,9 @@ VkSemaphore Simulation::ready_semaphore() const { return state_->queue.ready.get
 std::uint64_t Simulation::ready_value() const { return state_->queue.submitted; }
 double Simulation::time() const { return state_->now(); }
 std::span<const ColliderPose> Simulation::colliders() const {
-  state_->bodies.told = state_->bodies.poses;
-  for (ColliderPose& pose : state_->bodies.told) pose.centre = pose.centre + state_->origin;
-  return state_->bodies.told;
+  state_->bodies.in_world = state_->bodies.poses;
+  for (ColliderPose& pose : state_->bodies.in_world) pose.centre = pose.centre + state_->origin;
+  return state_->bodies.in_world;
 }
 Vec3 Simulation::origin() const { return state_->origin; }
 const Scene& Simulation::scene() const { return state_->described; }

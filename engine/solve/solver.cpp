@@ -55,7 +55,7 @@ std::vector<std::byte> first_contents(const Buffer& row, std::uint64_t bytes, co
     view = contents.bytes();
     return std::move(contents.made);
   }
-  if (row.lifetime != Lifetime::kept && row.lifetime != Lifetime::cleared) return {};
+  if (row.lifetime != Lifetime::persistent && row.lifetime != Lifetime::cleared) return {};
   std::vector<std::byte> words(bytes);
   for (std::size_t at = 0; at + sizeof row.word <= bytes; at += sizeof row.word) std::memcpy(words.data() + at, &row.word, sizeof row.word);
   view = words;
@@ -82,9 +82,9 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   if (auto made = solver.create_buffers(subject); !made) return made.take_error();
   if (auto made = solver.create_runs(subject, cache); !made) return made.take_error();
   solver.motion_.origin = {options.origin.x, options.origin.y, options.origin.z};
-  solver.tell("motion", solver.motion_);
-  if (!solver.told_.empty())
-    if (auto told = compute::upload(device, solver.arena_[solver.arena_.size() - 1], solver.told_); !told) return told.take_error();
+  solver.set_uniforms("motion", solver.motion_);
+  if (!solver.uniforms_.empty())
+    if (auto done = compute::upload(device, solver.arena_[solver.arena_.size() - 1], solver.uniforms_); !done) return done.take_error();
   return solver;
 }
 
@@ -109,8 +109,8 @@ Result<compute::Arena> Solver::create_arena(bool grows) const {
     if (row.access == Access::arguments) request.usage |= VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
     requests.push_back(std::move(request));
   }
-  if (!grows && !told_.empty())
-    requests.push_back({"slices", told_.size(), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT});
+  if (!grows && !uniforms_.empty())
+    requests.push_back({"slices", uniforms_.size(), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT});
   return compute::Arena::create(*device_, compute::Memory::device, grows ? "weft candidates" : "weft", requests);
 }
 
@@ -120,9 +120,9 @@ Result<void> Solver::create_buffers(const Cooked& subject) {
     places_.push_back({bytes_of(*planned.row, subject), counts[planned.row->grows]++});
   for (const Slice* slice : plan_.slices) {
     const Contents first = slice->first(subject);
-    slices_.push_back({told_.size(), first.bytes().size()});
-    told_.insert(told_.end(), first.bytes().begin(), first.bytes().end());
-    told_.resize((told_.size() + kSliceAlignment - 1) / kSliceAlignment * kSliceAlignment);
+    slices_.push_back({uniforms_.size(), first.bytes().size()});
+    uniforms_.insert(uniforms_.end(), first.bytes().begin(), first.bytes().end());
+    uniforms_.resize((uniforms_.size() + kSliceAlignment - 1) / kSliceAlignment * kSliceAlignment);
     if (slice->name == "motion") std::memcpy(&motion_, first.bytes().data(), sizeof motion_);
   }
   auto arena = create_arena(false);
@@ -223,7 +223,7 @@ Result<void> Solver::grow(std::uint32_t candidates) {
       if (plan_.passes[k].pass->threads.grows)
         for (Range& range : runs_[k].ranges) range.count = range.count / contacts_.capacity * capacity;
     contacts_.capacity = capacity;
-    tell("contact_settings", contacts_);
+    set_uniforms("contact_settings", contacts_);
   };
   const std::uint32_t before = contacts_.capacity;
   set_capacity(candidates);
@@ -286,12 +286,12 @@ void Solver::list(Stage stage, const FrameInput& input, const gpu::Push& push) {
     // With contacts, an anchor that cloth held back may not have reached its target.
     if (at_targets && !has(buffers::detection)) continue;
     for (std::uint32_t round = 0; round < runs_[k].ranges.size(); ++round) {
-      gpu::Push told = push;
-      told.first = runs_[k].ranges[round].first;
-      told.count = runs_[k].ranges[round].count;
-      if (at_targets) told.fraction_from = told.fraction_to = 1;
-      if (pass.rounds > 1) told.flags |= round << WEFT_PASS_SHIFT;
-      steps_.push_back({k, parity_, told});
+      gpu::Push own = push;
+      own.first = runs_[k].ranges[round].first;
+      own.count = runs_[k].ranges[round].count;
+      if (at_targets) own.fraction_from = own.fraction_to = 1;
+      if (pass.rounds > 1) own.flags |= round << WEFT_PASS_SHIFT;
+      steps_.push_back({k, parity_, own});
     }
     if (pass.changes == Changes::iterate) parity_ ^= 1;
   }
@@ -299,7 +299,8 @@ void Solver::list(Stage stage, const FrameInput& input, const gpu::Push& push) {
 
 void Solver::tell_bytes(std::string_view slice, std::span<const std::byte> bytes) {
   for (std::size_t k = 0; k < plan_.slices.size(); ++k)
-    if (plan_.slices[k]->name == slice) std::copy(bytes.begin(), bytes.end(), told_.begin() + static_cast<std::ptrdiff_t>(slices_[k].at));
+    if (plan_.slices[k]->name == slice)
+      std::copy(bytes.begin(), bytes.end(), uniforms_.begin() + static_cast<std::ptrdiff_t>(slices_[k].at));
 }
 
 void Solver::record_input(compute::Recorder& recorder, const FrameInput& input) {
@@ -310,8 +311,8 @@ void Solver::record_input(compute::Recorder& recorder, const FrameInput& input) 
       device_->vk().vkCmdUpdateBuffer(recorder.commands(), to.handle, at, std::min(kLongest, bytes.size() - at), bytes.data() + at);
   };
   motion_.gravity = {input.gravity.x, input.gravity.y, input.gravity.z};
-  tell("motion", motion_);
-  if (!told_.empty()) copy(arena_[arena_.size() - 1], told_);
+  set_uniforms("motion", motion_);
+  if (!uniforms_.empty()) copy(arena_[arena_.size() - 1], uniforms_);
   if (input.anchors_move && has(buffers::anchors)) copy(buffer(buffers::anchors), std::as_bytes(input.anchors));
   if (has(buffers::colliders)) copy(buffer(buffers::colliders), std::as_bytes(input.colliders));
   recorder.barrier(compute::Use::transfer, compute::Use::compute);
@@ -344,7 +345,7 @@ std::uint64_t Solver::used_bytes(const Buffer& row) const {
 std::vector<const compute::Buffer*> Solver::buffers() const {
   std::vector<const compute::Buffer*> all;
   for (const Plan::PlannedBuffer& planned : plan_.buffers) all.push_back(&buffer(*planned.row));
-  if (!told_.empty()) all.push_back(&arena_[arena_.size() - 1]);
+  if (!uniforms_.empty()) all.push_back(&arena_[arena_.size() - 1]);
   return all;
 }
 

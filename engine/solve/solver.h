@@ -103,7 +103,7 @@ class Solver {
   void list(Stage stage, const FrameInput& input, const gpu::Push& push);
   /// From the next recorded frame on. `value` is the struct of the slice.
   template <class T>
-  void tell(std::string_view slice, const T& value) {
+  void set_uniforms(std::string_view slice, const T& value) {
     tell_bytes(slice, std::as_bytes(std::span(&value, 1)));
   }
   void tell_bytes(std::string_view slice, std::span<const std::byte> bytes);
@@ -118,7 +118,7 @@ class Solver {
   std::vector<Step> steps_;
   gpu::ContactSettings contacts_{};
   gpu::Motion motion_{};
-  std::vector<std::byte> told_;    // the uniform buffer as the next frame tells it
+  std::vector<std::byte> uniforms_;    // the uniform buffer as the next frame tells it
   std::vector<SliceRange> slices_; // of plan_.slices, in it
   std::uint32_t workgroup_ = 0, parity_ = 0, phase_ = 0;
   double rho_ = 0;

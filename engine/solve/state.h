@@ -50,7 +50,7 @@ struct Bodies {
   std::vector<Key> keys;                       // the keys' last poses
   std::vector<std::optional<ColliderPose>> pending;   // poses that the host has set since the last frame
   std::vector<bool> is_host_driven;
-  std::vector<ColliderPose> told;              // poses in the host's world
+  std::vector<ColliderPose> in_world;            // poses in the host's world
   std::vector<std::uint32_t> order;            // by shape, as the GPU wants them; no meshes
   std::vector<gpu::Collider> colliders;        // of the frame at hand, in that order
 };
@@ -58,7 +58,7 @@ struct Bodies {
 /// What it takes to repeat a frame. While `frame_is_torn` the solver's buffers are in the middle of a frame, and `saved` holds its
 /// start.
 struct Rollback {
-  std::vector<const Buffer*> rows;             // Lifetime::kept: what a frame leaves to the next one, in the order of rows
+  std::vector<const Buffer*> rows;             // Lifetime::persistent: what a frame leaves to the next one, in the order of rows
   compute::Arena saved;                        // with contacts, or passes one by one: a copy of each
   std::uint32_t candidates = 0;                // number of candidates in it
   bool frame_is_torn = false;

@@ -76,7 +76,7 @@ Result<Trajectory> reference_run(Scene scene, std::uint32_t substeps, std::uint3
   scene.solver.rate = rate;
   scene.solver.substeps = substeps;
   scene.frames = frames;
-  auto near = told_near(scene);   // as a simulation does
+  auto near = recentred(scene);   // as a simulation does
   if (!near) return near.take_error();
   scene = std::move(near->scene);
   auto fabric = cook(scene, near->meshes);

@@ -15,6 +15,6 @@ inline std::uint64_t anchors(const Cooked& s) { return kinematic_particles(s.fab
 namespace buffers {
 /// Each kinematic particle's position at the frame's start and its target at the frame's end (m).
 inline constexpr Buffer anchors =
-    buffer<gpu::Anchor>("anchors", Lifetime::told, lengths::anchors, [](const Cooked& s) { return made(anchors_at_rest(s.fabric)); });
+    buffer<gpu::Anchor>("anchors", Lifetime::uploaded, lengths::anchors, [](const Cooked& s) { return made(anchors_at_rest(s.fabric)); });
 }  // namespace buffers
 }  // namespace weft

@@ -7,6 +7,7 @@ namespace weft::buffers {
 
 /// Poses at the frame's start and end: all planes, then all spheres, capsules and boxes.
 inline constexpr Buffer colliders = buffer<gpu::Collider>(
-    "colliders", Lifetime::told, [](const Cooked& s) { return std::uint64_t(s.scene.colliders.size() - s.fabric.collider_meshes.size()); });
+    "colliders", Lifetime::uploaded,
+    [](const Cooked& s) { return std::uint64_t(s.scene.colliders.size() - s.fabric.collider_meshes.size()); });
 
 }  // namespace weft::buffers

@@ -13,8 +13,8 @@
 namespace weft {
 
 gpu::ContactSettings contact_settings(const Scene& scene, const CookedFabric& fabric) {
-  gpu::ContactSettings told{};
-  if (fabric.rest.empty()) return told;
+  gpu::ContactSettings settings{};
+  if (fabric.rest.empty()) return settings;
   const Contacts& wanted = scene.contacts;
   float thickness = 0;
   for (const gpu::vec4& rest : fabric.rest) thickness = std::max(thickness, rest.w);
@@ -23,22 +23,22 @@ gpu::ContactSettings contact_settings(const Scene& scene, const CookedFabric& fa
   // resting layers.
   const double margin =
       wanted.detection_margin > 0 ? wanted.detection_margin : std::min(0.1 * edge, thickness > 0 ? 0.25 * thickness : edge);
-  told.margin_low = static_cast<float>(margin);
-  told.margin_high = static_cast<float>(std::max(4 * margin, 0.1 * edge));
+  settings.margin_low = static_cast<float>(margin);
+  settings.margin_high = static_cast<float>(std::max(4 * margin, 0.1 * edge));
   // The box of a primitive: an edge long, and enlarged by the detection margin and the thickness.
-  told.cell = static_cast<float>(wanted.cell > 0 ? wanted.cell : 1.5 * edge + 2 * margin + thickness);
+  settings.cell = static_cast<float>(wanted.cell > 0 ? wanted.cell : 1.5 * edge + 2 * margin + thickness);
   // A millionth of the first displacement bound; contact_solve.comp says how many quanta a correction may have.
-  told.quantum = static_cast<float>(std::ldexp(margin, -20));
-  told.recover = static_cast<float>(wanted.recover * fabric.h);
-  told.kinematic_lag_limit = static_cast<float>(wanted.kinematic_lag_limit);
-  told.triangles = static_cast<std::uint32_t>(fabric.triangles.size());
-  told.edges = static_cast<std::uint32_t>(fabric.edges.size());
+  settings.quantum = static_cast<float>(std::ldexp(margin, -20));
+  settings.recover = static_cast<float>(wanted.recover * fabric.h);
+  settings.kinematic_lag_limit = static_cast<float>(wanted.kinematic_lag_limit);
+  settings.triangles = static_cast<std::uint32_t>(fabric.triangles.size());
+  settings.edges = static_cast<std::uint32_t>(fabric.edges.size());
   const std::size_t primitives = fabric.triangles.size() + fabric.edges.size();
   // Neighbours in the cloth share cells, so half as many buckets as primitives have few collisions.
-  told.buckets = static_cast<std::uint32_t>(std::bit_ceil(std::max<std::size_t>(64, primitives / 2)));
-  told.capacity =
+  settings.buckets = static_cast<std::uint32_t>(std::bit_ceil(std::max<std::size_t>(64, primitives / 2)));
+  settings.capacity =
       wanted.capacity > 0 ? wanted.capacity : static_cast<std::uint32_t>(std::max<std::size_t>(4096, 2 * fabric.positions.size()));
-  return told;
+  return settings;
 }
 
 namespace effects {

@@ -37,7 +37,7 @@ inline constexpr Buffer rest = cooked<gpu::vec4, &CookedFabric::rest>("rest");
 
 /// State of contact detection.
 inline constexpr Buffer detection = [] {
-  Buffer row = buffer<gpu::Detection>("detection", Lifetime::kept, lengths::one, [](const Cooked&) {
+  Buffer row = buffer<gpu::Detection>("detection", Lifetime::persistent, lengths::one, [](const Cooked&) {
     std::vector<gpu::Detection> detection(1);
     detection[0].needs_detection = 1;
     return made(detection);
@@ -46,14 +46,14 @@ inline constexpr Buffer detection = [] {
   return row;
 }();
 /// xyz position at the last detection (m), w unused.
-inline constexpr Buffer detected_positions = buffer<gpu::vec4>("detected_positions", Lifetime::kept, lengths::particles);
+inline constexpr Buffer detected_positions = buffer<gpu::vec4>("detected_positions", Lifetime::persistent, lengths::particles);
 /// xyz predicted trajectory from there: the displacement in Detection::lifetime substeps (m), w unused.
-inline constexpr Buffer trajectories = buffer<gpu::vec4>("trajectories", Lifetime::kept, lengths::particles);
+inline constexpr Buffer trajectories = buffer<gpu::vec4>("trajectories", Lifetime::persistent, lengths::particles);
 /// Displacement bound: how far the particle may be from its predicted trajectory (m, bits of a float); 0: a candidate of it has
 /// overflowed, and it stays where it is.
-inline constexpr Buffer displacement_bounds = buffer<gpu::uint>("displacement_bounds", Lifetime::kept, lengths::particles);
+inline constexpr Buffer displacement_bounds = buffer<gpu::uint>("displacement_bounds", Lifetime::persistent, lengths::particles);
 /// Candidate pairs: those that could touch before the next detection (pack_candidate).
-inline constexpr Buffer candidates = growing(buffer<gpu::uvec4>("candidates", Lifetime::kept, lengths::candidates));
+inline constexpr Buffer candidates = growing(buffer<gpu::uvec4>("candidates", Lifetime::persistent, lengths::candidates));
 
 // ---- the grid
 

@@ -23,7 +23,7 @@ constexpr Pass kPasses[] = {
     {.name = "finalize", .stage = Stage::iteration, .threads = threads::particles, .changes = Changes::iterate, .can_finalize = true},
 };
 
-Contents told(const Cooked& s) {
+Contents uniforms(const Cooked& s) {
   const double h = s.fabric.h;
   const SolverSettings& solver = s.scene.solver;
   gpu::Motion motion{};
@@ -46,7 +46,7 @@ constinit const Effect motion{
         [](const Cooked& s, Constants& constants) {
           constants[gpu::constant::is_iterated] = s.scene.solver.iterations > 1 && s.scene.solver.method != Method::implicit;
         },
-    .slice = {"motion", told},
+    .slice = {"motion", uniforms},
     .reference = Reference::modelled,
 };
 

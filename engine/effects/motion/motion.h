@@ -19,10 +19,10 @@ inline Contents first_iterate(const Cooked& s) { return made(iterates_at(s.fabri
 
 /// xyz position at the substep's start (m), w inverse mass (1/kg).
 inline constexpr Buffer positions =
-    buffer<gpu::vec4>("positions", Lifetime::kept, lengths::particles, [](const Cooked& s) { return lying(s.fabric.positions); });
+    buffer<gpu::vec4>("positions", Lifetime::persistent, lengths::particles, [](const Cooked& s) { return lying(s.fabric.positions); });
 /// xyz velocity that `predicted` was made with (m/s), w material index as bits.
 inline constexpr Buffer velocities =
-    buffer<gpu::vec4>("velocities", Lifetime::kept, lengths::particles, [](const Cooked& s) { return lying(s.fabric.velocities); });
+    buffer<gpu::vec4>("velocities", Lifetime::persistent, lengths::particles, [](const Cooked& s) { return lying(s.fabric.velocities); });
 /// xyz current iterate (m), w the weight of the sum. Between frames xyz is the position: anchors, which no pass predicts, are
 /// read there.
 inline constexpr Buffer predicted = buffer<gpu::vec4>("predicted", Lifetime::scratch, lengths::particles, detail::first_iterate);
@@ -30,6 +30,6 @@ inline constexpr Buffer next_iterate = buffer<gpu::vec4>("next_iterate", Lifetim
 /// gpu::Material of each cloth, then of each mesh collider.
 inline constexpr Buffer materials = cooked<gpu::vec4, &CookedFabric::materials>("materials");
 /// Counts of what was sanitized, truncated or not converged, and the largest tracking error.
-inline constexpr Buffer counters = buffer<gpu::Counters>("counters", Lifetime::kept, lengths::one);
+inline constexpr Buffer counters = buffer<gpu::Counters>("counters", Lifetime::persistent, lengths::one);
 }  // namespace buffers
 }  // namespace weft
