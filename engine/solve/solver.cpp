@@ -297,7 +297,7 @@ void Solver::list(Stage stage, const FrameInput& input, const gpu::Push& push) {
   }
 }
 
-void Solver::tell_bytes(std::string_view slice, std::span<const std::byte> bytes) {
+void Solver::set_uniform_bytes(std::string_view slice, std::span<const std::byte> bytes) {
   for (std::size_t k = 0; k < plan_.slices.size(); ++k)
     if (plan_.slices[k]->name == slice)
       std::copy(bytes.begin(), bytes.end(), uniforms_.begin() + static_cast<std::ptrdiff_t>(slices_[k].at));

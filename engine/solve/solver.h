@@ -104,9 +104,9 @@ class Solver {
   /// From the next recorded frame on. `value` is the struct of the slice.
   template <class T>
   void set_uniforms(std::string_view slice, const T& value) {
-    tell_bytes(slice, std::as_bytes(std::span(&value, 1)));
+    set_uniform_bytes(slice, std::as_bytes(std::span(&value, 1)));
   }
-  void tell_bytes(std::string_view slice, std::span<const std::byte> bytes);
+  void set_uniform_bytes(std::string_view slice, std::span<const std::byte> bytes);
 
   const compute::Device* device_ = nullptr;
   Plan plan_;
