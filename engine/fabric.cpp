@@ -116,11 +116,12 @@ Result<Mesh> grid_mesh(const Grid& grid) {
 Result<std::vector<Mesh>> make_meshes(const Scene& scene) try {
   if (const std::string fault = size_fault(scene); !fault.empty()) return fail("cloths: ", fault);
   std::vector<Mesh> meshes;
-  std::uint64_t particles = 0;
+  std::uint64_t vertices = 0;
   // Each is looked at before the next is made.
   const auto add = [&](Mesh mesh) -> Result<void> {
-    particles += mesh.points.size();
-    if (particles > WEFT_MAX_PARTICLES) return fail("the scene's ", particles, " particles up to here are more than ", WEFT_MAX_PARTICLES);
+    vertices += mesh.render.positions.size();
+    if (double(vertices) > kMostSceneVertices)
+      return fail("the scene's ", vertices, " vertices up to here are more than ", number_text(kMostSceneVertices));
     meshes.push_back(std::move(mesh));
     return {};
   };

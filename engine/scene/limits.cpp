@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "compute/text.h"
-#include "shaders/shared.h"
 
 namespace weft {
 namespace {
@@ -41,9 +40,9 @@ std::string size_fault(const Scene& scene) {
   double vertices = 0;
   for (const Cloth& cloth : scene.cloths)
     if (cloth.grid) vertices += vertices_of(*cloth.grid);
-  if (vertices <= WEFT_MAX_PARTICLES) return "";
-  return "their grids have " + number_text(vertices) + " vertices together, more than the " + std::to_string(WEFT_MAX_PARTICLES) +
-         " particles that a scene may have: take fewer cells";
+  if (vertices <= kMostSceneVertices) return "";
+  return "their grids have " + number_text(vertices) + " vertices together, more than the " + number_text(kMostSceneVertices) +
+         " that a scene may have: take fewer cells";
 }
 
 }  // namespace weft
