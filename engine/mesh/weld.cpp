@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/finite.h"
 #include "engine/mesh/parts.h"
 
 namespace weft {
@@ -119,13 +120,8 @@ Result<void> check_lists(const RenderMesh& render) {
   if (!fits(render.normals.size()) || !fits(render.tangents.size()) || !fits(render.uvs.size()))
     return fail("the mesh has ", count, " positions but ", render.normals.size(), " normals, ", render.tangents.size(), " tangents and ",
                 render.uvs.size(), " texture coordinates; each list is as long as the positions or empty");
+  if (Result<void> checked = parts::check_places(render.positions); !checked) return checked;
   std::size_t bad = 0, first = 0;
-  for (std::size_t v = count; v-- > 0;)
-    if (!parts::finite(render.positions[v])) {
-      ++bad;
-      first = v;
-    }
-  if (bad) return fail(bad, " of ", count, " vertices ", bad == 1 ? "is" : "are", " not finite, the first is vertex ", first);
   for (std::size_t t = render.triangles.size(); t-- > 0;)
     if (std::ranges::any_of(render.triangles[t], [&](std::uint32_t v) { return v >= count; })) {
       ++bad;
@@ -219,6 +215,30 @@ void repair_winding(Mesh& mesh) {
 
 }   // namespace
 
+namespace parts {
+
+Result<void> check_places(std::span<const Vec3> positions) {
+  const std::size_t count = positions.size();
+  std::size_t bad = 0, first = 0;
+  for (std::size_t v = count; v-- > 0;)
+    if (!parts::finite(positions[v])) {
+      ++bad;
+      first = v;
+    }
+  if (bad) return fail(bad, " of ", count, " vertices ", bad == 1 ? "is" : "are", " not finite, the first is vertex ", first);
+  for (std::size_t v = count; v-- > 0;)
+    if (!is_finite(positions[v])) {
+      ++bad;
+      first = v;
+    }
+  if (bad)
+    return fail(bad, " of ", count, " vertices ", bad == 1 ? "lies" : "lie", " ", kTooLarge,
+                " m or more from the origin, the first is vertex ", first, ", ", wide(positions[first]).norm(), " m away");
+  return {};
+}
+
+}   // namespace parts
+
 Result<Mesh> weld_mesh(RenderMesh render) {
   if (Result<void> checked = check_lists(render); !checked) return checked.take_error();
   std::vector<std::uint8_t> used(render.positions.size(), 0);
@@ -243,6 +263,7 @@ Result<Mesh> weld_mesh(RenderMesh render) {
                           (unused == 1 ? "was" : "were") + " dropped");
 
   std::vector<std::uint32_t> point_at(vertex_count, kNone);   // by lowest welded vertex
+  mesh.point_of_source.assign(vertex_count, kNone);
   mesh.point_of.reserve(old_index.size());
   for (std::size_t v = 0; v < old_index.size(); ++v) {
     std::uint32_t& point = point_at[lowest[old_index[v]]];
@@ -251,6 +272,7 @@ Result<Mesh> weld_mesh(RenderMesh render) {
       mesh.points.push_back(render.positions[v]);
     }
     mesh.point_of.push_back(point);
+    mesh.point_of_source[old_index[v]] = point;
   }
   mesh.render = std::move(render);
   mesh.triangles.reserve(mesh.render.triangles.size());
