@@ -1,8 +1,8 @@
 // Faces of many corners, cut into triangles by their ears (Meisters 1975), as Eberly describes it (Triangulation by ear clipping,
-// 2002): an ear, once found, changes nobody but its two neighbours, so every corner is looked at a few times only, each time against
-// the corners that are not sharp. A convex face is cut in linear time, the worst in quadratic.
+// 2002): an ear that is cut changes nobody but its two neighbours, so every corner is looked at a few times only, each time against
+// the corners that are not sharp then. A convex face is cut in linear time, the worst in quadratic.
 //
-// mapbox's earcut, which Debian has, leaves out corners that lie on a straight line. Here every corner is kept: the neighbour's
+// mapbox's earcut leaves out corners that lie on a straight line. Here every corner is kept: the neighbour's
 // vertices lie there, and the cloth would open along the line.
 #include <array>
 
@@ -49,6 +49,7 @@ class Polygon {
       after_[a] = b;
       before_[b] = a;
       --left;
+      std::erase_if(blunt_, [&](std::uint32_t q) { return (q == a || q == b) && turn(before_[q], q, after_[q]) > 0; });
       waiting.push_back(a);
       waiting.push_back(b);
     }
@@ -76,7 +77,7 @@ class Polygon {
     const std::uint32_t a = before_[i], b = after_[i];
     if (!(turn(a, i, b) > 0)) return false;
     for (const std::uint32_t q : blunt_)
-      if (!gone_[q] && turn(a, i, q) >= 0 && turn(i, b, q) >= 0 && turn(b, a, q) >= 0 && at_[q] != at_[a] && at_[q] != at_[i] &&
+      if (turn(a, i, q) >= 0 && turn(i, b, q) >= 0 && turn(b, a, q) >= 0 && at_[q] != at_[a] && at_[q] != at_[i] &&
           at_[q] != at_[b])
         return false;
     return true;

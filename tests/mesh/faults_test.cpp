@@ -143,7 +143,8 @@ TEST(MeshFaults, compressed_primitives_are_named_and_their_plain_copies_read) {
   gltf = triangle();
   gltf.write(folder);
   gltf.json["buffers"].push_back({{"byteLength", 100}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}});
-  expect_says(refusal(folder.write("meshopt.gltf", gltf.json.dump())), "buffer 1 is compressed (EXT_meshopt_compression), which is not read");
+  expect_says(refusal(folder.write("meshopt.gltf", gltf.json.dump())),
+              "buffer 1 is compressed (EXT_meshopt_compression), which is not read");
 }
 
 TEST(MeshFaults, corners_that_make_no_whole_triangles_are_refused) {
