@@ -28,7 +28,7 @@ struct Device::State {
   }
 };
 
-Result<std::vector<DeviceDescription>> list_devices() {
+Result<std::vector<DeviceDescription>> list_devices() try {
   Result<Instance> instance = Instance::create({});
   if (!instance) return instance.take_error();
   Result<std::vector<Candidate>> candidates = find_candidates(instance->functions(), instance->handle());
@@ -36,6 +36,8 @@ Result<std::vector<DeviceDescription>> list_devices() {
   std::vector<DeviceDescription> descriptions;
   for (const Candidate& candidate : *candidates) descriptions.push_back(candidate.description);
   return descriptions;
+} catch (...) {
+  return caught("the Vulkan devices");
 }
 
 namespace {
@@ -82,7 +84,7 @@ Result<VkDevice> create_device(const Functions& fn, const Candidate& candidate, 
 
 }  // namespace
 
-Result<std::unique_ptr<Device>> Device::create(const DeviceChoice& choice) {
+Result<std::unique_ptr<Device>> Device::create(const DeviceChoice& choice) try {
   Result<Instance> instance = Instance::create(choice);
   if (!instance) return instance.take_error();
   Result<std::vector<Candidate>> candidates = find_candidates(instance->functions(), instance->handle());
@@ -103,9 +105,11 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceChoice& choice) {
   state->device = *device;
   state->fn.vkGetDeviceQueue(state->device, state->candidate.queue_family, 0, &state->queue);
   return std::unique_ptr<Device>(new Device(std::move(state)));
+} catch (...) {
+  return caught("the Vulkan device");
 }
 
-Result<std::unique_ptr<Device>> Device::borrow(const BorrowedDevice& lent) {
+Result<std::unique_ptr<Device>> Device::borrow(const BorrowedDevice& lent) try {
   const auto absent = [](const char* what) { return fail("the device lent to Weft has no ", what, " (it is null)"); };
   if (lent.get_instance_proc_addr == nullptr) return absent("vkGetInstanceProcAddr");
   if (lent.instance == VK_NULL_HANDLE) return absent("VkInstance");
@@ -121,10 +125,15 @@ Result<std::unique_ptr<Device>> Device::borrow(const BorrowedDevice& lent) {
   if (!description.refusal.empty()) {
     return fail("the device lent to Weft, ", description.name, ", cannot be used: ", description.refusal);
   }
+  if (lent.created_with != nullptr)
+    if (const std::string missing = features_not_enabled(*lent.created_with); !missing.empty())
+      return fail("the device lent to Weft, ", description.name, ", was created without ", missing, ", which Weft needs enabled");
   state->instance = lent.instance;
   state->device = lent.device;
   state->queue = lent.queue;
   return std::unique_ptr<Device>(new Device(std::move(state)));
+} catch (...) {
+  return caught("the borrowed Vulkan device");
 }
 
 Device::Device(std::unique_ptr<State> state) : state_(std::move(state)) {}

@@ -45,6 +45,9 @@ struct BorrowedDevice {
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
   uint32_t queue_family = 0;
+  /// What the host gave vkCreateDevice, looked at in borrow alone: the four features must be enabled there. Null: not checked, since
+  /// Vulkan does not tell what a device was created with.
+  const VkDeviceCreateInfo* created_with = nullptr;
 };
 
 /// The limits that decide what fits on a device.
@@ -83,7 +86,10 @@ Result<std::vector<DeviceDescription>> list_devices();
 
 class Device {
  public:
+  /// Errors: no loader, no driver, no device that the choice names or that has what Weft needs; the validation layer is wanted and not
+  /// installed; what Vulkan refuses.
   static Result<std::unique_ptr<Device>> create(const DeviceChoice& choice = {});
+  /// Errors: a handle that is null; a device without Vulkan 1.3, the four features or compute on that queue family.
   static Result<std::unique_ptr<Device>> borrow(const BorrowedDevice& lent);
   ~Device();
   Device(const Device&) = delete;

@@ -76,16 +76,24 @@ struct Modern {
   }
 };
 
-std::string missing_features(const Modern& modern) {
+struct Features {
+  VkBool32 synchronization2 = VK_FALSE, timeline_semaphore = VK_FALSE, host_query_reset = VK_FALSE, scalar_block_layout = VK_FALSE;
+};
+
+std::string missing_of(const Features& features) {
   std::string missing;
   const auto need = [&](VkBool32 present, const char* name) {
     if (!present) missing += missing.empty() ? name : std::string(" and ") + name;
   };
-  need(modern.f13.synchronization2, "synchronization2");
-  need(modern.f12.timelineSemaphore, "timelineSemaphore");
-  need(modern.f12.hostQueryReset, "hostQueryReset");
-  need(modern.f12.scalarBlockLayout, "scalarBlockLayout");
+  need(features.synchronization2, "synchronization2");
+  need(features.timeline_semaphore, "timelineSemaphore");
+  need(features.host_query_reset, "hostQueryReset");
+  need(features.scalar_block_layout, "scalarBlockLayout");
   return missing;
+}
+
+std::string missing_features(const Modern& modern) {
+  return missing_of({modern.f13.synchronization2, modern.f12.timelineSemaphore, modern.f12.hostQueryReset, modern.f12.scalarBlockLayout});
 }
 
 /// A family that also draws is preferred; nothing when none has compute.
@@ -100,7 +108,45 @@ std::optional<uint32_t> best_family(std::span<const VkQueueFamilyProperties> fam
   return best;
 }
 
+template <class T>
+const T& as(const VkBaseInStructure* in) {
+  return *reinterpret_cast<const T*>(in);
+}
+
 }  // namespace
+
+// Each feature is enabled by its own structure or by that of its version.
+std::string features_not_enabled(const VkDeviceCreateInfo& created_with) {
+  Features features;
+  for (auto* in = static_cast<const VkBaseInStructure*>(created_with.pNext); in != nullptr; in = in->pNext) {
+    switch (in->sType) {
+      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES: {
+        const auto& enabled = as<VkPhysicalDeviceVulkan12Features>(in);
+        features.timeline_semaphore |= enabled.timelineSemaphore;
+        features.host_query_reset |= enabled.hostQueryReset;
+        features.scalar_block_layout |= enabled.scalarBlockLayout;
+        break;
+      }
+      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES:
+        features.synchronization2 |= as<VkPhysicalDeviceVulkan13Features>(in).synchronization2;
+        break;
+      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SYNCHRONIZATION_2_FEATURES:
+        features.synchronization2 |= as<VkPhysicalDeviceSynchronization2Features>(in).synchronization2;
+        break;
+      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_FEATURES:
+        features.timeline_semaphore |= as<VkPhysicalDeviceTimelineSemaphoreFeatures>(in).timelineSemaphore;
+        break;
+      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_HOST_QUERY_RESET_FEATURES:
+        features.host_query_reset |= as<VkPhysicalDeviceHostQueryResetFeatures>(in).hostQueryReset;
+        break;
+      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SCALAR_BLOCK_LAYOUT_FEATURES:
+        features.scalar_block_layout |= as<VkPhysicalDeviceScalarBlockLayoutFeatures>(in).scalarBlockLayout;
+        break;
+      default: break;
+    }
+  }
+  return missing_of(features);
+}
 
 Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t index, std::optional<uint32_t> lent_family) {
   Candidate found;

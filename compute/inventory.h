@@ -49,6 +49,9 @@ struct Candidate {
   DeviceDescription description;
 };
 
+/// Of the four that Weft needs, those that a device was created without: "synchronization2 and timelineSemaphore"; empty if there are none.
+std::string features_not_enabled(const VkDeviceCreateInfo& created_with);
+
 /// `lent_family`: the queue family a host lends; without it the best one is taken.
 Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t index,
                    std::optional<uint32_t> lent_family = std::nullopt);

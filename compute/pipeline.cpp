@@ -78,7 +78,8 @@ Result<CacheContent> load(const Device& device, const std::filesystem::path& pat
   }
   if (header.checksum != expected.checksum) return refuse("its checksum does not fit its content");
   if (std::memcmp(&header, &expected, sizeof header) != 0) return refuse("it is of another device or driver");
-  if (header.specialized_bytes > header.bytes) return refuse("what was specialised has more bytes than all of it: ", header.specialized_bytes);
+  if (header.specialized_bytes > header.bytes)
+    return refuse("what was specialised has more bytes than all of it: ", header.specialized_bytes);
   content.specialized_bytes = header.specialized_bytes;
   content.checksum = header.checksum;
   return content;
@@ -149,7 +150,7 @@ Result<void> PipelineCache::save() const {
   if (path_.has_parent_path()) std::filesystem::create_directories(path_.parent_path(), problem);
   const auto front = std::as_bytes(std::span(&header, 1));
   blob.insert(blob.begin(), front.begin(), front.end());
-  if (Result<void> written = write_file(path_, blob); !written) return fail("pipeline cache: ", written.why());
+  if (Result<void> written = write_file(path_, blob, Link::replace); !written) return fail("pipeline cache: ", written.why());
   return {};
 }
 

@@ -5,11 +5,17 @@
 #pragma once
 
 #include <cassert>
+#include <exception>
+#include <new>
 #include <optional>
-#include <sstream>
+#include <ostream>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
+
+#include "compute/text.h"
 
 namespace weft {
 
@@ -28,13 +34,13 @@ struct Error {
 inline std::ostream& operator<<(std::ostream& out, const Error& error) { return out << error.message; }
 
 namespace detail {
-inline void add_part(std::ostringstream&, Error& error, ErrorKind kind) { error.kind = kind; }
-inline void add_part(std::ostringstream& text, Error& error, const Error& cause) {
+inline void add_part(TextStream&, Error& error, ErrorKind kind) { error.kind = kind; }
+inline void add_part(TextStream& text, Error& error, const Error& cause) {
   text << cause.message;
   error.kind = cause.kind;
 }
 template <class Part>
-void add_part(std::ostringstream& text, Error& error, const Part& part) {
+void add_part(TextStream& text, Error& error, const Part& part) {
   if constexpr (requires { part.error_kind(); }) error.kind = part.error_kind();
   text << part;
 }
@@ -44,11 +50,24 @@ void add_part(std::ostringstream& text, Error& error, const Part& part) {
 /// error, of the Vulkan result or of the ErrorKind among them; without one, input.
 template <class... Parts>
 [[nodiscard]] Error fail(const Parts&... parts) {
-  std::ostringstream text;
+  TextStream text;
   Error error;
   (detail::add_part(text, error, parts), ...);
   error.message = text.str();
   return error;
+}
+
+/// In a catch (...) block: what was thrown, as an error about `what`. Public functions end in one.
+inline Error caught(std::string_view what) {
+  try {
+    throw;
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorKind::memory, what, ": there is not enough memory");
+  } catch (const std::length_error&) {
+    return fail(ErrorKind::memory, what, ": has more elements than any memory holds");
+  } catch (const std::exception& problem) {
+    return fail(ErrorKind::other, what, ": ", problem.what());
+  }
 }
 
 template <class T>

@@ -25,7 +25,8 @@ void number_bindings(std::span<uint32_t> spirv) {
 }  // namespace
 
 Result<std::vector<uint32_t>> specialize(std::span<const uint32_t> spirv, std::span<const SpecializationConstant> constants) {
-  if (spirv.size() < spirv::kHeaderWords) return fail("SPIR-V of ", spirv.size(), " words is shorter than its header of ", spirv::kHeaderWords);
+  if (spirv.size() < spirv::kHeaderWords)
+    return fail("SPIR-V of ", spirv.size(), " words is shorter than its header of ", spirv::kHeaderWords);
   std::unordered_map<uint32_t, std::vector<uint32_t>> values;
   for (const SpecializationConstant& constant : constants) values[constant.id] = {constant.value};
   spvtools::Optimizer optimizer(SPV_ENV_VULKAN_1_2);
@@ -118,7 +119,8 @@ void Specializer::remember(std::span<const uint32_t> remembered) {
     remembered = remembered.subspan(2);
     if (key > remembered.size() || words > remembered.size() - key) return;
     const auto one = remembered.subspan(key, words);
-    if (key > 0 && remembered[0] == kVersion && reflect(one)) made_.try_emplace({remembered.begin(), remembered.begin() + key}, one.begin(), one.end());
+    if (key > 0 && remembered[0] == kVersion && reflect(one))
+      made_.try_emplace({remembered.begin(), remembered.begin() + key}, one.begin(), one.end());
     remembered = remembered.subspan(key + words);
   }
 }

@@ -4,6 +4,7 @@
 
 #include "engine/cook/cook_state.h"
 #include "engine/effects/effect.h"
+#include "engine/scene/limits.h"
 
 namespace weft {
 namespace {
@@ -103,32 +104,49 @@ Result<void> check(const CookedFabric& fabric) {
   return {};
 }
 
+Result<Mesh> grid_mesh(const Grid& grid) {
+  if (const std::string fault = outside(double(grid.cells_x), scene_fields::kCells); !fault.empty()) return fail("cells[0]: ", fault);
+  if (const std::string fault = outside(double(grid.cells_y), scene_fields::kCells); !fault.empty()) return fail("cells[1]: ", fault);
+  if (!(grid.size.x > 0 && grid.size.y > 0)) return fail("size: ", grid.size.x, " x ", grid.size.y, " m is not above 0");
+  return make_grid(grid);
+}
+
 }  // namespace
 
-Result<std::vector<Mesh>> make_meshes(const Scene& scene) {
+Result<std::vector<Mesh>> make_meshes(const Scene& scene) try {
+  if (const std::string fault = size_fault(scene); !fault.empty()) return fail("cloths: ", fault);
   std::vector<Mesh> meshes;
+  std::uint64_t particles = 0;
+  // Each is looked at before the next is made.
+  const auto add = [&](Mesh mesh) -> Result<void> {
+    particles += mesh.points.size();
+    if (particles > WEFT_MAX_PARTICLES) return fail("the scene's ", particles, " particles up to here are more than ", WEFT_MAX_PARTICLES);
+    meshes.push_back(std::move(mesh));
+    return {};
+  };
   for (std::size_t index = 0; index < scene.cloths.size(); ++index) {
     const Cloth& cloth = scene.cloths[index];
-    if (cloth.grid) {
-      meshes.push_back(make_grid(*cloth.grid));
-    } else {
-      auto mesh = load_mesh(scene.folder / cloth.mesh);
-      if (!mesh) return fail("cloths[", index, "].mesh: ", mesh.why());
-      meshes.push_back(std::move(*mesh));
-    }
+    if (cloth.grid && !cloth.mesh.empty()) return fail("cloths[", index, "]: has both a grid and a mesh: give one of them");
+    if (!cloth.grid && cloth.mesh.empty()) return fail("cloths[", index, "]: has neither a grid nor a mesh: give one of them");
+    auto mesh = cloth.grid ? grid_mesh(*cloth.grid) : load_mesh(scene.folder / cloth.mesh);
+    if (!mesh) return fail("cloths[", index, cloth.grid ? "].grid: " : "].mesh: ", mesh.why());
+    if (auto added = add(std::move(*mesh)); !added) return fail("cloths[", index, "]: ", added.why());
     transform_mesh(meshes.back(), cloth.transform);
   }
   for (const std::uint32_t index : mesh_colliders(scene)) {
     const Collider& collider = scene.colliders[index];
+    if (collider.mesh.empty()) return fail("colliders[", index, "]: has no \"mesh\": the file that it is made of");
     auto mesh = load_mesh(scene.folder / collider.mesh);
     if (!mesh) return fail("colliders[", index, "].mesh: ", mesh.why());
-    meshes.push_back(std::move(*mesh));
+    if (auto added = add(std::move(*mesh)); !added) return fail("colliders[", index, "]: ", added.why());
     transform_mesh(meshes.back(), {.translate = {}, .axis = {0, 1, 0}, .degrees = 0, .scale = collider.scale});
   }
   return meshes;
+} catch (...) {
+  return caught("the scene's meshes");
 }
 
-Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) {
+Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) try {
   const std::vector<std::uint32_t> colliders = mesh_colliders(scene);
   const std::size_t cloths = scene.cloths.size();
   if (meshes.size() != cloths + colliders.size())
@@ -140,6 +158,9 @@ Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) {
   if (scene.solver.iterations < 1) return fail("solver.iterations: 0 is less than 1");
   if (const std::string fault = method_fault(scene); !fault.empty()) return fail("solver.method: ", fault);
   if (const std::string fault = relaxation_fault(scene); !fault.empty()) return fail("solver.relaxation: ", fault);
+  for (std::size_t k = 0; k < meshes.size(); ++k)
+    if (const auto good = check(meshes[k]); !good)
+      return fail(k < cloths ? "cloths[" : "colliders[", k < cloths ? k : colliders[k - cloths], "]: its mesh: ", good.why());
   CookState state(scene);
   for (std::uint32_t index = 0; index < cloths; ++index)
     if (auto added = add_cloth(state, index, meshes[index]); !added) return added.take_error();
@@ -153,6 +174,8 @@ Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) {
   if (auto good = check(fabric); !good) return good.take_error();
   for (std::size_t k = 0; k < cloths; ++k) cooking::take_start(scene.cloths[k], fabric.cloths[k], fabric);
   return std::move(fabric);
+} catch (...) {
+  return caught("the scene's cloth");
 }
 
 }  // namespace weft

@@ -1,9 +1,7 @@
 // What no shader may see of what a host says: numbers that are not finite, or too large for floats to square.
 #pragma once
 
-#include <string>
-
-#include "engine/scene.h"
+#include "engine/vector.h"
 #include "shaders/shared.h"
 
 namespace weft {
@@ -13,9 +11,5 @@ inline constexpr float kTooLarge = 1e10f;
 
 inline bool is_finite(Vec3 v) { return dot(v, v) < kTooLarge * kTooLarge; }
 inline bool is_finite(const gpu::vec4& v) { return is_finite(Vec3{v.x, v.y, v.z}); }
-
-/// The first number in a scene that must be finite and is not, or vector of length kTooLarge or more, as a sentence with its JSON
-/// path; empty if there is none. The reader refuses such scenes; a program that makes its own scene may not.
-std::string non_finite_fault(const Scene& scene);
 
 }  // namespace weft

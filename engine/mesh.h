@@ -113,6 +113,10 @@ void transform_mesh(Mesh& mesh, const Transform& transform);
 /// Errors: see load_mesh; also lists of unequal length and indices out of range.
 Result<Mesh> weld_mesh(RenderMesh render);
 
+/// Whether a mesh that a program made is what Mesh says. Errors: lists of unequal length, no vertex or triangle, an index beyond its
+/// list, a point without a render vertex, edges out of order, a position that is not finite or kTooLarge (1e10) m away or more.
+Result<void> check(const Mesh& mesh);
+
 /// Winged edges of a triangle list, each pair of points once, so that no constraint is ever doubled. `non_manifold` (may be
 /// null) receives the number of edges with more than two triangles or with two of the same orientation. Such an edge keeps
 /// its first triangle and the first that runs the other way; the surplus triangles hang on by their points, as if a boundary

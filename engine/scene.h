@@ -104,6 +104,9 @@ struct Start {
   double degrees = 180;         // folded only; 180 lays one half on the other, less leaves it open
   double radius = 0;            // m, folded only; 0: a sharp fold
   Vec3 velocity;                // m/s
+  /// Of the fabric's thickness, 0 ... 1: by at most this every free vertex is off its place, across the cloth, at random, and in every
+  /// run alike. Without it cloth that is flat to the bit stays flat, since nothing ever pushes it aside.
+  double imperfection = 0.02;
 };
 
 /// About which shape a cloth bends: flat, whatever its mesh is, or the mesh's own, with its folds and curves.
@@ -221,6 +224,11 @@ Result<Scene> load_scene(const std::filesystem::path& file, std::span<const Assi
 
 /// The same from text; `folder` is what relative paths start from.
 Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& folder, std::span<const Assignment> assignments = {});
+
+/// What a scene file is checked for, of a scene that a program made: every number within its limits and finite, every list within its
+/// length, every choice one of those there are, and the rules between keys. Files are not looked for. The fault is one sentence a line,
+/// each with its JSON path.
+Result<void> check(const Scene& scene);
 
 /// A scene as JSON, every key written out: parse_scene with the same folder reads it back to the same scene.
 std::string scene_text(const Scene& scene);

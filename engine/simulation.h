@@ -120,7 +120,8 @@ class Simulation {
   Result<Advance> advance(double seconds);
 
   /// Simulates `seconds`, waiting on the GPU for `waits` first; returns at once. The frame can be drawn once
-  /// ready_semaphore(), a timeline, has reached ready_value(). At most two frames are in flight: a third waits for the first.
+  /// ready_semaphore(), a timeline, has reached ready_value(). At most two frames are in flight: a third waits for the first, and has
+  /// a larger capacity where that one's candidate pairs overflowed.
   /// Errors: as advance.
   Result<Advance> submit(double seconds, std::span<const VkSemaphoreSubmitInfo> waits = {});
   VkSemaphore ready_semaphore() const;
@@ -173,6 +174,7 @@ class Simulation {
   /// What the scene's plan consists of: passes with their dispatches a frame, and buffers with their bytes.
   std::vector<PassUse> passes() const;
   std::vector<BufferUse> buffers() const;
+  /// Of the last frame that is done. Frames that a host has recorded must be.
   Counts counts() const;
 
   /// As given to create, with the solver settings chosen where its method is "auto".

@@ -1,7 +1,8 @@
 # What Weft needs from Debian 12, and how to get it; sourced by samples/run.sh and tests/run.sh.
 
+# zlib1g-dev: for PNGs; and Debian's libassimp-dev links to it without depending on it.
 packages_to_run=(build-essential cmake ninja-build libvulkan-dev mesa-vulkan-drivers glslang-tools spirv-tools
-  libeigen3-dev nlohmann-json3-dev libcli11-dev libstb-dev python3)
+  libeigen3-dev libassimp-dev zlib1g-dev nlohmann-json3-dev libcli11-dev libstb-dev python3)
 packages_to_test=(libgtest-dev libbenchmark-dev vulkan-validationlayers)
 
 # Installs those of the named packages that are missing, and says which; asks nothing.

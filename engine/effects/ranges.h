@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "engine/scene.h"
@@ -31,6 +32,14 @@ constexpr Range kTurn = between(-1e6, 1e6, "degrees");
 // Stiffer than 1e9 N/m is beyond what float positions resolve; "rigid" says it better.
 constexpr Range kStiffness = above(0, 1e9, "N/m");
 constexpr Range kFriction = between(0, 10);
+
+// Squares of floats vanish for shorter vectors.
+constexpr double kShortestDirection = 1e-12;
+inline std::string no_direction(const std::string& length) {
+  return "is a vector of length " + length + ": a direction needs one above 1e-12";
+}
+
+constexpr Range kCells = between(1, 2048);
 
 constexpr std::size_t kMostCloths = 64;
 constexpr std::size_t kMostKeys = 100'000;

@@ -41,7 +41,7 @@ Result<void> check_indices(const std::filesystem::path& file, std::span<const Tr
 }   // namespace
 
 Result<void> write_ply(const std::filesystem::path& file, std::span<const Vec3> positions, std::span<const Vec3> normals,
-                       std::span<const float> strain, std::span<const Triangle> triangles) {
+                       std::span<const float> strain, std::span<const Triangle> triangles) try {
   if (Result<void> checked = check_length(file, "normals", normals.size(), positions.size()); !checked) return checked;
   if (Result<void> checked = check_length(file, "strains", strain.size(), positions.size()); !checked) return checked;
   if (Result<void> checked = check_indices(file, triangles, positions.size()); !checked) return checked;
@@ -62,9 +62,11 @@ Result<void> write_ply(const std::filesystem::path& file, std::span<const Vec3> 
     put(bytes, triangle);
   }
   return write_file(file, std::as_bytes(std::span(bytes)));
+} catch (...) {
+  return caught("the mesh");
 }
 
-Result<void> write_glb(const std::filesystem::path& file, const RenderMesh& mesh) {
+Result<void> write_glb(const std::filesystem::path& file, const RenderMesh& mesh) try {
   using json = nlohmann::json;
   const std::size_t vertices = mesh.positions.size();
   if (mesh.triangles.empty() || vertices == 0)
@@ -121,6 +123,8 @@ Result<void> write_glb(const std::filesystem::path& file, const RenderMesh& mesh
   bytes.append("BIN\0", 4);
   bytes += binary;
   return write_file(file, std::as_bytes(std::span(bytes)));
+} catch (...) {
+  return caught("the mesh");
 }
 
 }   // namespace weft

@@ -1,12 +1,15 @@
-// glTF: the triangles of its scene. Materials, animations and cameras stay outside, and so do skins and morph targets, which are
-// counted. Every range is checked before anything is read from it, and what is copied is bounded by kMostVertices and kMostIndices,
-// however often a document shows it.
+// glTF, checked and stripped to the triangles of its scene before assimp sees it (engine/mesh/gltf_decode.cpp).
+//
+// assimp decodes well, but it trusts lengths and references, follows materials and animations that a cloth does not need, and has a
+// mesh for every primitive, with all vertices of its accessors. So every range is checked here, and what passed is written into a
+// new GLB in memory, where primitives that share their accessors are one. Skins and morph targets stay outside and are counted. What
+// is copied is bounded by kMostVertices, kMostIndices and kMostPieces, however often a document shows it.
 #include "engine/mesh/gltf.h"
 
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <limits>
+#include <functional>
 #include <map>
 
 #include "engine/mesh/parts.h"
@@ -18,6 +21,7 @@ static_assert(std::endian::native == std::endian::little, "accessors are read as
 
 constexpr std::size_t kDeepestNodes = 256;                                 // a cloth's file has one or two levels
 constexpr std::uint64_t kMostIndices = std::uint64_t{6} * kMostVertices;   // a closed triangle mesh has two triangles a vertex
+constexpr std::size_t kMostPieces = 100'000;                               // nodes, and sets of vertices: kilobytes each in assimp
 
 /// Elements in a buffer; none for an attribute that a primitive does not have.
 struct Accessor {
@@ -61,6 +65,7 @@ struct Part {
   std::vector<Vertices> vertices;
   std::vector<Primitive> primitives;   // of triangles; each has one at least
   std::size_t points = 0, lines = 0, morph_targets = 0;
+  std::size_t written = kNone;   // its number in the GLB
 };
 
 bool harmless(const std::string& extension) {
@@ -70,11 +75,11 @@ bool harmless(const std::string& extension) {
 
 bool has(const json& object, const char* key) { return object.is_object() && object.contains(key); }
 
-class GltfReader {
+class GltfStripper {
  public:
-  explicit GltfReader(GltfDocument& document) : document_(document), root_(document.root) {}
+  explicit GltfStripper(GltfDocument& document) : document_(document), root_(document.root) {}
 
-  Result<Harvest> read() {
+  Result<GltfGeometry> strip() {
     for (const json& name : document_.list(root_, "extensionsRequired"))
       if (!name.is_string() || !harmless(name.get<std::string>()))
         document_.say("it needs the extension ", name.dump(), ", which is not read");
@@ -82,7 +87,7 @@ class GltfReader {
       if (document_.fault.empty()) read_part(mesh);
     if (document_.fault.empty()) show_scene();
     if (!document_.fault.empty()) return Error{document_.fault};
-    out_.source_vertices = out_.render.positions.size();
+    out_.glb = glb_.finish();
     return std::move(out_);
   }
 
@@ -189,28 +194,19 @@ class GltfReader {
     return accessor && has(*accessor, "bufferView");
   }
 
-  Eigen::Affine3d local(const json& node, std::size_t n) {
-    const auto numbers = [&](const char* key, std::size_t length) {
-      std::vector<double> read;
-      for (const json& number : document_.list(node, key)) {
-        if (!number.is_number() || read.size() == length) {
-          say("node ", n, ": \"", key, "\" is not ", length, " numbers");
-          break;
-        }
-        read.push_back(number.get<double>());
-      }
-      if (!read.empty() && read.size() != length) say("node ", n, ": \"", key, "\" is not ", length, " numbers");
-      return document_.fault.empty() ? read : std::vector<double>();
-    };
-    Eigen::Affine3d result = Eigen::Affine3d::Identity();
-    if (const auto m = numbers("matrix", 16); !m.empty()) {
-      result.matrix().topRows<3>() = Eigen::Map<const Eigen::Matrix4d>(m.data()).topRows<3>();   // column by column, in both
-      return result;
+  /// A node's place below its parent, as the document has it.
+  json place(const json& node, std::size_t n) {
+    json copy = json::object();
+    for (const auto& [key, length] :
+         {std::pair{"matrix", 16u}, std::pair{"translation", 3u}, std::pair{"rotation", 4u}, std::pair{"scale", 3u}}) {
+      const json& numbers = document_.list(node, key);
+      if (numbers.empty()) continue;
+      if (numbers.size() != length || !std::ranges::all_of(numbers, [](const json& x) { return x.is_number(); }))
+        say("node ", n, ": \"", key, "\" is not ", length, " numbers");
+      else
+        copy[key] = numbers;
     }
-    if (const auto t = numbers("translation", 3); !t.empty()) result.translate(Eigen::Vector3d(t[0], t[1], t[2]));
-    if (const auto q = numbers("rotation", 4); !q.empty()) result.rotate(Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized());
-    if (const auto s = numbers("scale", 3); !s.empty()) result.scale(Eigen::Vector3d(s[0], s[1], s[2]));
-    return result;
+    return copy;
   }
 
   /// The parent of each node, kNone at the top; a fault unless nodes are a forest.
@@ -256,99 +252,104 @@ class GltfReader {
 
   void show_scene() {
     struct Visit {
-      std::size_t node;
-      Eigen::Affine3d parent;
+      std::size_t node, parent;   // of the document; in the GLB
     };
     const json& nodes = document_.list(root_, "nodes");
     const std::vector<std::size_t> tops = roots(nodes, parents(nodes));
-    for (std::size_t n = 0; n < nodes.size(); ++n) local(nodes[n], n);   // faults of nodes that no scene shows, too
+    for (std::size_t n = 0; n < nodes.size(); ++n) place(nodes[n], n);   // faults of nodes that no scene shows, too
     // A file of meshes without nodes is a library in glTF's words; every mesh is shown once.
     if (nodes.empty() && document_.list(root_, "scenes").empty())
-      for (const Part& part : parts_) show(part, Eigen::Affine3d::Identity());
+      for (Part& part : parts_) show(part, glb_.add_node(json::object(), kNone));
     std::vector<Visit> stack;
-    for (std::size_t k = tops.size(); k-- > 0;) stack.push_back({tops[k], Eigen::Affine3d::Identity()});
+    for (std::size_t k = tops.size(); k-- > 0;) stack.push_back({tops[k], kNone});
     while (!stack.empty() && document_.fault.empty()) {
       const auto [n, parent] = stack.back();
       stack.pop_back();
       const json& node = nodes[n];
-      const Eigen::Affine3d place = parent * local(node, n);
+      const std::size_t copy = glb_.add_node(place(node, n), parent);
+      if (copy >= kMostPieces) return say("its scene has more than ", kMostPieces, " nodes");
       if (has(node, "mesh")) {
         const std::uint64_t mesh = document_.natural(node, "mesh", 0);
         if (mesh >= parts_.size()) return say("node ", n, ": \"mesh\" points to ", mesh, " of ", parts_.size());
-        const bool skinned = has(node, "skin") && !parts_[mesh].primitives.empty();
-        out_.skins += skinned;
-        show(parts_[mesh], skinned ? Eigen::Affine3d::Identity() : place);   // joints alone place a skinned mesh (glTF 2.0, 3.7.3.3)
+        if (has(node, "skin") && !parts_[mesh].primitives.empty()) {
+          ++out_.skins;
+          glb_.nodes[copy]["name"] = kSkinned;
+        }
+        show(parts_[mesh], copy);
       }
       const json& children = document_.list(node, "children");
-      for (std::size_t k = children.size(); k-- > 0;) stack.push_back({children[k].get<std::size_t>(), place});   // the first is taken next
+      for (std::size_t k = children.size(); k-- > 0;) stack.push_back({children[k].get<std::size_t>(), copy});   // the first is taken next
     }
-    if (out_.render.triangles.empty()) say("it has no triangle in its scene");
+    if (out_.triangles == 0) say("it has no triangle in its scene");
   }
 
-  void show(const Part& part, const Eigen::Affine3d& place) {
+  void show(Part& part, std::size_t node) {
     out_.points += part.points;
     out_.lines += part.lines;
     out_.morph_targets += part.morph_targets;
-    std::vector<std::size_t> first;   // render vertex of each set of vertices
-    for (const Vertices& vertices : part.vertices) {
-      first.push_back(out_.render.positions.size());
-      if (first.back() + vertices.position.count > kMostVertices) return say("it has more than ", kMostVertices, " vertices");
-      append(vertices, place);
-    }
-    // A mirrored triangle is wound backwards; turned, it faces the way its transformed normals do.
-    const bool mirrored = place.linear().determinant() < 0;
-    for (const Primitive& primitive : part.primitives) {
-      if (out_.render.triangles.size() + primitive.triangle_count() > kMostIndices / 3)
-        return say("it has more than ", kMostIndices / 3, " triangles");
-      for (std::size_t i = 0; i < primitive.triangle_count(); ++i) {
-        Triangle triangle = primitive.triangle(i);
-        if (mirrored) std::swap(triangle[0], triangle[2]);
-        for (std::uint32_t& v : triangle) v += static_cast<std::uint32_t>(first[primitive.vertices]);
-        out_.render.triangles.push_back(triangle);
-      }
-    }
+    if (part.primitives.empty()) return;
+    for (const Vertices& vertices : part.vertices) out_.vertices += vertices.position.count;
+    if (out_.vertices > kMostVertices) return say("it has more than ", kMostVertices, " vertices");
+    for (const Primitive& primitive : part.primitives) out_.triangles += primitive.triangle_count();
+    if (out_.triangles > kMostIndices / 3) return say("it has more than ", kMostIndices / 3, " triangles");
+    if (part.written == kNone) write(part);
+    glb_.nodes[node]["mesh"] = part.written;
   }
 
-  void append(const Vertices& vertices, const Eigen::Affine3d& place) {
-    const Eigen::Matrix3d linear = place.linear();
-    const double side = linear.determinant() < 0 ? -1 : 1;
-    // The cofactors are the inverse transpose times the determinant, and exist for a flattening transform too.
-    Eigen::Matrix3d cofactors;
-    cofactors << linear.col(1).cross(linear.col(2)), linear.col(2).cross(linear.col(0)), linear.col(0).cross(linear.col(1));
-    const float missing = std::numeric_limits<float>::quiet_NaN();
-    RenderMesh& render = out_.render;
-    for (std::size_t v = 0; v < vertices.position.count; ++v) {
-      render.positions.push_back(narrow(place * wide(vertices.position.at<Vec3>(v))));
-      Vec3& normal = render.normals.emplace_back();
-      Vec4& tangent = render.tangents.emplace_back();
-      Vec2& uv = render.uvs.emplace_back(Vec2{missing, missing});
-      if (vertices.uv.bytes) {
-        uv = vertices.uv.at<Vec2>(v);
-        out_.bad_uvs += !finite(uv);
-      }
-      if (!vertices.normal.bytes) continue;   // tangents without normals do not count (glTF 2.0, 3.7.2.1)
-      normal = narrow((side * (cofactors * wide(vertices.normal.at<Vec3>(v)))).normalized());
-      out_.bad_normals += !finite(normal) || normal == Vec3{};
-      if (!vertices.tangent.bytes) continue;
-      const Vec4 given = vertices.tangent.at<Vec4>(v);
-      const Vec3 along = narrow((linear * wide(Vec3{given.x, given.y, given.z})).normalized());
-      tangent = {along.x, along.y, along.z, static_cast<float>(given.w < 0 ? -side : side)};
+  /// A primitive for each set of vertices, with the triangles of all that share it.
+  void write(Part& part) {
+    sets_ += part.vertices.size();
+    if (sets_ > kMostPieces) return say("its primitives have more than ", kMostPieces, " sets of accessors");
+    std::vector<std::vector<std::uint32_t>> corners;
+    for (const Vertices& vertices : part.vertices) {
+      // assimp from 5.4 keeps the vertices that corners name, in that order; so triangles come first that name all (see decode_gltf).
+      std::vector<std::uint32_t>& list = corners.emplace_back(3 * triangles_that_name(vertices.position.count));
+      for (std::size_t i = 0; i < list.size(); ++i) list[i] = static_cast<std::uint32_t>(std::min(i, vertices.position.count - 1));
     }
+    for (const Primitive& primitive : part.primitives)
+      for (std::size_t i = 0; i < primitive.triangle_count(); ++i) {
+        const Triangle triangle = primitive.triangle(i);
+        corners[primitive.vertices].insert(corners[primitive.vertices].end(), triangle.begin(), triangle.end());
+      }
+    json primitives = json::array();
+    for (std::size_t k = 0; k < part.vertices.size(); ++k) {
+      const Vertices& vertices = part.vertices[k];
+      json attributes{{"POSITION", add<Vec3>(vertices.position, "VEC3")}};
+      if (vertices.normal.bytes) attributes["NORMAL"] = add<Vec3>(vertices.normal, "VEC3");
+      if (vertices.tangent.bytes) attributes["TANGENT"] = add<Vec4>(vertices.tangent, "VEC4");
+      if (vertices.uv.bytes) {
+        // assimp turns the second number of a texture coordinate over, which rounds; so both travel as first ones.
+        attributes["TEXCOORD_0"] = add<Vec2>(vertices.uv, "VEC2", [](Vec2 uv) { return Vec2{uv.x, 0}; });
+        attributes["TEXCOORD_1"] = add<Vec2>(vertices.uv, "VEC2", [](Vec2 uv) { return Vec2{uv.y, 0}; });
+      }
+      const std::string bytes(reinterpret_cast<const char*>(corners[k].data()), corners[k].size() * sizeof(std::uint32_t));
+      primitives.push_back({{"attributes", std::move(attributes)}, {"indices", glb_.add_values(bytes, corners[k].size(), 5125, "SCALAR")}});
+    }
+    part.written = glb_.meshes.size();
+    glb_.meshes.push_back({{"primitives", std::move(primitives)}});
+  }
+
+  template <class T, class Change = std::identity>
+  std::size_t add(const Accessor& from, const char* type, Change change = {}) {
+    std::string bytes(from.count * sizeof(T), '\0');
+    for (std::size_t v = 0; v < from.count; ++v) {
+      const T value = change(from.at<T>(v));
+      std::memcpy(bytes.data() + v * sizeof(T), &value, sizeof value);
+    }
+    return glb_.add_values(bytes, from.count, 5126, type);
   }
 
   GltfDocument& document_;
   const json& root_;
-  Harvest out_;
+  GltfGeometry out_;
+  GltfWriter glb_;
   std::vector<Part> parts_;
   std::uint64_t index_total_ = 0;
+  std::size_t sets_ = 0;
 };
 
 }   // namespace
 
-Result<Harvest> read_gltf(const std::string& content, const std::filesystem::path& folder) {
-  Result<GltfDocument> document = open_gltf(content, folder);
-  if (!document) return document.take_error();
-  return GltfReader(*document).read();
-}
+Result<GltfGeometry> strip_gltf(GltfDocument& document) { return GltfStripper(document).strip(); }
 
 }   // namespace weft::parts

@@ -116,13 +116,15 @@ Result<Mesh> load(const std::filesystem::path& file) {
 
 }   // namespace
 
-Result<Mesh> load_mesh(const std::filesystem::path& file) {
-  // Memory can run out on any file; no exception may leave this function.
+Result<Mesh> load_mesh(const std::filesystem::path& file) try {
+  // assimp throws on some damaged files, and memory can run out on any; no exception may leave this function.
   try {
     return load(file);
   } catch (const std::exception& problem) {
     return fail(file.string(), " cannot be read: ", problem.what());
   }
+} catch (...) {
+  return caught("the mesh");
 }
 
 }   // namespace weft

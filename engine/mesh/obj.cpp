@@ -1,4 +1,7 @@
 // OBJ: v, vt, vn and f. Materials, groups and curves stay outside; no other file is read. A damaged line is named by its number.
+//
+// Read here and not by assimp, which gives every corner of every face a vertex of its own: the numbers of the file's v lines, which
+// anchors count, would be lost.
 #include <array>
 #include <bit>
 #include <charconv>

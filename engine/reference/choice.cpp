@@ -3,11 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <set>
 #include <sstream>
 #include <tuple>
+
+#include "compute/text.h"
 
 namespace weft {
 namespace {
@@ -85,12 +86,10 @@ Result<Scene> with_choice(const Scene& scene, std::uint64_t particles, const Cur
   solver->longest_advance = scene.solver.longest_advance;
   Scene chosen = scene;
   chosen.solver = *solver;
-  char figures[200];
-  std::snprintf(figures, sizeof figures, ", %u substeps x %u iterations: %.3g ms and %.2g %% rms strain expected for %llu particles",
-                setting.substeps, setting.iterations, setting.ms_median, 100 * setting.strain_rms,
-                static_cast<unsigned long long>(particles));
-  note = "solver: " + setting.row + figures + " by the curve of " + curve.scene + " on " + curve.device + " of " + curve.date +
-         (choice->fits ? "." : "; nothing fits the budget.");
+  note = "solver: " + setting.row + ", " + std::to_string(setting.substeps) + " substeps x " + std::to_string(setting.iterations) +
+         " iterations: " + rounded_text(setting.ms_median, 3) + " ms and " + rounded_text(100 * setting.strain_rms, 2) +
+         " % rms strain expected for " + std::to_string(particles) + " particles by the curve of " + curve.scene + " on " +
+         curve.device + " of " + curve.date + (choice->fits ? "." : "; nothing fits the budget.");
   return chosen;
 }
 

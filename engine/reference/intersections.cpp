@@ -241,9 +241,10 @@ struct Edge {
   auto operator<=>(const Edge&) const = default;
 };
 
-// Calls `found` with every crossing in order, until it returns false.
+// Calls `found` with every crossing in order, until it returns false or there were more candidates than `most`. Whether it came to the end.
 template <class F>
-void visit_crossings(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t first_passive, F&& found) {
+bool visit_crossings(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t first_passive, std::uint64_t most,
+                     F&& found) {
   std::vector<std::uint32_t> cloth, passive;
   std::vector<Edge> edges;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
@@ -262,6 +263,7 @@ void visit_crossings(std::span<const Vec3> positions, std::span<const Triangle> 
 
   const Tree cloth_tree(positions, triangles, std::move(cloth)), passive_tree(positions, triangles, std::move(passive));
   std::vector<std::uint32_t> crossed;
+  std::uint64_t candidates = 0;
   for (const auto& [a, b, is_passive] : edges) {
     const Point from = point_of(positions[a]), to = point_of(positions[b]);
     Box box = box_of(positions[a]);
@@ -269,6 +271,7 @@ void visit_crossings(std::span<const Vec3> positions, std::span<const Triangle> 
     crossed.clear();
     const auto visit = [&, a = a, b = b](std::uint32_t t) {   // clang 14 captures no bindings by name
       const Triangle& v = triangles[t];
+      ++candidates;
       for (const std::uint32_t corner : v)
         if (corner == a || corner == b) return;
       if (meet(from, to, {point_of(positions[v[0]]), point_of(positions[v[1]]), point_of(positions[v[2]])})) crossed.push_back(t);
@@ -277,9 +280,13 @@ void visit_crossings(std::span<const Vec3> positions, std::span<const Triangle> 
     if (!is_passive) passive_tree.each(box, visit);
     std::sort(crossed.begin(), crossed.end());
     for (const std::uint32_t t : crossed)
-      if (!found(Crossing{{a, b}, t})) return;
+      if (!found(Crossing{{a, b}, t})) return false;
+    if (candidates > most) return false;
   }
+  return true;
 }
+
+constexpr std::uint64_t kAnyNumber = std::numeric_limits<std::uint64_t>::max();
 
 }  // namespace
 
@@ -287,7 +294,7 @@ std::vector<Crossing> find_crossings(std::span<const Vec3> positions, std::span<
                                      std::size_t first_passive) {
   std::vector<Crossing> crossings;
   if (limit == 0) return crossings;
-  visit_crossings(positions, triangles, first_passive, [&](const Crossing& crossing) {
+  visit_crossings(positions, triangles, first_passive, kAnyNumber, [&](const Crossing& crossing) {
     crossings.push_back(crossing);
     return crossings.size() < limit;
   });
@@ -295,9 +302,14 @@ std::vector<Crossing> find_crossings(std::span<const Vec3> positions, std::span<
 }
 
 std::uint64_t count_crossings(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t first_passive) {
-  std::uint64_t count = 0;
-  visit_crossings(positions, triangles, first_passive, [&](const Crossing&) {
-    ++count;
+  return count_crossings_among(positions, triangles, kAnyNumber, first_passive).pairs;
+}
+
+CrossingCount count_crossings_among(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::uint64_t most_candidates,
+                                    std::size_t first_passive) {
+  CrossingCount count;
+  count.all = visit_crossings(positions, triangles, first_passive, most_candidates, [&](const Crossing&) {
+    ++count.pairs;
     return true;
   });
   return count;

@@ -47,4 +47,13 @@ std::vector<Crossing> find_crossings(std::span<const Vec3> positions, std::span<
 /// How many there are.
 std::uint64_t count_crossings(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::size_t first_passive = kNone);
 
+/// As count_crossings, in bounded time: gives up once more than `most_candidates` pairs of an edge and a triangle whose boxes meet have
+/// been looked at, and has then counted some, not all. For meshes of long slivers, where nearly every box meets every other.
+struct CrossingCount {
+  std::uint64_t pairs = 0;
+  bool all = true;
+};
+CrossingCount count_crossings_among(std::span<const Vec3> positions, std::span<const Triangle> triangles, std::uint64_t most_candidates,
+                                    std::size_t first_passive = kNone);
+
 }  // namespace weft

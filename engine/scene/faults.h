@@ -15,6 +15,7 @@ class Faults {
   void add(std::string_view path, std::string_view what);
 
   bool empty() const { return count_ == 0; }
+  std::size_t count() const { return count_; }
 
   /// One sentence a line. After the first kShown faults the last line says how many more there were.
   std::string text() const;

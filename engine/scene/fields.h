@@ -17,7 +17,7 @@ namespace weft::scene_fields {
 template <class V>
 void fields(V& v, Grid& grid) {
   v.vector2("size", grid.size, above(0, kFarthest, "m"));
-  v.cells("cells", grid.cells_x, grid.cells_y, between(1, 2048));
+  v.cells("cells", grid.cells_x, grid.cells_y, kCells);
   v.choice("topology", grid.topology, kTopologies);
   v.flag("upright", grid.upright);
 }
@@ -36,6 +36,7 @@ void fields(V& v, Start& start) {
   v.number("degrees", start.degrees, kTurn);
   v.number("radius", start.radius, between(0, kFarthest, "m"));
   v.vector3("velocity", start.velocity, between(-1e3, 1e3, "m/s"));
+  v.number("imperfection", start.imperfection, between(0, 1));
 }
 
 template <class V>

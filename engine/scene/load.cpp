@@ -29,7 +29,7 @@ Result<std::string> read_text(const std::filesystem::path& file) {
 
 }  // namespace
 
-Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& folder, std::span<const Assignment> assignments) {
+Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& folder, std::span<const Assignment> assignments) try {
   Result<nlohmann::json> value = parse_json(text);
   if (!value) return value.take_error();
   if (!value->is_object()) return fail("scene: ", shown(*value), ", not an object");
@@ -48,14 +48,18 @@ Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& fo
   if (!faults.empty()) refuse(faults.text());
   if (!refused.empty()) return Error{refused};
   return scene;
+} catch (...) {
+  return caught("the scene");
 }
 
-Result<Scene> load_scene(const std::filesystem::path& file, std::span<const Assignment> assignments) {
+Result<Scene> load_scene(const std::filesystem::path& file, std::span<const Assignment> assignments) try {
   Result<std::string> text = read_text(file);
   if (!text) return text.take_error();
   Result<Scene> scene = parse_scene(*text, file.parent_path(), assignments);
   if (scene && scene->name.empty()) scene->name = file.stem().string();
   return scene;
+} catch (...) {
+  return caught("the scene");
 }
 
 bool contacts_on(const Scene& scene) { return scene.contacts.enabled || !mesh_colliders(scene).empty(); }

@@ -2,8 +2,8 @@
 // both sides of it, by the reader and, for scenes that a host made, by the cook.
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
+#include "compute/text.h"
 #include "engine/scene/fields.h"
 
 namespace weft {
@@ -36,7 +36,7 @@ double relaxation_of(const SolverSettings& solver) {
 
 std::string relaxation_fault(const Scene& scene) {
   const double most = most_relaxation(scene.solver);
-  std::ostringstream text;
+  TextStream text;
   if (scene.solver.relaxation < 0) text << scene.solver.relaxation << " is less than 0";
   if (!(scene.solver.relaxation < most))
     text << scene.solver.relaxation << " is not below " << most << ", up to which " << scene.solver.iterations

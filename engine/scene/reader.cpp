@@ -6,10 +6,11 @@
 #include <cctype>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
+#include "compute/text.h"
 #include "engine/scene/fields.h"
 #include "engine/scene/json.h"
+#include "engine/scene/limits.h"
 #include "engine/scene/rules.h"
 
 namespace weft {
@@ -19,27 +20,6 @@ namespace {
 using nlohmann::json;
 using scene_fields::Names;
 using scene_fields::Range;
-
-std::string number_text(double value) {
-  std::ostringstream text;
-  text.precision(10);
-  text << value;
-  return text.str();
-}
-
-// What is wrong with a number of this range; nothing when it is in it.
-std::string outside(double value, const Range& range) {
-  const auto sentence = [&](const char* relation, double limit) {
-    std::string text = number_text(value) + relation + number_text(limit);
-    if (!range.unit.empty()) text += " (" + std::string(range.unit) + ")";
-    return text;
-  };
-  if (range.above && value <= range.low) return sentence(" is not above ", range.low);
-  if (value < range.low) return sentence(" is less than ", range.low);
-  if (range.below && value >= range.high) return sentence(" is not below ", range.high);
-  if (value > range.high) return sentence(" is more than ", range.high);
-  return "";
-}
 
 class Reader {
  public:
@@ -53,7 +33,7 @@ class Reader {
     Reader reader(value, path, folder, faults);
     scene_fields::fields(reader, out);
     reader.refuse_unknown();
-    check(Read{value, path, faults}, out);
+    check(Read{&value, path, faults}, out);
   }
 
   void note(std::string_view key) {
@@ -279,8 +259,7 @@ class Reader {
     double v[3];
     if (!value || !read_numbers(*value, path_of(key), scene_fields::kPlace, v)) return;
     const double size = std::hypot(v[0], v[1], v[2]);
-    // Shorter than this, squares of floats vanish.
-    if (size < 1e-12) return fault(key, "is a vector of length " + number_text(size) + ": a direction needs one above 1e-12");
+    if (size < scene_fields::kShortestDirection) return fault(key, scene_fields::no_direction(number_text(size)));
     const double scale = normalise ? 1 / size : 1;
     out = {static_cast<float>(v[0] * scale), static_cast<float>(v[1] * scale), static_cast<float>(v[2] * scale)};
   }

@@ -1,9 +1,10 @@
 // Rules that bind several keys of one object together.
 #include "engine/scene/rules.h"
 
-#include <sstream>
 
+#include "compute/text.h"
 #include "engine/scene/fields.h"
+#include "engine/scene/limits.h"
 
 namespace weft {
 
@@ -11,17 +12,15 @@ namespace {
 
 template <class... Parts>
 std::string join(const Parts&... parts) {
-  std::ostringstream text;
+  TextStream text;
   (text << ... << parts);
   return text.str();
 }
 
 void check_vertices(const std::string& path, const Grid& grid, const std::vector<std::uint32_t>& vertices, Faults& faults) {
-  const std::uint64_t lattice = (std::uint64_t{grid.cells_x} + 1) * (std::uint64_t{grid.cells_y} + 1);
-  const std::uint64_t centres = grid.topology == Topology::centre ? std::uint64_t{grid.cells_x} * grid.cells_y : 0;
   for (std::size_t i = 0; i < vertices.size(); ++i)
-    if (vertices[i] >= lattice + centres)
-      faults.add(join(path, "[", i, "]"), join(vertices[i], " is not a vertex, the grid has ", lattice + centres));
+    if (vertices[i] >= vertices_of(grid))
+      faults.add(join(path, "[", i, "]"), join(vertices[i], " is not a vertex, the grid has ", number_text(vertices_of(grid))));
 }
 
 }  // namespace
@@ -34,7 +33,7 @@ void check_times(const std::string& path, const std::vector<Key>& keys, Faults& 
 
 void check(const Read& read, const Anchor::Box& box) {
   for (const char* needed : {"low", "high"})
-    if (!read.json.contains(needed))
+    if (!read.has(needed, true))
       read.faults.add(read.path, join("has no \"", needed, "\": a box is given by its low and high corners"));
   const float low[] = {box.low.x, box.low.y, box.low.z}, high[] = {box.high.x, box.high.y, box.high.z};
   for (int i = 0; i < 3; ++i)
@@ -43,17 +42,20 @@ void check(const Read& read, const Anchor::Box& box) {
 
 void check(const Read& read, const Anchor& anchor) {
   // A selector of the wrong type has been named already; only one that is absent or empty chooses nothing.
-  const bool chooses = read.json.contains("top") || read.json.contains("box") ||
-                       (read.json.contains("vertices") && !read.json["vertices"].empty()) ||
-                       (read.json.contains("corners") && !read.json["corners"].empty());
+  const auto list = [&](const char* key, bool empty) {
+    return read.has(key, !empty) && (read.json == nullptr || !(*read.json)[key].empty());
+  };
+  const bool chooses = read.has("top", anchor.top.has_value()) || read.has("box", anchor.box.has_value()) ||
+                       list("vertices", anchor.vertices.empty()) || list("corners", anchor.corners.empty());
   if (!chooses) read.faults.add(read.path, "chooses no vertex: give vertices, corners, top or box");
   check_times(read.path + ".keys", anchor.keys, read.faults);
 }
 
 void check(const Read& read, const Cloth& cloth) {
-  const bool grid = read.json.contains("grid"), mesh = read.json.contains("mesh");
+  const bool grid = read.has("grid", cloth.grid.has_value()), mesh = read.has("mesh", !cloth.mesh.empty());
   if (grid && mesh) read.faults.add(read.path, "has both a grid and a mesh: give one of them");
-  if (!grid && !mesh) read.faults.add(read.path, "has neither a grid nor a mesh: give one of them");
+  // A program may give the mesh itself; make_meshes asks for one of them.
+  if (!grid && !mesh && read.json != nullptr) read.faults.add(read.path, "has neither a grid nor a mesh: give one of them");
   if (cloth.bending && cloth.fabric.bend == 0)
     read.faults.add(read.path + ".fabric.bend", "0 is not above 0 (N m); for a cloth that does not resist bending say \"bending\": false");
   if (!cloth.bending && cloth.bend_rest == BendRest::mesh)
@@ -71,17 +73,18 @@ void check(const Read& read, const Cloth& cloth) {
 void check(const Read& read, const Collider& collider) {
   const auto shape = static_cast<std::size_t>(collider.shape);
   for (const scene_fields::ShapeKey& own : scene_fields::kShapeKeys)
-    if (!own.of[shape] && read.json.contains(own.key))
+    if (read.has(own.key, false) && !own.of[shape])
       read.faults.add(join(read.path, ".", own.key), join("a ", scene_fields::kShapes[shape], " has no ", own.key));
-  if (collider.shape == ColliderShape::mesh && !read.json.contains("mesh"))
+  if (collider.shape == ColliderShape::mesh && !read.has("mesh", true))
     read.faults.add(read.path, "has no \"mesh\": the file that it is made of");
   check_times(read.path + ".keys", collider.keys, read.faults);
 }
 
 void check(const Read& read, const Scene& scene) {
+  if (const std::string fault = size_fault(scene); !fault.empty()) read.faults.add("cloths", fault);
   if (const std::string fault = method_fault(scene); !fault.empty()) read.faults.add("solver.method", fault);
   if (const std::string fault = relaxation_fault(scene); !fault.empty()) read.faults.add("solver.relaxation", fault);
-  if (const auto meshes = mesh_colliders(scene); !meshes.empty() && !scene.contacts.enabled && read.json.contains("contacts"))
+  if (const auto meshes = mesh_colliders(scene); !meshes.empty() && !scene.contacts.enabled && read.has("contacts", false))
     read.faults.add("contacts", join("are off, and colliders[", meshes.front(), "] is a mesh, which cloth meets through contacts alone"));
 }
 

@@ -3,17 +3,21 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 
 #include "engine/scene.h"
 #include "engine/scene/faults.h"
 
 namespace weft {
 
-/// An object as it was read: the JSON tells which keys its author wrote, since a value may be there by default.
+/// An object as it was read, or as a program made it. JSON tells which keys its author wrote, since a value may be there by default.
 struct Read {
-  const nlohmann::json& json;
+  const nlohmann::json* json;   // null: made by a program
   const std::string& path;
   Faults& faults;
+
+  /// Whether the author gave it; for a program's objects `given` says so.
+  bool has(std::string_view key, bool given) const { return json != nullptr ? json->contains(key) : given; }
 };
 
 void check(const Read& read, const Anchor::Box& box);

@@ -14,7 +14,11 @@ struct Image {
   std::vector<std::uint8_t> rgba;  // 4 width height bytes
 };
 
-/// Reads a PNG or JPEG of at most 16384 pixels a side. Errors: missing, unreadable or foreign file, one too large.
+inline constexpr std::uint32_t kMostPixelsASide = 16384;
+inline constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 26;   // 8192 x 8192: a quarter of a GiB
+
+/// Reads a PNG or JPEG of at most kMostPixels. Errors: missing, unreadable or foreign file, one too large, a PNG that holds more than
+/// the picture it announces, a JPEG of more than 100 scans: no file takes more memory than a picture of its size needs, or much longer.
 Result<Image> read_image(const std::filesystem::path& file);
 
 /// Writes under a temporary name and renames, so that nobody ever sees half a picture.

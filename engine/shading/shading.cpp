@@ -166,7 +166,7 @@ Result<void> Shading::State::create_cloths(const Scene& scene, std::span<const S
 }
 
 Result<std::unique_ptr<Shading>> Shading::create(compute::Device& device, const Scene& scene, std::span<const ShadedCloth> cloths,
-                                                 VkExtent2D size) {
+                                                 VkExtent2D size) try {
   constexpr std::uint32_t kLargest = 8192;
   if (size.width < 1 || size.height < 1 || size.width > kLargest || size.height > kLargest)
     return fail("a picture of ", size.width, " x ", size.height, " pixels is outside 1 x 1 ... ", kLargest, " x ", kLargest);
@@ -197,6 +197,8 @@ Result<std::unique_ptr<Shading>> Shading::create(compute::Device& device, const 
   state.pipelines = std::move(*pipelines);
   made->look_from(scene.camera);
   return made;
+} catch (...) {
+  return caught("the picture");
 }
 
 void Shading::look_from(const Camera& camera) {
@@ -204,7 +206,7 @@ void Shading::look_from(const Camera& camera) {
   shading::set_camera(state_->frame, camera, state_->size.width, state_->size.height);
 }
 
-Result<Image> Shading::draw(const Poses& poses) {
+Result<Image> Shading::draw(const Poses& poses) try {
   State& state = *state_;
   if (state.vertices > 0) {
     if (auto good = check(poses.positions, "positions", state.vertices); !good) return good.take_error();
@@ -248,6 +250,8 @@ Result<Image> Shading::draw(const Poses& poses) {
   const auto* pixels = reinterpret_cast<const std::uint8_t*>(state.readback[0].mapped);
   image.rgba.assign(pixels, pixels + std::size_t{4} * image.width * image.height);
   return image;
+} catch (...) {
+  return caught("the picture");
 }
 
 }  // namespace weft

@@ -4,7 +4,8 @@
 // is copied at the frame's start and restored before the frame is repeated. The repeated frame does exactly what it would have
 // done with the larger capacity from the first. submit() does not wait for its frames, and frames of record() are not Weft's to
 // repeat: they hold the particles of a candidate that overflowed still, so that nothing crosses, and count it; submit() enlarges
-// the capacity for the frames that follow.
+// the capacity when the frame before the last has told of an overflow, whether or not the last one is done: when that is must not depend
+// on how fast the device is.
 #include <algorithm>
 #include <cstring>
 
@@ -47,8 +48,6 @@ void Simulation::State::copy_saved(VkCommandBuffer commands, bool back) const {
       device->vk().vkCmdFillBuffer(commands, solver->buffer(*planned.row).handle, 0, VK_WHOLE_SIZE, planned.row->word);
 }
 
-const gpu::Counters& Simulation::State::counters() const { return *reinterpret_cast<const gpu::Counters*>(readback[0].mapped); }
-
 // Rolls a torn frame back. If that fails, the next frame begins with it.
 Result<void> Simulation::State::put_frame_back() {
   if (!rollback.frame_is_torn) return {};
@@ -62,7 +61,7 @@ Result<bool> Simulation::State::grow_capacity() {
   const std::uint64_t present = solver->contact_settings().capacity;
   // Half as much again as was found: particles held still by the overflow would have found more.
   std::uint64_t wanted = std::min<std::uint64_t>(
-      std::max<std::uint64_t>(2 * present, counters().contacts_most + counters().contacts_most / 2), kMostCandidates);
+      std::max<std::uint64_t>(2 * present, heard.counters.contacts_most + heard.counters.contacts_most / 2), kMostCandidates);
   if (wanted <= present || capacity.is_final) return false;
   // First: growing replaces the buffer of candidates, and nothing may read the new one's contents as pairs.
   if (auto done = detect_anew(); !done) return done.take_error();
@@ -90,11 +89,11 @@ Result<void> Simulation::State::detect_anew() {
   return compute::upload(*device, solver->buffer(buffers::detection), bytes);
 }
 
-// For the frames after one whose overflow has been read back.
+// For the frames after one whose overflow was heard of.
 Result<void> Simulation::State::grow_later() {
-  if (!solver->has(buffers::candidates) || counters().contacts_overflowed == capacity.overflow_seen) return {};
+  if (!solver->has(buffers::candidates) || heard.counters.contacts_overflowed == capacity.overflow_seen) return {};
   if (auto done = wait(); !done) return done;
-  capacity.overflow_seen = counters().contacts_overflowed;
+  capacity.overflow_seen = heard.counters.contacts_overflowed;
   auto grown = grow_capacity();
   return grown ? Result<void>() : grown.take_error();
 }
@@ -102,12 +101,11 @@ Result<void> Simulation::State::grow_later() {
 // Runs the planned frame, and repeats it with a larger capacity while candidates overflow.
 Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
   const bool contacts = solver->has(buffers::candidates) && input.substeps > 0;
-  const gpu::Counters before = counters();
-  const gpu::Detection found = detection();
-  const std::uint32_t overflowed = before.contacts_overflowed, parity = solver->parity(), phase = solver->phase();
+  const Report before = heard;
+  const std::uint32_t overflowed = before.counters.contacts_overflowed, parity = solver->parity(), phase = solver->phase();
   const bool saves = contacts || (timed_on_cpu() && input.substeps > 0);
   if (auto done = put_frame_back(); !done) return done;
-  rollback.candidates = contacts ? std::min(detection().candidates, solver->contact_settings().capacity) : 0;
+  rollback.candidates = contacts ? std::min(heard.detection.candidates, solver->contact_settings().capacity) : 0;
   for (;;) {
     if (saves)
       if (auto done = create_saved(); !done) return done;
@@ -123,7 +121,7 @@ Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
       if (auto done = submit_frame(input, {}, contacts); !done) return done;
     }
     if (auto done = wait(); !done) return done;
-    if (!contacts || counters().contacts_overflowed == overflowed) return {};
+    if (!contacts || heard.counters.contacts_overflowed == overflowed) return {};
     auto grown = grow_capacity();
     if (!grown) return grown.take_error();
     if (!*grown) return {};   // no larger capacity to be had: the frame is safe, and the overflow is counted
@@ -132,8 +130,7 @@ Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
     solver->set_parity(parity);
     solver->set_phase(phase);
     // The counters are rolled back, too: should the repeated frame fail, it counts nothing.
-    std::memcpy(readback[0].mapped, &before, sizeof before);
-    std::memcpy(readback[1].mapped, &found, sizeof found);
+    heard = before;
   }
 }
 

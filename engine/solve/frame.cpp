@@ -132,7 +132,9 @@ void Simulation::State::move_scene(FrameInput& input) {
   input.colliders = bodies.colliders;
 }
 
-void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool save) {
+// Reports at `place` of `readback`.
+void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool save,
+                                     std::size_t place) {
   using compute::Use;
   compute::Recorder recorder(*device, commands, timestamps);
   recorder.barrier(Use::all, Use::compute | Use::transfer | Use::indirect);   // earlier frames, and the renderer that still reads them
@@ -140,28 +142,25 @@ void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput&
     copy_saved(commands, true);
     recorder.barrier(Use::transfer, Use::compute | Use::transfer | Use::indirect);
   }
-  if (save) {
-    copy_saved(commands, false);
-    recorder.barrier(Use::transfer, Use::compute | Use::transfer);
-  }
+  if (save) copy_saved(commands, false);
   const auto steps = solver->frame(input);
-  if (!steps.empty()) solver->record_input(recorder, input);
-  for (const Solver::Step& step : steps) solver->record_step(recorder, step);
-  recorder.finish();
-  recorder.barrier(Use::compute, Use::compute | Use::vertex | Use::transfer);
+  if (!steps.empty()) {
+    solver->record_input(recorder, input);   // writes nothing that is saved, and its barrier to the steps is that of the copies, too
+    for (const Solver::Step& step : steps) solver->record_step(recorder, step);
+    recorder.barrier(Use::compute, Use::compute | Use::vertex | Use::transfer);
+  }
   const auto report = [&](const Buffer& row, std::size_t bytes, const compute::Buffer& to) {
     const VkBufferCopy region{0, 0, bytes};
     device->vk().vkCmdCopyBuffer(commands, solver->buffer(row).handle, to.handle, 1, &region);
   };
-  report(buffers::counters, sizeof(gpu::Counters), readback[0]);
-  if (solver->has(buffers::detection)) report(buffers::detection, sizeof(gpu::Detection), readback[1]);
+  report(buffers::counters, sizeof(gpu::Counters), readback[2 * place]);
+  if (solver->has(buffers::detection)) report(buffers::detection, sizeof(gpu::Detection), readback[2 * place + 1]);
   recorder.barrier(Use::transfer, Use::host | Use::transfer);
 }
 
 Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits, bool save) {
-  FrameSlot& slot = queue.slots[queue.submitted % queue.slots.size()];
-  if (slot.value > 0)
-    if (auto done = compute::wait_for(*device, queue.ready.get(), slot.value); !done) return done;
+  const std::uint64_t value = queue.submitted + 1;
+  FrameSlot& slot = queue.slots[slot_of(value)];   // its last frame is done
   compute::Timestamps* timestamps = options.timings && !timed_on_cpu() ? &slot.timestamps : nullptr;
   if (timestamps != nullptr) timestamps->rewind();
   const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
@@ -174,11 +173,10 @@ Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<
     solver->set_phase(phase);
     return why;
   };
-  record_frame(slot.commands, input, timestamps, save);
+  record_frame(slot.commands, input, timestamps, save, slot_of(value));
   if (const VkResult ended = device->vk().vkEndCommandBuffer(slot.commands); ended != VK_SUCCESS)
     return give_up(fail("a frame's command buffer could not be ended: ", compute::result_name(ended)));
   if (timestamps != nullptr) timestamps->reset();
-  const std::uint64_t value = queue.submitted + 1;
   const VkCommandBufferSubmitInfo commands{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO, nullptr, slot.commands, 0};
   const VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, queue.ready.get(), value,
                                      VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
@@ -220,7 +218,7 @@ Result<void> Simulation::State::run_pass_by_pass(const FrameInput& input, bool s
   return {};
 }
 
-Result<Advance> Simulation::advance(double seconds) {
+Result<Advance> Simulation::advance(double seconds) try {
   State& s = *state_;
   FrameInput input;
   auto advance = s.plan_frame(seconds, input);
@@ -229,26 +227,35 @@ Result<Advance> Simulation::advance(double seconds) {
   if (auto done = s.run_to_the_end(input); !done) return done.take_error();
   if (advance->substeps > 0) s.kinematic.are_dirty = false;
   return advance;
+} catch (...) {
+  return caught("the frame");
 }
 
-Result<Advance> Simulation::submit(double seconds, std::span<const VkSemaphoreSubmitInfo> waits) {
+Result<Advance> Simulation::submit(double seconds, std::span<const VkSemaphoreSubmitInfo> waits) try {
   FrameInput input;
   auto advance = state_->plan_frame(seconds, input);
   if (!advance) return advance;
+  if (auto done = state_->wait_for_slot(); !done) return done.take_error();
   if (auto done = state_->grow_later(); !done) return done.take_error();
   if (auto done = state_->submit_frame(input, waits, false); !done) return done.take_error();
   if (advance->substeps > 0) state_->kinematic.are_dirty = false;
   return advance;
+} catch (...) {
+  return caught("the frame");
 }
 
-Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) {
+Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) try {
+  if (commands == VK_NULL_HANDLE) return fail("record: the command buffer is VK_NULL_HANDLE");
   FrameInput input;
   auto advance = state_->plan_frame(seconds, input);
   if (!advance) return advance;
-  state_->record_frame(commands, input, nullptr, false);
+  state_->record_frame(commands, input, nullptr, false, state_->place_of_recorded());
+  state_->has_recorded = true;
   state_->rollback.frame_is_torn = false;
   if (advance->substeps > 0) state_->kinematic.are_dirty = false;
   return advance;
+} catch (...) {
+  return caught("the frame");
 }
 
 bool Simulation::State::timed_on_cpu() const {

@@ -87,7 +87,7 @@ std::uint64_t Simulation::State::own_digest() {
   return *digest;
 }
 
-Result<Snapshot> Simulation::save() const {
+Result<Snapshot> Simulation::save() const try {
   State& s = *state_;
   if (auto done = s.wait(); !done) return done.take_error();
   if (auto done = s.put_frame_back(); !done) return done.take_error();
@@ -115,6 +115,8 @@ Result<Snapshot> Simulation::save() const {
   const auto anchors = std::as_bytes(std::span(s.kinematic.targets));
   snapshot.contents.push_back({kAnchors, {anchors.begin(), anchors.end()}});
   return snapshot;
+} catch (...) {
+  return caught("the snapshot");
 }
 
 Result<void> Simulation::State::check(const Snapshot& snapshot) {
@@ -178,13 +180,17 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
   return {};
 }
 
-Result<void> Simulation::fits(const Snapshot& snapshot) const { return state_->check(snapshot); }
+Result<void> Simulation::fits(const Snapshot& snapshot) const try { return state_->check(snapshot); } catch (...) {
+  return caught("the snapshot");
+}
 
-Result<void> Simulation::restore(const Snapshot& snapshot) {
+Result<void> Simulation::restore(const Snapshot& snapshot) try {
   if (auto good = fits(snapshot); !good) return good;
   if (auto done = state_->wait(); !done) return done;
   if (auto done = state_->put_frame_back(); !done) return done;
   return state_->put_back(snapshot);
+} catch (...) {
+  return caught("the snapshot");
 }
 
 Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
@@ -207,10 +213,9 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
 
   kinematic.targets = anchors_of(snapshot);
   kinematic.are_dirty = true;
-  // What the frame's end would have copied there.
-  std::memcpy(readback[0].mapped, find(snapshot, "counters")->data(), sizeof(gpu::Counters));
-  const gpu::Detection found = detection_of(snapshot);
-  std::memcpy(readback[1].mapped, &found, sizeof found);
+  // What the frame has reported at its end.
+  std::memcpy(&heard.counters, find(snapshot, "counters")->data(), sizeof heard.counters);
+  heard.detection = detection_of(snapshot);
   solver->set_phase(snapshot.phase);
   capacity.overflow_seen = snapshot.overflow_seen;
   clock.substeps = snapshot.substeps;

@@ -28,16 +28,18 @@ Simulation::~Simulation() {
 }
 
 Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& device, const Scene& scene,
-                                                       const SimulationOptions& options) {
-  if (const std::string fault = non_finite_fault(scene); !fault.empty()) return fail(fault);
+                                                       const SimulationOptions& options) try {
+  if (const auto good = check(scene); !good) return good.why();
   auto near = told_near(scene);
   if (!near) return near.take_error();
   return create_at(device, scene, near->origin, std::move(near->meshes), options);
+} catch (...) {
+  return caught("the simulation");
 }
 
 Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& device, const Scene& scene, std::vector<Mesh> meshes,
-                                                       const SimulationOptions& options) {
-  if (const std::string fault = non_finite_fault(scene); !fault.empty()) return fail(fault);
+                                                       const SimulationOptions& options) try {
+  if (const auto good = check(scene); !good) return good.why();
   const std::span<Mesh> cloths = std::span(meshes).first(std::min(meshes.size(), scene.cloths.size()));
   const Vec3 origin = origin_near(cloths);
   if (origin != Vec3{})
@@ -46,6 +48,8 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
       for (Vec3& p : mesh.render.positions) p = p - origin;
     }
   return create_at(device, scene, origin, std::move(meshes), options);
+} catch (...) {
+  return caught("the simulation");
 }
 
 // `meshes` are relative to the origin, the scene is not.
@@ -88,8 +92,11 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   if (!options.pipeline_cache.empty())
     if (auto saved = state->cache.save(); !saved) state->fabric.notes.push_back(saved.error());
 
-  const compute::BufferRequest reports[] = {{"counters readback", sizeof(gpu::Counters), VK_BUFFER_USAGE_TRANSFER_DST_BIT},
-                                            {"detection readback", sizeof(gpu::Detection), VK_BUFFER_USAGE_TRANSFER_DST_BIT}};
+  std::vector<compute::BufferRequest> reports;
+  for (std::size_t place = 0; place <= state->place_of_recorded(); ++place) {
+    reports.push_back({"counters readback", sizeof(gpu::Counters), VK_BUFFER_USAGE_TRANSFER_DST_BIT});
+    reports.push_back({"detection readback", sizeof(gpu::Detection), VK_BUFFER_USAGE_TRANSFER_DST_BIT});
+  }
   auto readback = compute::Arena::create(device, compute::Memory::readback, "weft readback", reports);
   if (!readback) return readback.take_error();
   state->readback = std::move(*readback);
@@ -156,7 +163,7 @@ FrameView Simulation::normals() const {
   return view;
 }
 
-Result<void> Simulation::move_anchors(std::uint32_t first, std::span<const Vec3> targets) {
+Result<void> Simulation::move_anchors(std::uint32_t first, std::span<const Vec3> targets) try {
   const std::size_t anchors = state_->kinematic.pending.size();
   if (first > anchors || targets.size() > anchors - first)
     return fail("anchors ", first, " to ", first + targets.size(), " (exclusive) are beyond the simulation's ", anchors);
@@ -167,6 +174,8 @@ Result<void> Simulation::move_anchors(std::uint32_t first, std::span<const Vec3>
     state_->kinematic.is_host_driven[first + k] = true;
   }
   return {};
+} catch (...) {
+  return caught("the anchors");
 }
 
 Result<ColliderPose> Simulation::State::checked_pose(std::uint32_t collider, const ColliderPose& pose) const {
@@ -187,15 +196,17 @@ Result<ColliderPose> Simulation::State::checked_pose(std::uint32_t collider, con
   return checked;
 }
 
-Result<void> Simulation::move_collider(std::uint32_t collider, const ColliderPose& pose) {
+Result<void> Simulation::move_collider(std::uint32_t collider, const ColliderPose& pose) try {
   auto checked = state_->checked_pose(collider, pose);
   if (!checked) return checked.take_error();
   state_->bodies.pending[collider] = *checked;
   state_->bodies.is_host_driven[collider] = true;
   return {};
+} catch (...) {
+  return caught("the collider");
 }
 
-Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPose& pose) {
+Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPose& pose) try {
   const auto there = state_->checked_pose(collider, pose);
   if (!there) return fail(there.why());
   if (const ColliderMesh* mesh = state_->mesh_of(collider)) {
@@ -214,6 +225,8 @@ Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPo
   state_->bodies.poses[collider] = *there;
   state_->bodies.pending[collider].reset();
   return state_->mesh_of(collider) != nullptr ? state_->draw_surface() : Result<void>();
+} catch (...) {
+  return caught("the collider");
 }
 
 Result<void> Simulation::set_gravity(Vec3 gravity) {
@@ -268,7 +281,7 @@ std::vector<BufferUse> Simulation::buffers() const {
 }
 
 Counts Simulation::counts() const {
-  const gpu::Counters& counters = state_->counters();
+  const gpu::Counters counters = state_->newest_report().counters;
   return {counters.non_finite, counters.coincident, counters.contacts_most, counters.contacts_overflowed, counters.truncated,
           counters.detections, std::bit_cast<float>(counters.tracking_error), counters.unconverged, counters.stopped,
           counters.residual, counters.unaccelerated};

@@ -172,7 +172,7 @@ std::vector<std::byte> snapshot_bytes(const Snapshot& snapshot) {
   return std::move(writer.bytes);
 }
 
-Result<Snapshot> parse_snapshot(std::span<const std::byte> bytes) {
+Result<Snapshot> parse_snapshot(std::span<const std::byte> bytes) try {
   if (auto good = check_head(bytes.first(std::min(bytes.size(), kHead)), bytes.size()); !good) return good.take_error();
   const auto body = bytes.first(bytes.size() - kEnd);
   if (digest_of_bytes(body) != number_at<std::uint64_t>(bytes, body.size()))
@@ -183,13 +183,17 @@ Result<Snapshot> parse_snapshot(std::span<const std::byte> bytes) {
   if (!reader.sound || !reader.left.empty())
     return fail("the snapshot is damaged: its members do not add up to its ", bytes.size(), " bytes");
   return snapshot;
+} catch (...) {
+  return caught("the snapshot");
 }
 
-Result<void> save_snapshot(const std::filesystem::path& file, const Snapshot& snapshot) {
+Result<void> save_snapshot(const std::filesystem::path& file, const Snapshot& snapshot) try {
   return write_file(file, snapshot_bytes(snapshot));
+} catch (...) {
+  return caught("the snapshot");
 }
 
-Result<Snapshot> load_snapshot(const std::filesystem::path& file) {
+Result<Snapshot> load_snapshot(const std::filesystem::path& file) try {
   const auto refused = [&](const std::string& why) { return fail(file.string(), ": ", why); };
   std::error_code code;
   const std::uintmax_t size = std::filesystem::file_size(file, code);
@@ -208,6 +212,8 @@ Result<Snapshot> load_snapshot(const std::filesystem::path& file) {
   auto snapshot = parse_snapshot(bytes);
   if (!snapshot) return refused(snapshot.error());
   return snapshot;
+} catch (...) {
+  return caught("the snapshot");
 }
 
 std::uint64_t digest_of(const Scene& described, const CookedFabric& fabric) {

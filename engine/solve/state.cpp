@@ -8,8 +8,49 @@
 
 namespace weft {
 
-Result<void> Simulation::State::wait() const {
-  return queue.submitted == 0 ? Result<void>() : compute::wait_for(*device, queue.ready.get(), queue.submitted);
+Result<void> Simulation::State::wait() {
+  if (queue.submitted > 0)
+    if (auto done = compute::wait_for(*device, queue.ready.get(), queue.submitted); !done) return done;
+  hear(queue.submitted);
+  return {};
+}
+
+// The next frame takes the place of the last but one.
+Result<void> Simulation::State::wait_for_slot() {
+  const std::uint64_t frame = queue.slots[slot_of(queue.submitted + 1)].value;
+  if (frame > 0)
+    if (auto done = compute::wait_for(*device, queue.ready.get(), frame); !done) return done;
+  hear(frame);
+  return {};
+}
+
+// `place` is that of a frame that is done.
+Report Simulation::State::reported(std::size_t place) const {
+  Report report;
+  std::memcpy(&report.counters, readback[2 * place].mapped, sizeof report.counters);
+  std::memcpy(&report.detection, readback[2 * place + 1].mapped, sizeof report.detection);
+  return report;
+}
+
+// Frame `frame` and all before it are done, and so are those that the host has recorded.
+void Simulation::State::hear(std::uint64_t frame) {
+  if (has_recorded) {
+    heard = reported(place_of_recorded());
+    queue.heard = queue.submitted;   // recorded after them
+  } else if (frame > queue.heard) {
+    heard = reported(slot_of(frame));
+    queue.heard = frame;
+  }
+  has_recorded = false;
+}
+
+// That of the last frame that is done, for those who ask while others are under way. What Weft itself does next must not depend on
+// which that is.
+Report Simulation::State::newest_report() const {
+  if (has_recorded) return reported(place_of_recorded());
+  for (std::uint64_t frame = queue.submitted; frame > queue.heard; --frame)
+    if (compute::wait_for(*device, queue.ready.get(), frame, 0)) return reported(slot_of(frame));
+  return heard;
 }
 
 // The surface of the pose at hand, outside a frame.
@@ -49,15 +90,19 @@ Result<gpu::Counters> Simulation::State::counters_and_sanitized(std::size_t more
 Result<void> Simulation::State::write(std::vector<compute::Upload> uploads, const gpu::Counters& counted) {
   uploads.push_back({&solver->buffer(buffers::counters), std::as_bytes(std::span(&counted, 1))});
   if (auto done = compute::upload_all(*device, uploads); !done) return done;
-  std::memcpy(readback[0].mapped, &counted, sizeof counted);
+  heard.counters = counted;
   return {};
 }
 
-Result<std::vector<gpu::vec4>> Simulation::read_positions() const {
+Result<std::vector<gpu::vec4>> Simulation::read_positions() const try {
   return state_->read(buffers::positions, state_->fabric.positions.size());
+} catch (...) {
+  return caught("the positions");
 }
-Result<std::vector<gpu::vec4>> Simulation::read_velocities() const {
+Result<std::vector<gpu::vec4>> Simulation::read_velocities() const try {
   return state_->read(buffers::velocities, state_->fabric.positions.size());
+} catch (...) {
+  return caught("the velocities");
 }
 
 // All of write_positions but the surface.
@@ -98,12 +143,14 @@ Result<void> Simulation::State::put(std::span<const gpu::vec4> positions) {
   return {};
 }
 
-Result<void> Simulation::write_positions(std::span<const gpu::vec4> positions) {
+Result<void> Simulation::write_positions(std::span<const gpu::vec4> positions) try {
   if (auto done = state_->put(positions); !done) return done;
   return state_->draw_surface();
+} catch (...) {
+  return caught("the positions");
 }
 
-Result<void> Simulation::write_velocities(std::span<const gpu::vec4> velocities) {
+Result<void> Simulation::write_velocities(std::span<const gpu::vec4> velocities) try {
   State& s = *state_;
   if (auto good = s.check_count(velocities); !good) return good;
   auto wanted = read_velocities();   // w belongs to the solver
@@ -117,6 +164,8 @@ Result<void> Simulation::write_velocities(std::span<const gpu::vec4> velocities)
   auto counted = s.counters_and_sanitized(sanitized);
   if (!counted) return counted.take_error();
   return s.write({{&s.solver->buffer(buffers::velocities), std::as_bytes(std::span(*wanted))}}, *counted);
+} catch (...) {
+  return caught("the velocities");
 }
 
 namespace {
@@ -131,12 +180,16 @@ Result<std::vector<Vec3>> narrowed(Result<std::vector<gpu::vec4>> wide) {
 
 }  // namespace
 
-Result<std::vector<Vec3>> Simulation::read_vertex_positions() const {
+Result<std::vector<Vec3>> Simulation::read_vertex_positions() const try {
   return narrowed(state_->read(buffers::vertex_positions, state_->fabric.surface_rows.size()));
+} catch (...) {
+  return caught("the vertices");
 }
 
-Result<std::vector<Vec3>> Simulation::read_vertex_normals() const {
+Result<std::vector<Vec3>> Simulation::read_vertex_normals() const try {
   return narrowed(state_->read(buffers::vertex_normals, state_->fabric.surface_rows.size()));
+} catch (...) {
+  return caught("the vertices");
 }
 
 }  // namespace weft

@@ -18,6 +18,12 @@ struct FrameSlot {
   std::uint64_t value = 0;   // of the ready semaphore when it is done; 0: never submitted
 };
 
+/// What a frame reports to the host at its end.
+struct Report {
+  gpu::Counters counters{};
+  gpu::Detection detection{};   // with contacts
+};
+
 /// The pose of a collider at a key.
 ColliderPose keyed_pose(const Collider& collider, const Key& key);
 
@@ -64,12 +70,13 @@ struct ContactCapacity {
   bool is_final = false;                       // the device had no memory for more: not asked for again
 };
 
-/// Frames that Weft submits. Frame n is done when `ready` has reached n; `submitted` is the last n.
+/// Frames that Weft submits. Frame n is done when `ready` has reached n; `submitted` is the last n, `heard` the last that the host has
+/// the report of.
 struct FrameQueue {
   compute::CommandPool pool;
   std::array<FrameSlot, 2> slots;
   compute::OwnedSemaphore ready;
-  std::uint64_t submitted = 0;
+  std::uint64_t submitted = 0, heard = 0;
   std::vector<DispatchTime> cpu_times;         // on devices without timestamps
   const FrameSlot* last_timed = nullptr;
 };
@@ -84,7 +91,9 @@ struct Simulation::State {
   CookedFabric fabric;
   compute::PipelineCache cache;
   std::optional<Solver> solver;
-  compute::Arena readback;       // the counters and, with contacts, the detection, copied at every frame's end
+  compute::Arena readback;       // what frames report: counters and detection of those of each slot, and then of those of `record`
+  bool has_recorded = false;     // a frame of `record` after the last report that was heard
+  Report heard;                  // the last one; the host reads no memory that a frame under way may write
   std::optional<std::uint64_t> digest;   // of the scene and its fabric, for snapshots; made when first needed
   Vec3 gravity;
   Clock clock;
@@ -103,7 +112,7 @@ struct Simulation::State {
   const ColliderMesh* mesh_of(std::uint32_t collider) const;   // null: it is none
   Vec3 move_collider_on(std::uint32_t collider);
   void move_collider_meshes();
-  void record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool save);
+  void record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool save, std::size_t place);
   Result<void> submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits, bool save);
   Result<void> run_pass_by_pass(const FrameInput& input, bool save);
   Result<void> run_to_the_end(const FrameInput& input);
@@ -113,13 +122,17 @@ struct Simulation::State {
   Result<bool> grow_capacity();
   Result<void> grow_later();
   Result<void> detect_anew();
-  const gpu::Counters& counters() const;
-  const gpu::Detection& detection() const { return *reinterpret_cast<const gpu::Detection*>(readback[1].mapped); }
+  std::size_t slot_of(std::uint64_t frame) const { return frame % queue.slots.size(); }
+  std::size_t place_of_recorded() const { return queue.slots.size(); }
+  Report reported(std::size_t place) const;
+  Report newest_report() const;
+  void hear(std::uint64_t frame);
+  Result<void> wait_for_slot();
   Result<void> draw_surface();
   std::uint64_t own_digest();
   Result<void> check(const Snapshot& snapshot);
   Result<void> put_back(const Snapshot& snapshot);
-  Result<void> wait() const;
+  Result<void> wait();
   Result<std::vector<gpu::vec4>> read(const Buffer& row, std::size_t count);
   Result<void> put(std::span<const gpu::vec4> positions);
   Result<void> write(std::vector<compute::Upload> uploads, const gpu::Counters& counted);

@@ -17,6 +17,7 @@
 #include "samples/weft/commands.h"
 #include "samples/weft/console.h"
 #include "samples/weft/files.h"
+#include "samples/weft/outputs.h"
 #include "samples/weft/painter.h"
 #include "samples/weft/subject.h"
 
@@ -25,6 +26,9 @@ namespace weft::command {
 namespace {
 
 constexpr VkExtent2D kShotSize = {640, 480};
+constexpr std::size_t kMostShots = 6;   // three budgets, with tethers and without
+
+std::string shot_name(std::size_t number) { return "budget_" + std::to_string(number) + ".png"; }
 
 SweepPlan plan_of(const Scene& scene, const AccuracyOptions& options) {
   SweepPlan plan;
@@ -159,7 +163,7 @@ Exit take_shots(const Scene& scene, const Swept& swept, const AccuracyOptions& o
       for (std::uint32_t frame = 0; frame < swept.curve.frames && !interrupted(); ++frame)
         if (auto advance = started.simulation->advance(1 / made->solver.rate); !advance) return failed(advance.error());
       if (interrupted()) return kInterrupted;
-      const std::filesystem::path file = options.out / ("budget_" + std::to_string(shots.size() + 1) + ".png");
+      const std::filesystem::path file = options.out / shot_name(shots.size() + 1);
       if (auto drawn = painter.draw(*started.simulation, file); !drawn) return failed(drawn.error());
       auto png = read_text(file);
       if (!png) return failed(png.error());
@@ -171,6 +175,13 @@ Exit take_shots(const Scene& scene, const Swept& swept, const AccuracyOptions& o
     }
   }
   return kDone;
+}
+
+Result<void> prepare_to_save(const std::string& device) {
+  const std::filesystem::path file = curve_file(device);
+  if (file.empty()) return fail("--save: neither XDG_CACHE_HOME nor HOME is an absolute path to save in");
+  if (Result<void> made = make_folder(file.parent_path()); !made) return made;
+  return probe_file(file, Link::replace);
 }
 
 void print_front(const Curve& curve, bool tethers) {
@@ -214,11 +225,16 @@ Exit accuracy(const AccuracyOptions& options) {
     return kBadInput;
   }
   listen_for_interrupts();
-  if (const Result<void> made = make_folder(options.out); !made) return failed(made.error());
+  std::vector<std::string> names = {"curve.csv", "curve.svg", "curve.html", "curve.png"};
+  for (std::size_t k = 1; k <= kMostShots; ++k) names.push_back(shot_name(k));
+  if (const Exit exit = prepare_outputs(options.out, names, inputs_of(options.file, *scene)); exit != kDone) return exit;
   compute::DeviceChoice choice;
   choice.name = options.device;
   const auto device = compute::Device::create(choice);
   if (!device) return failed(device.error());
+
+  if (options.save)
+    if (const Result<void> place = prepare_to_save((*device)->name()); !place) return failed(place.error());
 
   const SweepPlan plan = plan_of(*scene, options);
   Curve fresh{(*device)->name(), scene->name, now(), key_of(*scene, plan, (*device)->name()), plan.frames, {}};
@@ -251,9 +267,8 @@ Exit accuracy(const AccuracyOptions& options) {
   if (options.budget_ms) print_budget(swept.curve, plan.tethers.front(), *options.budget_ms);
   if (options.save) {
     const std::filesystem::path file = curve_file((*device)->name());
-    if (file.empty()) return failed("--save: neither XDG_CACHE_HOME nor HOME says where");
-    if (const Result<void> made = make_folder(file.parent_path()); !made) return failed(made.error());
-    if (const Result<void> written = write_text(file, curve_csv(condensed(swept.curve))); !written) return failed(written.error());
+    if (const Result<void> written = write_text(file, curve_csv(condensed(swept.curve)), Link::replace); !written)
+      return failed(written.error());
     std::printf("Saved for scenes whose solver is \"auto\": %s\n", file.string().c_str());
   }
   std::printf("Written: curve.csv, curve.svg, curve.png, curve.html in %s\n", options.out.string().c_str());

@@ -7,6 +7,8 @@
 #include <map>
 #include <sstream>
 
+#include "compute/text.h"
+
 namespace weft::command {
 
 namespace {
@@ -130,7 +132,7 @@ Drawing accuracy_plot(const Curve& curve) {
 
 std::string accuracy_page(const Page& page) {
   const Curve& curve = page.curve;
-  std::ostringstream html;
+  TextStream html;
   html << "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>Accuracy of " << escaped(curve.scene) << "</title>\n<style>"
        << kStyle << "</style>\n<h1>Accuracy of " << escaped(curve.scene) << "</h1>\n<p>" << escaped(curve.device) << ", "
        << escaped(curve.date) << ". Each of " << curve.points.size() << " settings was run for " << curve.frames

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "compute/text.h"
 #include "engine/reference/errors.h"
 #include "engine/simulation.h"
 #include "samples/weft/accuracy_reference.h"
@@ -139,7 +140,7 @@ Result<void> time_passes(const compute::Device& device, const Scene& scene, Curv
     if (auto advance = (*simulation)->advance(1 / scene.solver.rate); !advance) return advance.take_error();
     if (frame >= kBeforeStamps) times.add_frame((*simulation)->timings());
   }
-  std::ostringstream passes;
+  TextStream passes;
   passes.precision(4);
   for (std::size_t i = 0; i < times.passes().size(); ++i)
     passes << (i > 0 ? " " : "") << times.passes()[i].name << '=' << times.spread(i).median;

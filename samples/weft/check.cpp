@@ -37,6 +37,7 @@ Exit check_scene(const std::filesystem::path& file) {
     return kBadInput;
   }
   for (const std::string& note : fabric->notes) std::printf("note: %s\n", note.c_str());
+  if (const std::string note = crossing_note(*scene, *fabric); !note.empty()) std::printf("note: %s\n", note.c_str());
   std::printf("%s: nothing is wrong: %s, %zu colliders\n", file.string().c_str(), summary_of(*scene, *fabric).c_str(),
               scene->colliders.size());
   return kDone;

@@ -5,6 +5,7 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 
 #include "samples/weft/commands.h"
 
@@ -18,6 +19,13 @@ volatile std::sig_atomic_t g_interrupted = 0;
 void on_interrupt(int) {
   g_interrupted = 1;
   std::signal(SIGINT, SIG_DFL);
+}
+
+// Whether what is written to stderr may move a cursor. NO_COLOR (no-color.org) asks for plain text.
+bool shows_bars() {
+  const char *terminal = std::getenv("TERM"), *plain = std::getenv("NO_COLOR");
+  const bool moves = terminal && *terminal && std::string_view(terminal) != "dumb";
+  return isatty(STDERR_FILENO) != 0 && moves && !(plain && *plain);
 }
 
 }  // namespace
@@ -37,11 +45,13 @@ void expect_full_disks() {
 #endif
 }
 
-void listen_for_interrupts() { std::signal(SIGINT, on_interrupt); }
+void listen_for_interrupts() {
+  if (std::signal(SIGINT, SIG_IGN) != SIG_IGN) std::signal(SIGINT, on_interrupt);
+}
 bool interrupted() { return g_interrupted != 0; }
 
 Progress::Progress(std::string_view what, std::uint32_t total, std::string_view unit)
-    : what_(what), unit_(unit), total_(total), terminal_(isatty(STDERR_FILENO) != 0) {
+    : what_(what), unit_(unit), total_(total), terminal_(shows_bars()) {
   if (terminal_) draw();
 }
 

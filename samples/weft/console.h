@@ -14,11 +14,13 @@ void complain(std::string_view sentences);
 /// From now on a file at the system's limit of size is an error like a full disk, and does not end the program.
 void expect_full_disks();
 
-/// From now on the first ctrl-C only sets interrupted(); the second ends the program.
+/// From now on the first ctrl-C only sets interrupted(); the second ends the program. A program that was started to ignore ctrl-C, as
+/// shells start what runs in the background, goes on ignoring it.
 void listen_for_interrupts();
 bool interrupted();
 
-/// A bar on stderr where that is a terminal, and a few plain lines where it is not. The time left is estimated from what is done.
+/// A bar on stderr where that is a terminal that can move its cursor, and a few plain lines where it is not or NO_COLOR is set. The
+/// time left is estimated from what is done.
 class Progress {
  public:
   Progress(std::string_view what, std::uint32_t total, std::string_view unit = "frames");

@@ -8,6 +8,7 @@
 #include "samples/weft/console.h"
 #include "samples/weft/contact_costs.h"
 #include "samples/weft/files.h"
+#include "samples/weft/outputs.h"
 #include "samples/weft/plot.h"
 #include "samples/weft/subject.h"
 
@@ -100,7 +101,8 @@ Exit contacts(const ContactOptions& options) {
       return kBadInput;
     }
   listen_for_interrupts();
-  if (const Result<void> made = make_folder(options.out); !made) return failed(made.error());
+  const std::string names[] = {"contacts.csv", "cells.csv", "cells.svg", "cells.png"};
+  if (const Exit exit = prepare_outputs(options.out, names, inputs_of(options.file, *scene)); exit != kDone) return exit;
   compute::DeviceChoice choice;
   choice.name = options.device;
   const auto device = compute::Device::create(choice);

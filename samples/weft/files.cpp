@@ -4,12 +4,10 @@
 #include <cstdlib>
 #include <span>
 
-#include "compute/file.h"
-
 namespace weft::command {
 
-Result<void> write_text(const std::filesystem::path& file, std::string_view text) {
-  return write_file(file, std::as_bytes(std::span(text)));
+Result<void> write_text(const std::filesystem::path& file, std::string_view text, Link link) {
+  return write_file(file, std::as_bytes(std::span(text)), link);
 }
 
 Result<void> make_folder(const std::filesystem::path& folder) {
@@ -35,7 +33,8 @@ namespace {
 std::filesystem::path cached(const std::string& name) {
   const auto in = [](const char* variable, const char* rest) {
     const char* value = std::getenv(variable);
-    return value && *value ? std::filesystem::path(value) / rest : std::filesystem::path();
+    const std::filesystem::path place = value ? value : "";
+    return place.is_absolute() ? place / rest : std::filesystem::path();   // relative ones are to be ignored: XDG base directories
   };
   std::filesystem::path folder = in("XDG_CACHE_HOME", "weft");
   if (folder.empty()) folder = in("HOME", ".cache/weft");

@@ -5,12 +5,12 @@
 #include <string>
 #include <string_view>
 
-#include "compute/result.h"
+#include "compute/file.h"
 
 namespace weft::command {
 
-/// Writes under a temporary name in the same folder and renames.
-Result<void> write_text(const std::filesystem::path& file, std::string_view text);
+/// As write_file.
+Result<void> write_text(const std::filesystem::path& file, std::string_view text, Link link = Link::follow);
 
 /// Makes the folder and those above it.
 Result<void> make_folder(const std::filesystem::path& folder);
@@ -18,10 +18,11 @@ Result<void> make_folder(const std::filesystem::path& folder);
 bool is_folder(const std::filesystem::path& path);
 bool is_there(const std::filesystem::path& path);
 
-/// Where `weft accuracy --save` saves a device's curve, and "method": "auto" looks for it; empty where no home is known.
+/// Where `weft accuracy --save` saves a device's curve, and "method": "auto" looks for it; empty where neither
+/// XDG_CACHE_HOME nor HOME is an absolute path.
 std::filesystem::path curve_file(std::string_view device);
 
-/// Where compiled pipelines are saved between runs; empty where no home is known.
+/// Where compiled pipelines are saved between runs; empty as above.
 std::filesystem::path pipeline_cache();
 
 /// `name` without what a file's name cannot hold.

@@ -109,7 +109,7 @@ constexpr TestedBy kTestedBy[] = {
     {"2", "SimulationPhysics.a_free_stretched_sheet_keeps_its_centre_of_mass"},
     {"3", "SimulationPhysics.strain_of_a_hung_sheet_falls_with_substeps_and_is_small_at_the_default"},
     {"4", "BendTwin.it_annihilates_every_affine_map_of_a_flat_stencil"},
-    {"4", "HingeKernel.a_free_hinge_comes_back_to_any_rest_angle_from_any_other"},
+    {"4", "DihedralKernel.a_free_hinge_comes_back_to_any_rest_angle_from_any_other"},
     {"6", "Twist.four_full_turns_never_cross"},
     {"7", "ContactCase.ten_sheets_dropped_on_each_other_stay_apart_in_order_and_come_to_rest"},
     {"7", "ContactCase.a_sheet_folded_over_a_sphere_onto_the_floor_never_crosses"},

@@ -8,6 +8,7 @@
 #include "samples/weft/commands.h"
 #include "samples/weft/console.h"
 #include "samples/weft/files.h"
+#include "samples/weft/outputs.h"
 #include "samples/weft/hard_run.h"
 #include "samples/weft/hard_table.h"
 #include "samples/weft/hardening.h"
@@ -88,23 +89,18 @@ Result<Count> run_all(const compute::Device& device, const Scene& scene, const H
   return count;
 }
 
-Exit harden_scene(const compute::Device& device, const HardenOptions& options) {
-  const Result<Scene> scene = load_subject(options.file, options.assignments);
-  if (!scene) {
-    complain(scene.error());
-    return kBadInput;
-  }
-  if (const std::uint32_t frames = frames_of(*scene, options), least = least_frames(*scene); frames < least) {
+Exit harden_scene(const compute::Device& device, const Scene& scene, const HardenOptions& options) {
+  if (const std::uint32_t frames = frames_of(scene, options), least = least_frames(scene); frames < least) {
     complain("--frames: a run of " + std::to_string(frames) + " frames has no room for the long one halfway; this scene takes at least " +
              std::to_string(least));
     return kBadInput;
   }
   // Every mistake of the scene's author is reported before anything runs.
-  if (const Started started = start(device, *scene, false); !started.simulation) return started.exit;
+  if (const Started started = start(device, scene, false); !started.simulation) return started.exit;
   std::printf("%s on %s: perturbed, then compared with the scene as it is; held: mean within %g %% of its size, shape within %g %%\n",
-              scene->name.c_str(), device.name().c_str(), 100 * options.band, 100 * kShapeBands * options.band);
-  Json report{{"scene", scene->name}, {"device", device.name()}, {"band", options.band}, {"rows", Json::array()}};
-  const auto count = run_all(device, *scene, options, report["rows"]);
+              scene.name.c_str(), device.name().c_str(), 100 * options.band, 100 * kShapeBands * options.band);
+  Json report{{"scene", scene.name}, {"device", device.name()}, {"band", options.band}, {"rows", Json::array()}};
+  const auto count = run_all(device, scene, options, report["rows"]);
   if (!count) return failed(count.error());
   report["interrupted"] = interrupted();
   if (const Result<void> written = write_text(options.out / "harden.json", report.dump(2) + "\n"); !written) return failed(written.error());
@@ -116,13 +112,27 @@ Exit harden_scene(const compute::Device& device, const HardenOptions& options) {
   return count->broken == 0 ? kDone : kFailed;
 }
 
-// What is wrong with the hard cases' folder, or with the place of their table, is reported before any of them runs.
-Result<void> check_suite(const HardenOptions& options) {
-  for (const HardCase& hard : hard_cases())
-    if (auto scene = scene_of(hard, options.file); !scene) return scene.take_error();
-  if (options.readme.empty()) return {};
+// What the hard cases read. What is wrong with their folder, or with the place of their table, is reported before any of them runs.
+Result<std::vector<Input>> check_suite(const HardenOptions& options) {
+  std::vector<Input> inputs;
+  for (const HardCase& hard : hard_cases()) {
+    auto scene = scene_of(hard, options.file);
+    if (!scene) return scene.take_error();
+    for (Input& input : inputs_of(options.file / (std::string(hard.scene) + ".json"), *scene)) inputs.push_back(std::move(input));
+  }
+  if (options.readme.empty()) return inputs;
+  inputs.push_back({options.readme, "the file of --readme"});
   auto text = marked_text(options.readme);
-  return text ? Result<void>() : text.take_error();
+  return text ? Result(std::move(inputs)) : text.take_error();
+}
+
+// What a scene, or the hard cases, read.
+Result<std::vector<Input>> find_inputs(const HardenOptions& options, bool suite, Scene& scene) {
+  if (suite) return check_suite(options);
+  auto loaded = load_subject(options.file, options.assignments);
+  if (!loaded) return loaded.take_error();
+  scene = std::move(*loaded);
+  return inputs_of(options.file, scene);
 }
 
 Exit harden_suite(const compute::Device& device, const HardenOptions& options) {
@@ -159,18 +169,22 @@ Exit harden(const HardenOptions& options) {
     complain("--readme: goes with the folder of the hard cases, not with a scene");
     return kBadInput;
   }
-  if (suite)
-    if (const Result<void> good = check_suite(options); !good) {
-      complain(good.error());
-      return kBadInput;
-    }
+  Scene scene;
+  const auto inputs = find_inputs(options, suite, scene);
+  if (!inputs) {
+    complain(inputs.error());
+    return kBadInput;
+  }
   listen_for_interrupts();
-  if (const Result<void> made = make_folder(options.out); !made) return failed(made.error());
+  const std::string name = suite ? "hard_cases.csv" : "harden.json";
+  if (const Exit exit = prepare_outputs(options.out, {&name, 1}, *inputs); exit != kDone) return exit;
+  if (!options.readme.empty())
+    if (const Result<void> writable = probe_file(options.readme); !writable) return failed(writable.error());
   compute::DeviceChoice choice;
   choice.name = options.device;
   const auto device = compute::Device::create(choice);
   if (!device) return failed(device.error());
-  return suite ? harden_suite(**device, options) : harden_scene(**device, options);
+  return suite ? harden_suite(**device, options) : harden_scene(**device, scene, options);
 }
 
 }  // namespace weft::command

@@ -9,13 +9,14 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <sstream>
 
+#include "compute/text.h"
 #include "engine/reference/implicit.h"
 #include "engine/simulation.h"
 #include "samples/weft/commands.h"
 #include "samples/weft/console.h"
 #include "samples/weft/files.h"
+#include "samples/weft/outputs.h"
 #include "samples/weft/report.h"
 
 namespace weft::command {
@@ -172,7 +173,7 @@ void print(const Row& row) {
 }
 
 std::string csv_of(const std::vector<Row>& rows) {
-  std::ostringstream text;
+  TextStream text;
   text << "particles,linear,iterations,processor,frames_per_second,residual,rms_distance_m,stopped,non_finite\n";
   for (const Row& row : rows)
     for (const bool device : {false, true}) {
@@ -212,12 +213,9 @@ void summarise(const std::vector<Row>& rows) {
 }  // namespace
 
 Exit implicit(const ImplicitOptions& options) {
-  const auto failed = [](const std::string& sentence) {
-    complain(sentence);
-    return kFailed;
-  };
   listen_for_interrupts();
-  if (const Result<void> made = make_folder(options.out); !made) return failed(made.error());
+  const std::string name = "implicit.csv";
+  if (const Exit exit = prepare_outputs(options.out, {&name, 1}, {}); exit != kDone) return exit;
   compute::DeviceChoice choice;
   choice.name = options.device;
   const auto device = compute::Device::create(choice);

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <iostream>
 
+#include "engine/scene/faults.h"
 #include "samples/weft/commands.h"
 #include "samples/weft/console.h"
 
@@ -40,6 +41,25 @@ void add_set(CLI::App& command, std::vector<std::string>& texts) {
       ->expected(1)
       ->take_all()
       ->allow_extra_args(false);
+}
+
+// A command or an option that is not there, with the nearest that is; empty where something else is wrong.
+std::string mistyped(const CLI::App& app) {
+  const auto chosen = app.get_subcommands();
+  const CLI::App& command = chosen.empty() ? app : *chosen.front();
+  const std::vector<std::string> unknown = command.remaining();
+  if (unknown.empty()) return "";
+  const std::string wrong = unknown.front().substr(0, unknown.front().find('='));
+  const bool option = wrong.starts_with('-');
+  if (!option && !chosen.empty()) return "";
+  std::vector<std::string> names;
+  if (option)
+    for (const CLI::Option* known : command.get_options())
+      for (const std::string& name : known->get_lnames()) names.push_back("--" + name);
+  else
+    for (const CLI::App* known : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(known->get_name());
+  return "there is no " + std::string(option ? "option \"" : "command \"") + printable(wrong) + '"' +
+         suggestion(wrong, std::vector<std::string_view>(names.begin(), names.end()));
 }
 
 Exit obey(int count, char** arguments) {
@@ -161,7 +181,8 @@ Exit obey(int count, char** arguments) {
     app.parse(count, arguments);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error), kDone;  // --help, --version
-    complain(std::string("weft: ") + error.what() + " (weft --help tells what there is)");
+    const std::string named = mistyped(app);
+    complain("weft: " + (named.empty() ? error.what() : named) + "; weft --help tells what there is");
     return kBadInput;
   }
 

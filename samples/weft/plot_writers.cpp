@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <sstream>
 
+#include "compute/text.h"
 #include "samples/weft/plot.h"
 
 #pragma GCC diagnostic push
@@ -103,7 +103,7 @@ std::string escaped(const std::string& text) {
 
 std::string svg(const Drawing& drawing) {
   constexpr const char* kAnchors[] = {"start", "middle", "end"};
-  std::ostringstream text;
+  TextStream text;
   text.precision(5);
   text << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << drawing.width << ' ' << drawing.height << "\" width=\""
        << drawing.width << "\" height=\"" << drawing.height

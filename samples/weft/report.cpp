@@ -5,7 +5,8 @@
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <sstream>
+
+#include "compute/text.h"
 
 namespace weft::command {
 
@@ -45,7 +46,7 @@ Spread PassTimes::total() const {
 }
 
 std::string PassTimes::csv() const {
-  std::ostringstream text;
+  TextStream text;
   text.precision(6);
   text << "frame";
   for (const PassUse& pass : passes_) text << ',' << pass.name;

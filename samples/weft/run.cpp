@@ -14,6 +14,7 @@
 #include "samples/weft/commands.h"
 #include "samples/weft/console.h"
 #include "samples/weft/files.h"
+#include "samples/weft/outputs.h"
 #include "samples/weft/painter.h"
 #include "samples/weft/report.h"
 #include "samples/weft/subject.h"
@@ -131,6 +132,16 @@ std::filesystem::path checkpoint_file(const Scene& scene, const RunOptions& opti
   return options.out / (file_name(scene.name) + ".snapshot");
 }
 
+std::string picture_name(const Scene& scene) { return file_name(scene.name) + ".png"; }
+
+std::vector<std::string> outputs_of(const Scene& scene, const RunOptions& options) {
+  std::vector<std::string> names = {"final.ply", "timings.csv", "report.json"};
+  if (options.picture) names.push_back(picture_name(scene));
+  if (options.checkpoint > 0) names.push_back(checkpoint_file(scene, options).filename().string());
+  for (std::uint32_t frame = 0; options.every > 0 && frame < scene.frames; frame += options.every) names.push_back(frame_name(frame));
+  return names;
+}
+
 // What follows a frame: crossings are counted, a picture is drawn, a checkpoint is written.
 Result<void> after_frame(Simulation& simulation, Painter& painter, const RunOptions& options, Tally& tally) {
   if (tally.intersections)
@@ -208,11 +219,13 @@ Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& f
   const std::size_t notes_before = fabric.notes.size();
   for (const std::string& note : fabric.notes) std::printf("note: %s\n", note.c_str());
   if (const Exit exit = begin(simulation, options, state); exit != kDone) return exit;
+  const std::string crossing = state.resumed_at ? "" : crossing_note(simulation.scene(), fabric);
+  if (!crossing.empty()) std::printf("note: %s\n", crossing.c_str());
   std::fflush(stdout);
   if (const Result<void> done = simulate(simulation, painter, options, state); !done) return failed(done.error());
   for (const std::string& note : std::span(fabric.notes).subspan(notes_before)) std::printf("note: %s\n", note.c_str());
 
-  if (const Result<void> drawn = painter.draw(simulation, options.out / (file_name(scene.name) + ".png")); !drawn)
+  if (const Result<void> drawn = painter.draw(simulation, options.out / picture_name(scene)); !drawn)
     return failed(drawn.error());
   if (const Result<void> written = write_mesh(simulation, options.out / "final.ply"); !written) return failed(written.error());
   Result<Figures> measured = figures_of(simulation);
@@ -261,7 +274,8 @@ Exit run(const RunOptions& options) {
   }
   if (options.frames) scene->frames = *options.frames;
   listen_for_interrupts();
-  if (const Result<void> made = make_folder(options.out); !made) return failed(made.error());
+  if (const Exit exit = prepare_outputs(options.out, outputs_of(*scene, options), inputs_of(options.file, *scene)); exit != kDone)
+    return exit;
 
   Figures figures;
   PassTimes times({});
@@ -274,7 +288,7 @@ Exit run(const RunOptions& options) {
   if (const Result<void> written = write_text(options.out / "report.json", report_json(figures, times)); !written)
     return failed(written.error());
   print(figures, scene->solver.rate);
-  std::printf("Written: %stimings.csv, report.json, final.ply in %s\n", options.picture ? (file_name(scene->name) + ".png, ").c_str() : "",
+  std::printf("Written: %stimings.csv, report.json, final.ply in %s\n", options.picture ? (picture_name(*scene) + ", ").c_str() : "",
               options.out.string().c_str());
   if (!interrupted()) {
     // A run that is over is not gone on with.

@@ -2,12 +2,12 @@
 #include "samples/weft/subject.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <fstream>
 #include <iterator>
 
 #include "engine/reference/choice.h"
+#include "engine/reference/intersections.h"
 #include "engine/shading/image.h"
 #include "samples/weft/console.h"
 #include "samples/weft/files.h"
@@ -37,6 +37,13 @@ Result<Scene> load_subject(const std::filesystem::path& file, std::span<const As
   return parse_scene(scene_text(scene), scene.folder, assignments);
 }
 
+std::vector<std::pair<std::string, std::string>> maps_of(const Appearance& looks) {
+  std::vector<std::pair<std::string, std::string>> maps = {
+      {"albedo", looks.albedo}, {"normal", looks.normal}, {"roughness", looks.roughness}, {"occlusion", looks.occlusion}};
+  std::erase_if(maps, [](const auto& map) { return map.second.empty(); });
+  return maps;
+}
+
 std::vector<std::string> file_faults(const Scene& scene) {
   std::vector<std::string> faults;
   for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
@@ -44,19 +51,27 @@ std::vector<std::string> file_faults(const Scene& scene) {
     const std::string path = "cloths[" + std::to_string(i) + "].";
     if (!cloth.mesh.empty())
       if (const Result<Mesh> mesh = load_mesh(scene.folder / cloth.mesh); !mesh) faults.push_back(path + "mesh: " + mesh.error());
-    const Appearance& looks = cloth.appearance;
-    const std::array<std::pair<const char*, const std::string*>, 4> maps = {
-        {{"albedo", &looks.albedo}, {"normal", &looks.normal}, {"roughness", &looks.roughness}, {"occlusion", &looks.occlusion}}};
-    for (const auto& [key, name] : maps) {
-      if (name->empty()) continue;
-      if (const Result<Image> image = read_image(scene.folder / *name); !image)
+    for (const auto& [key, map] : maps_of(cloth.appearance))
+      if (const Result<Image> image = read_image(scene.folder / map); !image)
         faults.push_back(path + "appearance." + key + ": " + image.error());
-    }
   }
   for (const std::uint32_t i : mesh_colliders(scene))
     if (const Result<Mesh> mesh = load_mesh(scene.folder / scene.colliders[i].mesh); !mesh)
       faults.push_back("colliders[" + std::to_string(i) + "].mesh: " + mesh.error());
   return faults;
+}
+
+std::string crossing_note(const Scene& scene, const CookedFabric& fabric) {
+  constexpr std::uint64_t kMostCandidates = 256;   // an edge: a flat sheet has ten, a crumpled one some dozens
+  if (!scene.contacts.enabled) return "";
+  std::vector<Vec3> positions;
+  positions.reserve(fabric.positions.size());
+  for (const gpu::vec4& particle : fabric.positions) positions.push_back({particle.x, particle.y, particle.z});
+  const CrossingCount found =
+      count_crossings_among(positions, fabric.triangles, kMostCandidates * fabric.edges.size(), fabric.cloth_triangles);
+  if (found.pairs == 0) return "";
+  return "contacts: cloth starts out crossing or touching cloth or a mesh, in " + std::string(found.all ? "" : "at least ") +
+         std::to_string(found.pairs) + " pairs of edge and triangle, and contacts do not untangle it.";
 }
 
 namespace {

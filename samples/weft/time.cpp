@@ -8,6 +8,7 @@
 #include "samples/weft/commands.h"
 #include "samples/weft/console.h"
 #include "samples/weft/files.h"
+#include "samples/weft/outputs.h"
 #include "samples/weft/report.h"
 #include "samples/weft/subject.h"
 #include "samples/weft/trace.h"
@@ -72,7 +73,8 @@ Exit time(const TimeOptions& options) {
     return kBadInput;
   }
   listen_for_interrupts();
-  if (const Result<void> made = make_folder(options.out); !made) return failed(made.error());
+  const std::string names[] = {"timings.csv", "trace.json", "report.json"};
+  if (const Exit exit = prepare_outputs(options.out, names, inputs_of(options.file, *scene)); exit != kDone) return exit;
   compute::DeviceChoice choice;
   choice.name = options.device;
   const auto device = compute::Device::create(choice);

@@ -1,5 +1,5 @@
-// implicit_filter: the right side of an implicit substep's equations where colliders change the free flight by z (implicit_collide.glsl): the
-// springs respond to that, b <- b - h^2 K z - h D z, in the directions that are free.
+// implicit_filter: the right side of an implicit substep's equations where colliders change the free flight by z
+// (implicit_collide.glsl): the springs respond to that, b <- b - h^2 K z - h D z, in the directions that are free.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"

@@ -108,6 +108,42 @@ TEST(File, a_link_stays_a_link) {
   EXPECT_EQ(slurp(folder / "there"), "newer");
 }
 
+TEST(File, a_link_that_is_to_be_replaced_is_and_what_it_leads_to_is_not_touched) {
+  const Folder folder;
+  folder.write("there", "old");
+  for (const char* target : {"there", "nowhere", "link", "/proc"}) {
+    std::filesystem::create_symlink(target, folder / "link");
+    const auto bytes = std::as_bytes(std::span("x", 1));
+    ASSERT_TRUE(write_file(folder / "link", bytes, Link::replace)) << target;
+    EXPECT_TRUE(std::filesystem::is_regular_file(std::filesystem::symlink_status(folder / "link"))) << target;
+    EXPECT_EQ(slurp(folder / "link"), "x") << target;
+    std::filesystem::remove(folder / "link");
+  }
+  EXPECT_EQ(slurp(folder / "there"), "old");
+  EXPECT_EQ(entries(folder / ""), 1);
+}
+
+TEST(File, a_probe_says_what_a_write_would_say_and_leaves_nothing) {
+  const Folder folder;
+  folder.write("there", "old");
+  std::filesystem::create_directory(folder / "folder");
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  std::filesystem::create_symlink("missing/text", folder / "link");
+  for (const char* name : {"new", "there", "folder", "pipe", "missing/text", "link", "there/text"}) {
+    const Result<void> probed = probe_file(folder / name);
+    EXPECT_EQ(entries(folder / ""), 4) << name;
+    EXPECT_EQ(slurp(folder / "there"), "old") << name;
+    std::error_code none;
+    const bool was_there = std::filesystem::exists(std::filesystem::symlink_status(folder / name, none));
+    const Result<void> written = write(folder / name, std::string(name) == "there" ? "old" : "x");
+    EXPECT_EQ(bool(probed), bool(written)) << name;
+    if (!probed && !written) { EXPECT_EQ(probed.error(), written.error()) << name; }
+    if (!was_there) std::filesystem::remove(folder / name, none);
+  }
+  const FullDisk disk(2048);
+  EXPECT_EQ(probe_file(folder / "new").error(), (folder / "new").string() + " cannot be written: File too large");
+}
+
 TEST(File, of_two_that_write_at_once_one_wins_whole) {
   const Folder folder;
   const std::string texts[] = {std::string(300'000, 'a'), std::string(200'000, 'b')};

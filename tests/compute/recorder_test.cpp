@@ -14,6 +14,7 @@
 #include "compute/pipeline.h"
 #include "scale.h"
 #include "tests/support/on_device.h"
+#include "tests/support/overheard_vulkan.h"
 
 namespace weft::compute {
 namespace {
@@ -206,6 +207,35 @@ TEST_F(OnDevice, validation_speaks_when_a_barrier_is_left_out) {
   ASSERT_FALSE(heard_.empty());
   EXPECT_NE(heard_[0].find("SYNC-HAZARD"), std::string::npos) << heard_[0];
   EXPECT_EQ(device().validation_messages(), heard_);
+}
+
+// What the layer lets pass is found by the checker that tests/solve/barriers_test.cpp relies on.
+TEST_F(OnDevice, a_write_after_a_write_that_no_barrier_orders_is_found) {
+  overheard::ear.begin();
+  overheard::ear.get_instance_proc_addr = device().vk().vkGetInstanceProcAddr;
+  const Result<std::unique_ptr<Device>> heard = Device::borrow({overheard::instance_function, device().instance(), device().physical(),
+                                                                device().handle(), device().queue(), device().queue_family()});
+  ASSERT_TRUE(heard) << heard.error();
+  Result<Bench> bench = Bench::create(**heard);
+  ASSERT_TRUE(bench) << bench.error();
+  for (const bool says_so : {true, false}) {
+    overheard::ear.stream.events.clear();
+    const Result<void> ran = run_once(**heard, "test", [&](VkCommandBuffer commands) {
+      Recorder recorder(**heard, commands);
+      for (int pass = 0; pass < 2; ++pass) {
+        recorder.begin_pass("scale", says_so ? Touches{Bench::kValues, Bench::kValues, {}} : Touches{});
+        bench->bind(recorder, bench->scale, 0);
+        recorder.dispatch(1);
+      }
+    });
+    ASSERT_TRUE(ran) << ran.error();
+    const std::vector<std::string> found = hazards::hazards_of(overheard::ear.stream);
+    ASSERT_EQ(found.size(), says_so ? 0u : 3u);
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      const std::string kind = k == 0 ? "read after write" : k == 1 ? "write after read" : "write after write";
+      EXPECT_TRUE(found[k].starts_with(kind + ": scale touches [0, 4000) of values after scale;")) << found[k];
+    }
+  }
 }
 
 TEST_F(OnDevice, every_pass_has_a_time_and_the_times_follow_each_other) {

@@ -20,6 +20,7 @@ Scene dropped(Held held, double stretch, double shear, double bend) {
   cloth.fabric.bend = bend;
   cloth.bending = bend > 0;
   cloth.tethers = false;
+  cloth.start.imperfection = 0;   // cloth that buckles tells roundings apart, and this is about steps
   if (held == Held::corners) cloth.anchors.push_back(held_at({Corner::low_high, Corner::high_high}));
   else cloth.anchors.emplace_back().box = Anchor::Box{{-1, -1, 0.49f}, {1, 1, 1}};
   scene.solver.longest_advance = 1 / scene.solver.rate;   // many iterations are many dispatches

@@ -273,6 +273,29 @@ TEST(Intersections, triangles_that_are_not_finite_are_left_out) {
   EXPECT_EQ(count_crossings({}, {}), 0u);
 }
 
+// Slivers along the diagonal of space: every box meets every other, and nothing crosses.
+TEST(Intersections, a_count_gives_up_where_there_are_too_many_candidates_and_says_so) {
+  std::vector<Vec3> positions;
+  std::vector<Triangle> triangles;
+  for (std::uint32_t i = 0; i < 200; ++i) {
+    const float x = static_cast<float>(i) * 0.01f;
+    for (const Vec3 p : {Vec3{x, 0, 0}, Vec3{x + 100, 100, 100}, Vec3{x + 100, 100, 100.005f}}) positions.push_back(p);
+    triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  // Two more that cross come last.
+  for (const Vec3 p : {Vec3{500, 0, 0}, Vec3{502, 0, 0}, Vec3{500, 2, 0}, Vec3{500.5f, 0.5f, -1}, Vec3{500.5f, 0.5f, 1}, Vec3{503, 3, 1}})
+    positions.push_back(p);
+  triangles.push_back({600, 601, 602});
+  triangles.push_back({603, 604, 605});
+  const CrossingCount whole = count_crossings_among(positions, triangles, 1'000'000);
+  EXPECT_TRUE(whole.all);
+  EXPECT_EQ(whole.pairs, count_crossings(positions, triangles));
+  EXPECT_GT(whole.pairs, 0u);
+  const CrossingCount part = count_crossings_among(positions, triangles, 10'000);
+  EXPECT_FALSE(part.all);
+  EXPECT_EQ(part.pairs, 0u);
+}
+
 TEST(Intersections, passive_triangles_are_crossed_by_cloth_but_not_by_one_another) {
   for (unsigned seed = 0; seed < 4; ++seed) {
     const Soup soup = random_soup(seed, 20, 20, 20, 150, 150);

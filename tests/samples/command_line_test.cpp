@@ -162,6 +162,30 @@ TEST_F(CommandLine, check_counts_crossings_at_every_frame) {
   EXPECT_EQ(through["intersections"]["final"], 0);
 }
 
+TEST_F(CommandLine, cloth_that_starts_out_crossing_is_a_note_where_contacts_are_to_keep_it_apart) {
+  const auto scene = [&](const char* more_cloth, const char* rest) {
+    return write("scene.json", std::string(R"({"frames": 1, "cloths": [{"grid": {"size": [1, 1], "cells": [4, 4]}})") + more_cloth + "]" +
+                                   rest + "}").string();
+  };
+  const char *upright = R"(, {"grid": {"cells": [3, 3], "upright": true}, "transform": {"translate": [0.06, 0.03, 0.07]}})",
+             *wall = R"(, "contacts": true, "colliders": [{"shape": "mesh", "mesh": "wall.obj"}])", *contacts = R"(, "contacts": true)";
+  write("wall.obj", "v 0.06 -0.3 -0.3\nv 0.06 0.3 -0.3\nv 0.06 -0.3 0.31\nf 1 2 3\n");
+  const std::string said = "note: contacts: cloth starts out crossing or touching cloth or a mesh, in ";
+  for (const auto& [more_cloth, rest] : {std::pair(upright, contacts), std::pair("", wall)}) {
+    const std::string file = scene(more_cloth, rest);
+    for (const auto& call : {std::vector<std::string>{"check", file}, {"run", file, "--no-picture", "--out", out()}}) {
+      const Outcome outcome = weft(call);
+      EXPECT_EQ(outcome.exit, 0) << outcome.error;
+      EXPECT_NE(outcome.out.find(said), std::string::npos) << call[0] << ": " << outcome.out;
+    }
+  }
+  for (const auto& [more_cloth, rest] : {std::pair("", contacts), std::pair(upright, "")}) {
+    const Outcome outcome = weft({"check", scene(more_cloth, rest)});
+    EXPECT_EQ(outcome.exit, 0) << outcome.error;
+    EXPECT_EQ(outcome.out.find("note: contacts"), std::string::npos) << outcome.out;
+  }
+}
+
 TEST_F(CommandLine, a_run_over_a_mesh_reports_its_contacts_and_exports_cloth_alone) {
   const std::string table = WEFT_SOURCE_DIR "/assets/scenes/table.json";
   const Outcome outcome = weft({"run", table, "--frames", "2", "--check", "--out", out()});

@@ -1,20 +1,14 @@
-// Weft inside a host: what it borrows it leaves alone, its three ways to run a frame agree, and the programs that show it run.
+// Weft inside a host: what it borrows it leaves alone, and its three ways to run a frame agree.
 //
 // The host is played by a compute::Device with validation on; Weft works on a second one that borrows everything from it.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <chrono>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <thread>
 
 #include "compute/buffer.h"
 #include "compute/commands.h"
 #include "compute/recorder.h"
-#include "engine/export.h"
-#include "engine/shading/image.h"
 #include "engine/simulation.h"
 #include "tests/support/on_device.h"
 #include "tests/support/sheets.h"
@@ -102,6 +96,45 @@ TEST_F(Host, weft_neither_destroys_nor_idles_what_it_borrows) {
   }
   EXPECT_GT(watch.submits, 0);   // the ear does hear
   EXPECT_EQ(watch.forbidden, 0);
+}
+
+// Each feature may be enabled by its own structure or by that of its version.
+TEST_F(Host, a_device_that_was_created_without_what_weft_needs_is_refused_when_its_host_tells) {
+  VkDeviceCreateInfo created{};
+  created.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
+  compute::BorrowedDevice lent = loan();
+  lent.created_with = &created;
+  const auto refusal = [&] {
+    const auto borrowed = Device::borrow(lent);
+    return borrowed ? std::string() : borrowed.error();
+  };
+  EXPECT_NE(refusal().find("was created without synchronization2 and timelineSemaphore and hostQueryReset and scalarBlockLayout"),
+            std::string::npos)
+      << refusal();
+  VkPhysicalDeviceVulkan12Features version{};
+  version.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
+  version.timelineSemaphore = version.scalarBlockLayout = VK_TRUE;
+  VkPhysicalDeviceHostQueryResetFeatures reset{};
+  reset.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_HOST_QUERY_RESET_FEATURES;
+  reset.hostQueryReset = VK_TRUE;
+  created.pNext = &version;
+  version.pNext = &reset;
+  EXPECT_NE(refusal().find("was created without synchronization2, which"), std::string::npos) << refusal();
+  VkPhysicalDeviceSynchronization2Features barriers{};
+  barriers.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SYNCHRONIZATION_2_FEATURES;
+  barriers.synchronization2 = VK_TRUE;
+  reset.pNext = &barriers;
+  EXPECT_EQ(refusal(), "");
+}
+
+TEST_F(Host, a_command_buffer_that_is_none_is_refused_and_changes_nothing) {
+  const auto borrowed = borrow();
+  const auto simulation = simulate(*borrowed);
+  ASSERT_TRUE(simulation);
+  const auto recorded = simulation->record(VK_NULL_HANDLE, kFrame);
+  ASSERT_FALSE(recorded);
+  EXPECT_EQ(recorded.error(), "record: the command buffer is VK_NULL_HANDLE");
+  EXPECT_EQ(simulation->time(), 0);
 }
 
 TEST_F(Host, recording_leaves_the_queue_to_the_host) {
@@ -305,82 +338,6 @@ TEST_F(Host, twenty_simulations_come_and_go_and_leave_nothing) {
     ASSERT_TRUE(simulation);
     ASSERT_TRUE(simulation->submit(kFrame));
   }
-}
-
-// The programs, as a user runs them.
-class Programs : public testing::Test {
- protected:
-  std::filesystem::path folder = std::filesystem::path(testing::TempDir()) /
-                                 ("weft_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-
-  void SetUp() override {
-    std::filesystem::remove_all(folder);
-    std::filesystem::create_directories(folder);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder); }
-
-  int run(const std::string& command) const {
-    const std::string line = WEFT_BINARIES "/" + command + " >" + file("said") + " 2>&1";
-    const int status = std::system(line.c_str());
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-  std::string said() const {
-    std::ifstream stream(folder / "said");
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
-  std::string file(const char* name) const { return std::string("'").append((folder / name).string()).append("'"); }
-};
-
-TEST_F(Programs, host_engine_embeds_weft_in_silence_and_leaves_a_picture) {
-  ASSERT_EQ(run("host_engine --frames 40 --validation --out " + file("new/picture.png")), 0) << said();
-  EXPECT_NE(said().find("Validation had nothing to say"), std::string::npos) << said();
-  auto image = read_image(folder / "new/picture.png");
-  ASSERT_TRUE(image) << image.error();
-  EXPECT_EQ(image->width * 9, image->height * 16);
-  // The curtain is the only thing that is red, and it hangs in the middle: back again after it was destroyed.
-  std::size_t red = 0;
-  for (std::size_t k = 0; k < image->rgba.size(); k += 4) red += image->rgba[k] > 2 * image->rgba[k + 1];
-  EXPECT_GT(red, image->rgba.size() / 4 / 20);
-  EXPECT_LT(red, image->rgba.size() / 4 / 2);
-}
-
-TEST_F(Programs, host_engine_answers_a_wrong_flag_and_a_missing_device_in_a_sentence) {
-  EXPECT_EQ(run("host_engine --frames -3"), 2);
-  EXPECT_NE(said().find("--frames"), std::string::npos) << said();
-  EXPECT_EQ(run("host_engine --device no_such_device"), 1);
-  EXPECT_NE(said().find("no_such_device"), std::string::npos) << said();
-}
-
-TEST_F(Programs, gltf_cloth_writes_a_mesh_that_loads_again_and_has_moved) {
-  const Mesh sheet = make_grid({{1, 1}, 12, 12, Topology::centre, false});
-  ASSERT_TRUE(write_glb(folder / "in.glb", sheet.render));
-  ASSERT_EQ(run("gltf_cloth " + file("in.glb") + " " + file("out.glb") + " 0.5"), 0) << said();
-  auto moved = load_mesh(folder / "out.glb");
-  ASSERT_TRUE(moved) << moved.error();
-  ASSERT_EQ(moved->render.positions.size(), sheet.render.positions.size());
-  EXPECT_EQ(moved->render.triangles, sheet.render.triangles);
-  float lowest = 0;
-  for (const Vec3& p : moved->render.positions) lowest = std::min(lowest, p.y);
-  EXPECT_LT(lowest, -0.2f);   // flat at y = 0, let go for half a second but for its far edge
-  for (const Vec3& n : moved->render.normals) EXPECT_NEAR(length(n), 1, 1e-4);
-}
-
-TEST_F(Programs, gltf_cloth_answers_wrong_words_and_files_in_a_sentence) {
-  EXPECT_EQ(run("gltf_cloth"), 2);
-  EXPECT_NE(said().find("usage"), std::string::npos) << said();
-  EXPECT_EQ(run("gltf_cloth " + file("missing.glb") + " " + file("out.glb")), 2);
-  EXPECT_NE(said().find("missing.glb"), std::string::npos) << said();
-  const Mesh sheet = make_grid({{1, 1}, 2, 2, Topology::diagonal, true});
-  ASSERT_TRUE(write_glb(folder / "in.glb", sheet.render));
-  EXPECT_EQ(run("gltf_cloth " + file("in.glb") + " " + file("out.glb") + " soon"), 2);
-  EXPECT_NE(said().find("soon"), std::string::npos) << said();
-  EXPECT_EQ(run("gltf_cloth " + file("in.glb") + " " + file("no/folder/out.glb") + " 0"), 1);
-  EXPECT_FALSE(std::filesystem::exists(folder / "out.glb"));
-}
-
-TEST_F(Programs, the_example_of_the_readme_runs) {
-  ASSERT_EQ(run("embedding"), 0) << said();
-  EXPECT_NE(said().find("1617 vertices, 2 s simulated"), std::string::npos) << said();
 }
 
 }  // namespace

@@ -136,8 +136,8 @@ TEST(Figures, a_scene_reports_what_it_calls_for_and_nothing_else) {
   const Sheet hung = sheet_for({{Id::anchor, Id::stretch, Id::bend, Id::tether}});
   EXPECT_EQ(names(cooked_figures(hung.scene, hung.fabric)), (std::set<std::string_view>{"anchored", "bends", "tethers"}));
   EXPECT_EQ(summary_of(hung.scene, hung.fabric),
-            "30 particles, " + std::to_string(hung.fabric.links.size()) + " edges, 6 anchored, " + std::to_string(hung.fabric.bends.size()) +
-                " bends, " + std::to_string(hung.fabric.tether_count) + " tethers");
+            "30 particles, " + std::to_string(hung.fabric.links.size()) + " edges, 6 anchored, " +
+                std::to_string(hung.fabric.bends.size()) + " bends, " + std::to_string(hung.fabric.tether_count) + " tethers");
   EXPECT_TRUE(counted_figures(hung.scene, hung.fabric, {}).empty());
   EXPECT_TRUE(remarks_on(hung.scene, hung.fabric, {}).empty());
 

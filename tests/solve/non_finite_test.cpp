@@ -172,26 +172,29 @@ TEST_F(NonFinite, targets_poses_gravity_and_scenes_are_refused_with_a_sentence_a
 
   Scene scene = moving(6);
   scene.gravity.y = kNan;
-  refused(Simulation::create(device(), scene), "gravity: not a number");
+  refused(Simulation::create(device(), scene), "gravity[1]: not a number, not finite");
   scene = moving(6);
   scene.colliders[0].keys[1].translate.x = kInfinity;
-  refused(Simulation::create(device(), scene), "colliders[0].keys[1].translate: infinite");
+  refused(Simulation::create(device(), scene), "colliders[0].keys[1].translate[0]: infinite, not finite");
   scene = moving(6);
   scene.cloths[0].fabric.bend = kInfinity;
   refused(Simulation::create(device(), scene), "cloths[0].fabric.bend");
-  // Finite, and yet no shader can take its square.
   scene = moving(6);
   scene.gravity.y = -2e10f;
-  refused(Simulation::create(device(), scene), "gravity: [0, -2e+10, 0] is not shorter than 1e+10, which floats cannot square");
+  refused(Simulation::create(device(), scene), "gravity[1]: -2e+10 is less than -1000 (m/s^2)");
   scene = moving(6);
   scene.colliders[2].normal = {0, 1e10f, 0};
-  refused(Simulation::create(device(), scene), "colliders[2].normal: [0, 1e+10, 0]");
+  refused(Simulation::create(device(), scene), "colliders[2].normal[1]: 1e+10 is more than 100000 (m)");
+  // A mesh may have any size. Beyond this no shader can take its squares.
+  const auto scaled = [](const Scene& of, double scale) {
+    std::vector<Mesh> meshes = must(make_meshes(of));
+    transform_mesh(meshes[0], {.translate = {}, .axis = {0, 1, 0}, .degrees = 0, .scale = scale});
+    return meshes;
+  };
   scene = moving(6);
-  scene.cloths[0].transform.scale = 1e12;
-  refused(Simulation::create(device(), scene), "m away or more");
+  refused(Simulation::create(device(), scene, scaled(scene, 1e12)), "m away or more");
   scene = sheet(1);
-  scene.cloths[0].transform.scale = 5e9;
-  refused(Simulation::create(device(), scene), "a link is 4e+09 m long or longer");
+  refused(Simulation::create(device(), scene, scaled(scene, 5e9)), "a link is 4e+09 m long or longer");
 }
 
 }  // namespace

@@ -39,6 +39,7 @@ constexpr double kAFrame = 1e-4, kTenFrames = 1e-2;
 
 TEST_F(Teleport, cloth_set_elsewhere_with_its_anchors_and_colliders_goes_on_as_if_nothing_had_happened) {
   Scene scene = sheet(12);
+  scene.cloths[0].start.imperfection = 0;   // one that buckles tells roundings apart
   scene.cloths[0].fabric.damping = 1;
   scene.cloths[0].anchors.push_back(held_at({Corner::low_low, Corner::high_low}));
   scene.colliders = {sphere({0, -0.4f, 0}, 0.25), plane(-0.7f)};

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
 
+#include "compute/text.h"
 #include "engine/cook/cook_state.h"
 #include "engine/effects/effect.h"
 
@@ -108,15 +108,12 @@ constexpr Figure kFigures[] = {
 };
 
 void remark(const Counts& counts, std::vector<std::string>& remarks) {
-  char text[160];
-  std::snprintf(text, sizeof text, "Contacts: up to %u pairs, searched for %u times; %u times a particle was stopped short",
-                counts.contacts_most, counts.detections, counts.truncated);
-  remarks.emplace_back(text);
-  if (counts.tracking_error > 0) {
-    std::snprintf(text, sizeof text, "Anchors waited for cloth to make way, up to %.2g mm behind their targets",
-                  1000 * double(counts.tracking_error));
-    remarks.emplace_back(text);
-  }
+  remarks.push_back("Contacts: up to " + std::to_string(counts.contacts_most) + " pairs, searched for " +
+                    std::to_string(counts.detections) + " times; " + std::to_string(counts.truncated) +
+                    " times a particle was stopped short");
+  if (counts.tracking_error > 0)
+    remarks.push_back("Anchors waited for cloth to make way, up to " + rounded_text(1000 * double(counts.tracking_error), 2) +
+                      " mm behind their targets");
   if (counts.contacts_overflowed > 0)
     remarks.push_back(std::to_string(counts.contacts_overflowed) + " pairs found no room: their particles were held still instead");
 }

@@ -1,7 +1,6 @@
 #include "engine/effects/implicit/implicit.h"
 
-#include <cstdio>
-
+#include "compute/text.h"
 #include "engine/effects/effect.h"
 
 namespace weft::effects {
@@ -35,11 +34,8 @@ constexpr Figure kFigures[] = {
 
 void remark(const Counts& counts, std::vector<std::string>& remarks) {
   if (counts.unconverged == 0) return;
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "%u substeps were solved to worse than 1 %% (the last to %.2g %%): more iterations or shorter substeps do better",
-                counts.unconverged, 100 * double(counts.residual));
-  remarks.emplace_back(text);
+  remarks.push_back(std::to_string(counts.unconverged) + " substeps were solved to worse than 1 % (the last to " +
+                    rounded_text(100 * double(counts.residual), 2) + " %): more iterations or shorter substeps do better");
 }
 
 }  // namespace

@@ -33,6 +33,7 @@ Pleated pleated(std::uint32_t iterations, Averaging averaging, double rigidity, 
     cloth.fabric.bend = rigidity;
     cloth.tethers = false;
     cloth.bend_rest = rest;
+    cloth.start.imperfection = 0;
     if (held && rest == BendRest::mesh) cloth.anchors.emplace_back().corners = {Corner::low_low, Corner::high_high};
   }
   auto meshes = must(make_meshes(made.scene));

@@ -90,6 +90,7 @@ CookedFabric cooked(const Mesh& mesh, BendRest rest, Averaging averaging = Avera
   cloth.grid = Grid{};   // its points are the mesh's
   cloth.fabric.bend = 3e-5;
   cloth.bend_rest = rest;
+  cloth.start.imperfection = 0;
   scene.solver.averaging = averaging;
   auto fabric = cook(scene, std::span(&mesh, 1));
   EXPECT_TRUE(fabric) << fabric.error();

@@ -4,9 +4,8 @@
 
 #include <bit>
 
-#include "engine/reference/implicit.h"
+#include "tests/effects/implicit/columns.h"
 #include "tests/support/sheets.h"
-#include "tests/support/single_pass.h"
 
 namespace weft {
 namespace {
@@ -15,14 +14,6 @@ using reference::Columns;
 using reference::ImplicitEquations;
 
 using ImplicitFilter = GpuTest;
-
-Columns columns(const std::vector<gpu::vec4>& values, std::size_t first, std::size_t count) {
-  Columns made(3, count);
-  for (std::size_t i = 0; i < count; ++i) made.col(static_cast<Eigen::Index>(i)) = vector(values[first + i]);
-  return made;
-}
-
-double largest(const Columns& values) { return values.colwise().norm().maxCoeff(); }
 
 gpu::Collider at_rest(const Collider& plane) {
   gpu::Collider made{};
@@ -90,9 +81,6 @@ struct Cornered {
                          [&](const reference::Matrix& s) { return std::lround(s.trace()) == directions; });
   }
 };
-
-// A sum of some 24 terms of up to 16 operations each; those that cancel are up to eight times what is left.
-constexpr double kSummed = 24 * 16 * 8 * kRounding / 4;
 
 TEST_F(ImplicitFilter, filtered_equations_are_those_of_the_twin) {
   for (const bool gather_storage : {false, true}) {

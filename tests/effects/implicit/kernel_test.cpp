@@ -4,8 +4,7 @@
 
 #include <cmath>
 
-#include "engine/reference/implicit.h"
-#include "tests/support/single_pass.h"
+#include "tests/effects/implicit/columns.h"
 
 namespace weft {
 namespace {
@@ -54,18 +53,7 @@ struct CrumpledSprings {
   }
 };
 
-Columns columns(const std::vector<gpu::vec4>& values, std::size_t first, std::size_t count) {
-  Columns made(3, count);
-  for (std::size_t i = 0; i < count; ++i) made.col(static_cast<Eigen::Index>(i)) = vector(values[first + i]);
-  return made;
-}
-
-double largest(const Columns& values) { return values.colwise().norm().maxCoeff(); }
-
 using KernelImplicit = GpuTest;
-
-// A particle's sum has some 24 terms of up to 16 operations each; those that cancel are up to eight times what is left.
-constexpr double kSummed = 24 * 16 * 8 * kRounding / 4;
 
 TEST_F(KernelImplicit, assemble_makes_the_equations_of_its_twin) {
   for (const bool links : {false, true})

@@ -52,6 +52,7 @@ TEST_F(ImplicitSimulation, a_hanging_sheet_goes_where_it_goes_on_the_processor_w
   for (const Linear linear : {Linear::cg, Linear::jacobi}) {
     Scene scene = springs(40, linear, linear == Linear::cg ? 20 : 10);
     scene.cloths[0].grid->upright = true;
+    scene.cloths[0].start.imperfection = 0;   // both stay flat; one that buckles tells roundings apart
     scene.cloths[0].anchors.push_back(held_at({Corner::low_high, Corner::high_high}));
     const auto simulation = must(Simulation::create(device(), scene));
     reference::ImplicitSystem system = must(reference::ImplicitSystem::create(scene, simulation->fabric()));

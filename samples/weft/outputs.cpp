@@ -1,0 +1,87 @@
+// Outputs against inputs, by the identity of files.
+#include "samples/weft/outputs.h"
+
+#include <charconv>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "compute/file.h"
+#include "samples/weft/console.h"
+#include "samples/weft/files.h"
+#include "samples/weft/subject.h"
+
+namespace weft::command {
+
+namespace {
+
+std::string decode_percent(const std::string& uri) {
+  std::string plain;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    unsigned code = 0;
+    const char* digits = uri.data() + i + 1;
+    if (uri[i] == '%' && i + 2 < uri.size() && std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2) {
+      plain.push_back(static_cast<char>(code));
+      i += 2;
+    } else {
+      plain.push_back(uri[i]);
+    }
+  }
+  return plain;
+}
+
+// What is wrong with a mesh's document is said where it is read.
+void add_mesh(const std::filesystem::path& file, const std::string& as, std::vector<Input>& inputs) {
+  inputs.push_back({file, as});
+  if (file.extension() != ".gltf") return;
+  std::ifstream stream(file, std::ios::binary);
+  const auto document = nlohmann::json::parse(stream, nullptr, false);
+  if (!document.is_object() || !document.contains("buffers") || !document["buffers"].is_array()) return;
+  for (const auto& buffer : document["buffers"])
+    if (buffer.is_object() && buffer.contains("uri") && buffer["uri"].is_string())
+      inputs.push_back({file.parent_path() / decode_percent(buffer["uri"].get<std::string>()), "a buffer of " + as});
+}
+
+void add_curves(std::vector<Input>& inputs) {
+  std::error_code none;
+  for (std::filesystem::directory_iterator at(curve_file("").parent_path(), none), end; !none && at != end; at.increment(none))
+    if (at->path().extension() == ".csv") inputs.push_back({at->path(), "the curve of a device"});
+}
+
+}  // namespace
+
+std::vector<Input> inputs_of(const std::filesystem::path& file, const Scene& scene) {
+  std::vector<Input> inputs = {{file, "the scene"}};
+  for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
+    const Cloth& cloth = scene.cloths[i];
+    const std::string path = "cloths[" + std::to_string(i) + "].";
+    if (!cloth.mesh.empty()) add_mesh(scene.folder / cloth.mesh, path + "mesh", inputs);
+    for (const auto& [key, map] : maps_of(cloth.appearance)) inputs.push_back({scene.folder / map, path + "appearance." + key});
+  }
+  for (const std::uint32_t i : mesh_colliders(scene))
+    add_mesh(scene.folder / scene.colliders[i].mesh, "colliders[" + std::to_string(i) + "].mesh", inputs);
+  if (scene.solver.method == Method::automatic) add_curves(inputs);
+  return inputs;
+}
+
+Exit prepare_outputs(const std::filesystem::path& folder, std::span<const std::string> names, std::span<const Input> inputs) {
+  if (const Result<void> made = make_folder(folder); !made) return failed(made.error());
+  bool probed = false;
+  for (const std::string& name : names) {
+    const std::filesystem::path file = folder / name;
+    std::error_code none;
+    const auto status = std::filesystem::symlink_status(file, none);
+    const bool there = std::filesystem::exists(status);
+    for (const Input& input : inputs)
+      if (there && std::filesystem::equivalent(file, input.file, none)) {
+        complain(file.string() + " is read as " + input.as + " and would be overwritten: choose another --out");
+        return kBadInput;
+      }
+    // One file that is new or plain tells of all others in the folder.
+    if (probed && (!there || std::filesystem::is_regular_file(status))) continue;
+    if (const Result<void> writable = probe_file(file); !writable) return failed(writable.error());
+    probed = true;
+  }
+  return kDone;
+}
+
+}  // namespace weft::command
