@@ -7,6 +7,7 @@
 #include "engine/mesh/gltf.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 #include <functional>
@@ -205,6 +206,11 @@ class GltfStripper {
         say("node ", n, ": \"", key, "\" is not ", length, " numbers");
       else
         copy[key] = numbers;
+    }
+    if (copy.contains("rotation")) {   // assimp takes the quaternion to have length 1
+      auto turn = copy["rotation"].get<std::array<double, 4>>();
+      Eigen::Map<Eigen::Vector4d>(turn.data()).stableNormalize();
+      copy["rotation"] = turn;
     }
     return copy;
   }

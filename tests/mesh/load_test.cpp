@@ -130,6 +130,16 @@ TEST(MeshLoad, node_transforms_multiply_down_the_tree) {
   expect_near(mesh->render.normals[0], {1, 0, 0});
 }
 
+TEST(MeshLoad, a_rotation_turns_and_does_not_scale_whatever_the_length_of_its_quaternion) {
+  Gltf gltf;
+  gltf.primitive(gltf.vec3({1, 0, 0, 1, 1, 0, 2, 0, 0}));
+  gltf.json["nodes"][0]["rotation"] = {0, 3, 0, 3};
+  const Result<Mesh> mesh = load_written(gltf);
+  ASSERT_TRUE(mesh) << mesh.error();
+  expect_near(mesh->points[1], {0, 1, -1});
+  expect_near(mesh->points[2], {0, 0, -2});
+}
+
 TEST(MeshLoad, a_mirroring_node_turns_the_winding_so_that_normals_still_agree) {
   Gltf gltf;
   const std::size_t position = gltf.vec3(kSquare), normal = gltf.vec3({0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1});
