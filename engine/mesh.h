@@ -3,11 +3,17 @@
 // A file's vertices are split wherever normals or UVs differ. The cloth must not be, so vertices at one place (within
 // `weld_tolerance`) become one point; `point_of` maps every render vertex back, and seams stay closed.
 //
+// A file's own vertices keep their numbers, whatever is joined, split or dropped on the way: `point_of_source` is by them, and it is
+// them that a scene's anchors count. An OBJ's are its `v` lines. A glTF's are the elements of its position accessors, primitive
+// after primitive as the scene's nodes show them; primitives of one mesh that share their accessors share the vertices.
+// Render vertices lie in the same order; copies of an OBJ's vertex, with other normals or UVs, come after the last.
+//
 // Texture coordinates follow glTF and Vulkan: (0, 0) is the picture's upper left corner, v grows downwards. The bitangent
 // w cross(normal, tangent) points up in the picture, which is what glTF's normal maps (+Y up) expect.
 //
 // Limitations: welding goes by position alone, so two sheets that lie exactly on each other become one (their triangles are
-// duplicates then, and are counted as such). Skins, morph targets, animations and materials of a file are not read.
+// duplicates then, and are counted as such). Skins and morph targets are left out, and counted; animations and materials of a
+// file are not read.
 #pragma once
 
 #include <array>
@@ -51,12 +57,13 @@ struct WingedEdge {
 
 struct Mesh {
   RenderMesh render;
-  std::vector<std::uint32_t> point_of;      // render vertex -> point; every point has at least one render vertex
-  std::vector<Vec3> points;                 // m, rest pose; numbered in the order of their first render vertices, where they lie
-  std::vector<Triangle> triangles;          // over points: render.triangles[i] through point_of; each valid, no two the same
-  std::vector<WingedEdge> edges;            // manifold after repair; each pair of points once, sorted by (smaller, greater) point
-  std::vector<std::string> mended;          // repairs: one sentence a kind of fault, with its count; empty for a clean mesh
-  double weld_tolerance = 0;                // m
+  std::vector<std::uint32_t> point_of;          // render vertex -> point; every point has at least one render vertex
+  std::vector<std::uint32_t> point_of_source;   // vertex of the file (or of what weld_mesh was given) -> point; kNone: of no triangle
+  std::vector<Vec3> points;                     // m, rest pose; numbered in the order of their first render vertices, where they lie
+  std::vector<Triangle> triangles;              // over points: render.triangles[i] through point_of; each valid, no two the same
+  std::vector<WingedEdge> edges;                // manifold after repair; each pair of points once, sorted by (smaller, greater) point
+  std::vector<std::string> mended;              // repairs: one sentence a kind of fault, with its count; empty for a clean mesh
+  double weld_tolerance = 0;                    // m
 };
 
 /// A grid with (cells + 1) vertices a side, plus one a cell in the centre topology. Indices are integers throughout, so
@@ -77,11 +84,16 @@ Mesh make_grid(const Grid& grid);
 // Of a file: 2000 x 2000, far above what can be simulated. Stops nonsense files early.
 inline constexpr std::uint32_t kMostVertices = 4'000'000;
 
+inline constexpr std::uint32_t kMostCorners = 1000;   // of a face: the time that it takes to cut it grows with the square
+
 /// Reads glTF, GLB or OBJ: all triangle primitives of the default scene, node transforms applied (a mirroring one turns the
-/// winding back outwards), missing normals and UVs made. Lines and points are left out, with a sentence in `mended`. Vertices
-/// of a glTF keep their order; those of an OBJ, or of primitives without indices, are joined where they agree in everything.
-/// Errors: missing, cut short or foreign file; a glTF that needs an extension, or uses sparse or quantised accessors;
-/// no triangle; a vertex that is not finite; more than kMostVertices vertices.
+/// winding back outwards; a skinned mesh has none, as glTF says), missing normals and UVs made. Faces of an OBJ are cut into
+/// triangles, concave ones too. Lines, points, skins and morph targets are left out, with a sentence in `mended`. Where
+/// triangles share no vertices, those that agree in everything are joined. A glTF's buffers are read only below its own
+/// folder; nothing that an OBJ names is.
+/// Errors: missing, cut short or foreign file; a glTF that needs an extension, or uses sparse, quantised or compressed accessors;
+/// indices that make no whole triangles; no triangle; a vertex that is not finite, or 1e10 m or more away; more than kMostVertices
+/// vertices; a face of more than kMostCorners corners.
 Result<Mesh> load_mesh(const std::filesystem::path& file);
 
 /// Applies a transform (scale, then rotation, then translation) to positions, normals and tangents.

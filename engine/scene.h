@@ -60,7 +60,7 @@ enum class Corner { low_low, high_low, low_high, high_high };  // of a mesh's bo
 
 /// Which vertices an anchor holds, and how they move. Vertices are chosen in the rest pose, after the transform.
 struct Anchor {                                  // the union of what vertices, corners, top and box choose; never nothing
-  std::vector<std::uint32_t> vertices;          // render-vertex indices of the mesh
+  std::vector<std::uint32_t> vertices;          // numbers from 0, as the mesh's file has them (Mesh::point_of_source)
   std::vector<Corner> corners;                  // grids only
   std::optional<double> top;                    // every vertex within this distance (m) below the highest
   struct Box { Vec3 low, high; };

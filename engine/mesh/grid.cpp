@@ -62,6 +62,7 @@ Mesh make_grid(const Grid& grid) {
   mesh.points = render.positions;
   mesh.point_of.resize(vertex_count);
   for (std::uint32_t v = 0; v < vertex_count; ++v) mesh.point_of[v] = v;
+  mesh.point_of_source = mesh.point_of;
   mesh.edges = winged_edges(mesh.triangles, nullptr);
   mesh.weld_tolerance = parts::kWeldFraction * std::hypot(double(grid.size.x), double(grid.size.y));
   return mesh;

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -50,23 +51,32 @@ void complete_normals(RenderMesh& render, std::span<const std::uint32_t> point_o
 void complete_uvs(RenderMesh& render);
 void complete_tangents(RenderMesh& render);
 
-/// The geometry of a glTF or GLB file as a small GLB in memory: one scene's nodes, triangle meshes, float attributes, one
-/// buffer, and nothing else. Every length and index in it has been checked. `folder` is where the file's relative URIs start
-/// from.
-/// Errors: not JSON, nested too deeply, cut short, a reference or a range out of bounds, a required extension, sparse or quantised
-/// accessors.
-Result<std::string> gltf_geometry(const std::string& content, const std::filesystem::path& folder);
-
-/// The geometry of an OBJ file as another OBJ: v, vt, vn and f only, indices positive and in range. The elements left out are
-/// counted.
-/// Errors: a line that does not read as what it claims to be, an index without its vertex, no face.
-struct ObjGeometry {
-  std::string text;
-  std::size_t points = 0, lines = 0;
+/// What a file holds, before it is welded: vertices in the file's order, and counts of what was left out or is made anew.
+struct Harvest {
+  RenderMesh render;                 // a normal or tangent that is missing is zero, a texture coordinate not finite
+  std::size_t source_vertices = 0;   // the file's own, the first of `render`; copies of an OBJ's come after them
+  std::size_t points = 0, lines = 0, skins = 0, morph_targets = 0;
+  std::size_t bad_normals = 0, bad_uvs = 0, crossed_faces = 0;
 };
-Result<ObjGeometry> obj_geometry(std::string_view content);
 
-/// The whole file. Errors: missing, a folder, empty, unreadable.
-Result<std::string> read_file(const std::filesystem::path& file);
+/// A glTF or GLB file's scene. `folder` is where the file's relative URIs start from, and nothing outside it is read.
+/// Errors: not JSON, too large or nested too deeply, cut short, a reference or a range out of bounds, a required extension, sparse,
+/// quantised or compressed accessors, indices that make no whole triangles, too many vertices.
+Result<Harvest> read_gltf(const std::string& content, const std::filesystem::path& folder);
+
+/// An OBJ file's faces.
+/// Errors: a line that does not read as what it claims to be, an index without its vertex, too many corners or vertices, no face.
+Result<Harvest> read_obj(std::string_view content);
+
+/// Whether all are finite and nearer than kTooLarge (engine/finite.h); else a sentence with the first that is not.
+Result<void> check_places(std::span<const Vec3> positions);
+
+/// Cuts a face of three or more corners into triangles over these, which keep its winding; every corner is one of a triangle. False
+/// when the face crosses itself: then triangles lie on each other, or face the other way.
+bool cut_face(std::span<const Vec3> face, std::vector<Triangle>& triangles);
+
+/// A file, or no more than its first bytes. Errors: missing, a folder, empty, unreadable; a whole file of more than kMostBytes.
+inline constexpr std::size_t kMostBytes = std::size_t{1} << 30;   // three times what 4,000,000 vertices need as an OBJ
+Result<std::string> read_file(const std::filesystem::path& file, std::optional<std::size_t> first_bytes = std::nullopt);
 
 }  // namespace weft::parts

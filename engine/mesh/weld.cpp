@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/finite.h"
 #include "engine/mesh/parts.h"
 
 namespace weft {
@@ -50,15 +51,42 @@ std::string count_of(std::size_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
+/// A vertex in the cell of that key.
+struct Cell {
+  std::uint64_t key;
+  std::uint32_t vertex;
+};
+
+/// Whether a vertex of each list lies within the tolerance of one of the other; changes their order. Lists whose boxes cannot tell are
+/// halved, so that crowds a little more than the tolerance apart do not cost every pair.
+bool touch(std::span<const Vec3> positions, std::span<Cell> left, std::span<Cell> right, double tolerance) {
+  const double squared_tolerance = tolerance * tolerance;
+  const auto at = [&](const Cell& cell) { return wide(positions[cell.vertex]); };
+  if (left.size() * right.size() <= 64)
+    return std::ranges::any_of(left, [&](const Cell& l) {
+      return std::ranges::any_of(right, [&](const Cell& r) { return (at(l) - at(r)).squaredNorm() <= squared_tolerance; });
+    });
+  Box l, r;
+  for (const Cell& cell : left) l.add(at(cell));
+  for (const Cell& cell : right) r.add(at(cell));
+  if ((l.low - r.high).cwiseMax(r.low - l.high).cwiseMax(0).squaredNorm() > squared_tolerance) return false;   // the nearest they can be
+  if ((l.high - r.low).cwiseMax(r.high - l.low).squaredNorm() <= squared_tolerance) return true;               // the farthest
+  if (l.diagonal() < r.diagonal()) {
+    std::swap(left, right);
+    std::swap(l, r);
+  }
+  int axis = 0;
+  (l.high - l.low).maxCoeff(&axis);
+  const std::size_t half = left.size() / 2;
+  std::ranges::nth_element(left, left.begin() + static_cast<std::ptrdiff_t>(half), {}, [&](const Cell& cell) { return at(cell)[axis]; });
+  return touch(positions, left.first(half), right, tolerance) || touch(positions, left.subspan(half), right, tolerance);
+}
+
 /// For each vertex the lowest one that it is welded to. `used` vertices only; the others stay alone.
 std::vector<std::uint32_t> weld(std::span<const Vec3> positions, const std::vector<std::uint8_t>& used, const Vector3d& low,
                                 double tolerance) {
   // The diagonal is a million tolerances, so a coordinate is below sqrt(3) million cells: 21 bits, with two cells to spare on
   // either side.
-  struct Cell {
-    std::uint64_t key;
-    std::uint32_t vertex;
-  };
   constexpr std::uint64_t x_step = std::uint64_t{1} << 42, y_step = std::uint64_t{1} << 21;
   const double cells_per_metre = std::numbers::sqrt3 / (tolerance * (1 - 1e-9));   // cells slightly smaller, to allow for rounding
   std::vector<Cell> cells;
@@ -82,15 +110,10 @@ std::vector<std::uint32_t> weld(std::span<const Vec3> positions, const std::vect
   const std::size_t cell_count = start.size();
   start.push_back(cells.size());
 
-  const double squared_tolerance = tolerance * tolerance;
   const auto weld_cells = [&](std::size_t left, std::size_t right) {
-    if (sets.root(cells[start[left]].vertex) == sets.root(cells[start[right]].vertex)) return;
-    for (std::size_t l = start[left]; l < start[left + 1]; ++l)
-      for (std::size_t r = start[right]; r < start[right + 1]; ++r)
-        if ((wide(positions[cells[l].vertex]) - wide(positions[cells[r].vertex])).squaredNorm() <= squared_tolerance) {
-          sets.join(cells[l].vertex, cells[r].vertex);
-          return;
-        }
+    const std::uint32_t l = cells[start[left]].vertex, r = cells[start[right]].vertex;
+    const auto all_of = [&](std::size_t cell) { return std::span(cells).subspan(start[cell], start[cell + 1] - start[cell]); };
+    if (sets.root(l) != sets.root(r) && touch(positions, all_of(left), all_of(right), tolerance)) sets.join(l, r);
   };
   for (int dx = 0; dx <= 2; ++dx)
     for (int dy = dx == 0 ? 0 : -2; dy <= 2; ++dy) {
@@ -119,13 +142,8 @@ Result<void> check_lists(const RenderMesh& render) {
   if (!fits(render.normals.size()) || !fits(render.tangents.size()) || !fits(render.uvs.size()))
     return fail("the mesh has ", count, " positions but ", render.normals.size(), " normals, ", render.tangents.size(), " tangents and ",
                 render.uvs.size(), " texture coordinates; each list is as long as the positions or empty");
+  if (Result<void> checked = parts::check_places(render.positions); !checked) return checked;
   std::size_t bad = 0, first = 0;
-  for (std::size_t v = count; v-- > 0;)
-    if (!parts::finite(render.positions[v])) {
-      ++bad;
-      first = v;
-    }
-  if (bad) return fail(bad, " of ", count, " vertices ", bad == 1 ? "is" : "are", " not finite, the first is vertex ", first);
   for (std::size_t t = render.triangles.size(); t-- > 0;)
     if (std::ranges::any_of(render.triangles[t], [&](std::uint32_t v) { return v >= count; })) {
       ++bad;
@@ -219,6 +237,30 @@ void repair_winding(Mesh& mesh) {
 
 }   // namespace
 
+namespace parts {
+
+Result<void> check_places(std::span<const Vec3> positions) {
+  const std::size_t count = positions.size();
+  std::size_t bad = 0, first = 0;
+  for (std::size_t v = count; v-- > 0;)
+    if (!parts::finite(positions[v])) {
+      ++bad;
+      first = v;
+    }
+  if (bad) return fail(bad, " of ", count, " vertices ", bad == 1 ? "is" : "are", " not finite, the first is vertex ", first);
+  for (std::size_t v = count; v-- > 0;)
+    if (!is_finite(positions[v])) {
+      ++bad;
+      first = v;
+    }
+  if (bad)
+    return fail(bad, " of ", count, " vertices ", bad == 1 ? "lies" : "lie", " ", kTooLarge,
+                " m or more from the origin, the first is vertex ", first, ", ", wide(positions[first]).norm(), " m away");
+  return {};
+}
+
+}   // namespace parts
+
 Result<Mesh> weld_mesh(RenderMesh render) {
   if (Result<void> checked = check_lists(render); !checked) return checked.take_error();
   std::vector<std::uint8_t> used(render.positions.size(), 0);
@@ -243,6 +285,7 @@ Result<Mesh> weld_mesh(RenderMesh render) {
                           (unused == 1 ? "was" : "were") + " dropped");
 
   std::vector<std::uint32_t> point_at(vertex_count, kNone);   // by lowest welded vertex
+  mesh.point_of_source.assign(vertex_count, kNone);
   mesh.point_of.reserve(old_index.size());
   for (std::size_t v = 0; v < old_index.size(); ++v) {
     std::uint32_t& point = point_at[lowest[old_index[v]]];
@@ -251,6 +294,7 @@ Result<Mesh> weld_mesh(RenderMesh render) {
       mesh.points.push_back(render.positions[v]);
     }
     mesh.point_of.push_back(point);
+    mesh.point_of_source[old_index[v]] = point;
   }
   mesh.render = std::move(render);
   mesh.triangles.reserve(mesh.render.triangles.size());

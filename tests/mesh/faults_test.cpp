@@ -37,6 +37,7 @@ TEST(MeshFaults, what_is_no_mesh_file_is_refused_by_name) {
   expect_says(refusal(folder / "folder.glb"), "is a folder");
   expect_says(refusal(folder.write("empty.obj", "")), "is empty");
   expect_says(refusal(folder.write("cloth.fbx", "x")), "\".fbx\"; .gltf, .glb and .obj can be read");
+  expect_says(refusal(folder / "cloth.usd"), "\".usd\"; .gltf, .glb and .obj can be read");
   if (std::filesystem::exists("/dev/null")) {
     std::filesystem::create_symlink("/dev/null", folder / "device.obj");
     expect_says(refusal(folder / "device.obj"), "not a regular file");
@@ -65,6 +66,108 @@ TEST(MeshFaults, a_missing_or_short_buffer_is_named) {
   expect_says(refusal(file), "buffer 0 is cut short: it has 20 of 42 bytes");
   std::filesystem::remove(folder / "mesh.bin");
   expect_says(refusal(file), "mesh.bin does not exist");
+}
+
+TEST(MeshFaults, a_buffer_outside_the_file_s_folder_is_not_read) {
+  const Folder folder;
+  Gltf gltf = triangle();
+  gltf.write(folder);
+  std::filesystem::create_directories(folder / "own/sub");
+  std::filesystem::copy_file(folder / "mesh.bin", folder / "own/sub/mesh.bin");
+  std::filesystem::create_symlink("../mesh.bin", folder / "own/link.bin");
+  std::filesystem::create_directory_symlink("..", folder / "own/up");
+  std::filesystem::create_symlink("sub/mesh.bin", folder / "own/near.bin");
+  std::filesystem::create_directory_symlink("own", folder / "alias");
+  const auto named = [&](const std::string& uri) {
+    gltf.json["buffers"][0]["uri"] = uri;
+    return folder.write("own/mesh.gltf", gltf.json.dump());
+  };
+  for (const std::string& uri :
+       {std::string("../mesh.bin"), std::string("%2e%2e/mesh.bin"), std::string("..%2Fmesh.bin"), std::string("sub/../../mesh.bin"),
+        std::string("link.bin"), std::string("up/mesh.bin"), (folder / "mesh.bin").string(), std::string("/etc/passwd"),
+        std::string("../../../../../../../../etc/passwd"), std::string("../no_such_file"), std::string("link.bin%00/../sub/mesh.bin")})
+    expect_says(refusal(named(uri)), "lies outside the folder of the glTF");
+  for (const char* uri : {"sub/mesh.bin", "sub/../sub/mesh.bin", "%73ub/mesh.bin", "near.bin"}) {
+    const std::filesystem::path file = named(uri);
+    for (const std::filesystem::path& path : {file, folder / "alias/mesh.gltf", folder / "own/sub/../mesh.gltf"}) {
+      const Result<Mesh> mesh = load_mesh(path);
+      EXPECT_TRUE(mesh) << mesh.error();
+    }
+  }
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder / "own");
+  EXPECT_TRUE(load_mesh("mesh.gltf"));
+  std::filesystem::current_path(before);
+}
+
+TEST(MeshFaults, what_a_file_makes_the_program_read_and_hold_is_bounded) {
+  const Folder folder;
+  folder.write("large.obj", "v 0 0 0\n");
+  std::filesystem::resize_file(folder / "large.obj", std::uintmax_t{1} << 40);   // a hole: nothing lies on the disk
+  expect_says(refusal(folder / "large.obj"), "has 1099511627776 bytes; at most 1073741824 are read");
+  Gltf gltf = triangle();
+  const std::filesystem::path file = gltf.write(folder);
+  std::filesystem::resize_file(folder / "mesh.bin", std::uintmax_t{1} << 40);   // the buffer is its first bytes
+  EXPECT_TRUE(load_mesh(file));
+  gltf.json["buffers"].push_back({{"byteLength", 1 << 30}, {"uri", "mesh.bin"}});
+  expect_says(refusal(folder.write("buffers.gltf", gltf.json.dump())), "at most 1073741824 are allowed");
+  expect_says(refusal(folder.write("values.gltf", "{\"extras\":[" + std::string(5'000'000, ',') + "]}")), "more than 4000000 values");
+  gltf = triangle();
+  gltf.json["scenes"][0]["nodes"] = std::vector<int>(1000, 0);
+  expect_says(refusal(gltf.write(folder)), "its scene has the node 0 twice");
+}
+
+TEST(MeshFaults, an_obj_reads_no_other_file) {
+  const Folder folder;
+  const std::string text = "mtllib /dev/zero ../../etc/passwd\ncall /dev/zero\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  EXPECT_TRUE(load_mesh(folder.write("a.obj", text)));
+}
+
+TEST(MeshFaults, a_line_that_goes_on_a_million_times_is_read_in_one_go) {
+  const Folder folder;
+  std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 ";
+  for (int k = 0; k < 1'000'000; ++k) text += "\\\n";
+  EXPECT_TRUE(load_mesh(folder.write("a.obj", text + "3\n")));
+}
+
+TEST(MeshFaults, compressed_primitives_are_named_and_their_plain_copies_read) {
+  const Folder folder;
+  Gltf gltf = triangle();
+  gltf.json["extensionsUsed"] = {"KHR_draco_mesh_compression"};
+  gltf.json["meshes"][0]["primitives"][0]["extensions"] = {{"KHR_draco_mesh_compression", {{"bufferView", 0}}}};
+  EXPECT_TRUE(load_mesh(gltf.write(folder)));
+  for (auto& accessor : gltf.json["accessors"]) accessor.erase("bufferView");
+  expect_says(refusal(gltf.write(folder)), "a primitive is compressed (KHR_draco_mesh_compression), which is not read");
+  gltf.json["meshes"][0]["primitives"][0].erase("extensions");
+  expect_says(refusal(gltf.write(folder)), "the accessor of \"POSITION\" has no \"bufferView\"");
+  gltf = triangle();
+  gltf.write(folder);
+  gltf.json["buffers"].push_back({{"byteLength", 100}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}});
+  expect_says(refusal(folder.write("meshopt.gltf", gltf.json.dump())),
+              "buffer 1 is compressed (EXT_meshopt_compression), which is not read");
+}
+
+TEST(MeshFaults, corners_that_make_no_whole_triangles_are_refused) {
+  const auto refuse = [](const std::vector<std::uint16_t>& corners, int mode, const char* part) {
+    const Folder folder;
+    Gltf gltf;
+    const std::size_t position = gltf.vec3({0, 0, 0, 1, 0, 0, 0, 1, 0}), indices = gltf.indices16(corners);
+    gltf.primitive(position, mode)["indices"] = indices;
+    expect_says(refusal(gltf.write(folder)), part);
+  };
+  refuse({0, 1, 2, 0, 1}, 4, "a primitive has 5 corners, which is no multiple of 3");
+  refuse({0, 1}, 4, "a primitive has 2 corners");
+  refuse({0, 1}, 5, "a strip or fan has 2 corners; 3 are needed");
+  refuse({0}, 6, "a strip or fan has 1 corners; 3 are needed");
+}
+
+TEST(MeshFaults, a_vertex_too_far_away_is_refused_with_its_number) {
+  const Folder folder;
+  expect_says(refusal(folder.write("far.obj", "v 0 0 0\nv 1e30 0 0\nv 0 0 0\nv 0 2e30 0\nf 1 2 4\n")),
+              "2 of 4 vertices lie 1e+10 m or more from the origin, the first is vertex 1, 1e+30 m away");
+  Gltf gltf;
+  gltf.primitive(gltf.vec3({0, 0, 0, 1, 0, 0, 0, 1e12f, 0}));
+  expect_says(refusal(gltf.write(folder)), "1 of 3 vertices lies 1e+10 m or more from the origin, the first is vertex 2, 1e+12 m away");
 }
 
 TEST(MeshFaults, ranges_and_references_out_of_bounds_are_named) {

@@ -130,6 +130,16 @@ TEST(MeshLoad, node_transforms_multiply_down_the_tree) {
   expect_near(mesh->render.normals[0], {1, 0, 0});
 }
 
+TEST(MeshLoad, a_rotation_turns_and_does_not_scale_whatever_the_length_of_its_quaternion) {
+  Gltf gltf;
+  gltf.primitive(gltf.vec3({1, 0, 0, 1, 1, 0, 2, 0, 0}));
+  gltf.json["nodes"][0]["rotation"] = {0, 3, 0, 3};
+  const Result<Mesh> mesh = load_written(gltf);
+  ASSERT_TRUE(mesh) << mesh.error();
+  expect_near(mesh->points[1], {0, 1, -1});
+  expect_near(mesh->points[2], {0, 0, -2});
+}
+
 TEST(MeshLoad, a_mirroring_node_turns_the_winding_so_that_normals_still_agree) {
   Gltf gltf;
   const std::size_t position = gltf.vec3(kSquare), normal = gltf.vec3({0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1});
@@ -169,6 +179,48 @@ TEST(MeshLoad, a_mesh_shown_by_two_nodes_is_there_twice) {
   const Result<Mesh> mesh = load_written(gltf);
   ASSERT_TRUE(mesh) << mesh.error();
   EXPECT_EQ(mesh->points.size(), 6u);
+}
+
+TEST(MeshLoad, a_skinned_mesh_stands_where_the_file_stores_it_and_skins_and_morph_targets_are_counted) {
+  Gltf gltf;
+  const std::size_t position = gltf.vec3(kSquare), indices = gltf.indices16({0, 1, 2, 0, 2, 3});
+  auto& primitive = gltf.primitive(position);
+  primitive["indices"] = indices;
+  primitive["targets"] = {{{"POSITION", position}}, {{"POSITION", position}}};
+  gltf.json["skins"] = {{{"joints", {0}}}};
+  gltf.json["nodes"] = {{{"children", {1}}, {"translation", {10, 0, 0}}},
+                        {{"mesh", 0}, {"skin", 0}, {"scale", {-2, 3, 4}}, {"children", {2}}},
+                        {{"mesh", 0}}};   // not skinned: below the first two as ever
+  const Result<Mesh> mesh = load_written(gltf);
+  ASSERT_TRUE(mesh) << mesh.error();
+  EXPECT_EQ(mesh->points, (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {10, 0, 0}, {8, 0, 0}, {8, 3, 0}, {10, 3, 0}}));
+  EXPECT_EQ(mesh->mended,
+            (std::vector<std::string>{"1 skin was left out: the mesh has the shape that the file stores, without a node's transform",
+                                      "4 morph targets were left out: the mesh has its base shape"}));
+}
+
+TEST(MeshLoad, ten_thousand_primitives_over_one_accessor_are_as_many_triangles_and_no_more_vertices) {
+  Gltf gltf;
+  std::vector<float> positions;
+  std::vector<std::uint16_t> corners;
+  for (int i = 0; i < 10002; ++i) {
+    positions.insert(positions.end(), {static_cast<float>(i / 2), static_cast<float>(i % 2), 0});
+    if (i >= 2)
+      for (const int k : {i % 2 ? i - 1 : i - 2, i % 2 ? i - 2 : i - 1, i}) corners.push_back(static_cast<std::uint16_t>(k));
+  }
+  const std::size_t position = gltf.vec3(positions), all = gltf.indices16(corners);
+  const nlohmann::json whole = gltf.json["accessors"][all];
+  for (std::size_t t = 0; t < 10000; ++t) {
+    gltf.json["accessors"].push_back(whole);
+    gltf.json["accessors"].back()["byteOffset"] = 6 * t;
+    gltf.json["accessors"].back()["count"] = 3;
+    gltf.primitive(position)["indices"] = gltf.json["accessors"].size() - 1;
+  }
+  const Result<Mesh> mesh = load_written(gltf);
+  ASSERT_TRUE(mesh) << mesh.error();
+  EXPECT_EQ(mesh->render.positions.size(), 10002u);
+  EXPECT_EQ(mesh->triangles.size(), 10000u);
+  EXPECT_TRUE(mesh->mended.empty()) << mesh->mended[0];
 }
 
 TEST(MeshLoad, materials_animations_and_unknown_extras_do_not_matter) {

@@ -120,8 +120,30 @@ TEST(Weld, one_vertex_far_away_does_not_take_forever) {
   Grid grid;
   grid.cells_x = grid.cells_y = 300;
   RenderMesh mesh = make_grid(grid).render;
-  mesh.positions.back().x = 1e30f;
+  mesh.positions.back().x = 1e9f;
   EXPECT_FALSE(weld_mesh(mesh));
+}
+
+TEST(Weld, crowds_that_do_not_quite_touch_stay_two_points_until_one_vertex_lies_between) {
+  // A quarter of a million vertices each, all at different places: comparing all pairs would take minutes.
+  constexpr std::uint32_t kCrowd = 250'000;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> spread(0, 5e-7f);   // the tolerance is 2.8e-6 m
+  for (const bool between : {false, true}) {
+    RenderMesh mesh;
+    mesh.positions = {{-1, 0, -1}, {1, 0, -1}, {0, 0, 1}, {0.5f, 0, 0.2f}};
+    mesh.triangles = {{0, 1, 2}};
+    for (std::uint32_t k = 0; k < 2 * kCrowd; ++k) {
+      mesh.positions.push_back({spread(random), spread(random), k < kCrowd ? -1.4157e-6f : 1.4157e-6f});   // 2.8314e-6 m apart
+      if (k == 0 || k == kCrowd) mesh.triangles.push_back({k + 4, 3, 0});
+      if (k % 2 == 1) mesh.triangles.push_back({k + 3, k + 4, 3});
+    }
+    if (between) mesh.positions[kCrowd / 2].z += 3e-9f;
+    const Result<Mesh> welded = weld_mesh(mesh);
+    ASSERT_TRUE(welded);
+    EXPECT_NEAR(welded->weld_tolerance, 2.8284e-6, 1e-10);
+    EXPECT_EQ(welded->points.size(), between ? 5u : 6u);
+  }
 }
 
 TEST(Weld, triangles_without_area_are_dropped_and_counted) {

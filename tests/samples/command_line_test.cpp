@@ -58,6 +58,15 @@ TEST_F(CommandLine, every_fault_of_a_scene_has_its_line) {
             "frame: there is no such key (did you mean \"frames\"?)\n");
 }
 
+TEST_F(CommandLine, a_mesh_of_a_format_that_is_not_read_is_told_which_are) {
+  for (const char* name : {"cloth.fbx", "cloth.USD", "cloth.ply"})
+    for (const char* command : {"check", "run"}) {
+      const Outcome outcome = weft({command, write(name, "Kaydara FBX Binary")});
+      EXPECT_EQ(outcome.exit, 2) << name;
+      EXPECT_NE(outcome.error.find("; .gltf, .glb and .obj can be read"), std::string::npos) << outcome.error;
+    }
+}
+
 TEST_F(CommandLine, a_device_that_is_not_there_is_exit_code_1) {
   const Outcome outcome = weft({"run", write("sheet.json", kSheet), "--device", "nonesuch", "--out", out()});
   EXPECT_EQ(outcome.exit, 1);

@@ -41,8 +41,10 @@ void thin_out(const Mesh& mesh, std::vector<std::uint32_t>& points, std::uint32_
 Result<std::vector<std::uint32_t>> chosen_points(const Cloth& cloth, const Anchor& anchor, const Mesh& mesh) {
   std::vector<std::uint32_t> points;
   for (const std::uint32_t v : anchor.vertices) {
-    if (v >= mesh.point_of.size()) return fail("vertex ", v, " is not below the mesh's ", mesh.point_of.size(), " vertices");
-    points.push_back(mesh.point_of[v]);
+    if (v >= mesh.point_of_source.size())
+      return fail("vertex ", v, " is not below the mesh's ", mesh.point_of_source.size(), " vertices");
+    if (mesh.point_of_source[v] == kNone) return fail("vertex ", v, " belongs to no triangle, or to dropped ones, and is not simulated");
+    points.push_back(mesh.point_of_source[v]);
   }
   for (const Corner corner : anchor.corners) {
     if (!cloth.grid) return fail("corners belong to grids; choose a mesh's vertices by number, `top` or `box`");

@@ -1,0 +1,70 @@
+// A glTF's document and its buffers, how values are taken out of it, and the GLB that assimp decodes; internal to the sources that read
+// glTF.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "compute/result.h"
+
+namespace weft::parts {
+
+using json = nlohmann::json;
+
+/// A document and the first fault that was found in it. After a fault its numbers are 0 and its lists empty, so callers need to look
+/// only once, at the end.
+struct GltfDocument {
+  json root;
+  std::vector<std::string> buffers;   // each as long as the document says
+  std::string fault;
+
+  template <class... Parts>
+  void say(const Parts&... parts) {
+    if (fault.empty()) fault = fail(parts...).message;
+  }
+
+  const json& list(const json& object, const char* key);
+  std::uint64_t natural(const json& object, const char* key, std::uint64_t missing);
+
+  /// An entry of a list by an index found under `key`; nothing (and a fault) when it points past the end.
+  const json* entry(const json& from, const json& object, const char* key);
+};
+
+/// Reads the document of a glTF or GLB, and its buffers: those in it and those in files below `folder`. Faults of buffers stay in it.
+/// Errors: not JSON, too large or nested too deeply, cut short, another version than 2.
+Result<GltfDocument> open_gltf(const std::string& content, const std::filesystem::path& folder);
+
+/// A GLB in memory, as assimp is given it.
+struct GltfWriter {
+  json nodes = json::array(), meshes = json::array();
+
+  /// Values that lie densely, a multiple of four bytes; returns their accessor's number.
+  std::size_t add_values(const std::string& values, std::size_t count, int component, const char* type);
+  /// Below `parent`, or at the top with kNone; returns its number.
+  std::size_t add_node(json node, std::size_t parent);
+  std::string finish();
+
+ private:
+  json accessors_ = json::array(), views_ = json::array(), tops_ = json::array();
+  std::string bytes_;
+};
+
+/// The name of a node whose mesh has a skin: joints alone place it, not the node (glTF 2.0, 3.7.3.3), though the node places its children.
+inline constexpr const char* kSkinned = "skinned";
+
+/// How many triangles a primitive of the GLB has before its own: they name its vertices one after the other.
+inline std::size_t triangles_that_name(std::size_t vertices) { return (vertices + 2) / 3; }
+
+/// What a document shows. `vertices` and `triangles` count what its nodes show, as often as they do.
+struct GltfGeometry {
+  std::string glb;
+  std::size_t vertices = 0, triangles = 0, points = 0, lines = 0, skins = 0, morph_targets = 0;
+};
+
+/// Checks a document, and writes the triangles of its scene anew. Errors: see read_gltf.
+Result<GltfGeometry> strip_gltf(GltfDocument& document);
+
+}   // namespace weft::parts

@@ -1,0 +1,136 @@
+// The last step of reading a glTF: assimp decodes the GLB that engine/mesh/gltf.cpp has checked and written.
+#include <assimp/Importer.hpp>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <limits>
+#include <string_view>
+
+#include "engine/mesh/gltf.h"
+#include "engine/mesh/parts.h"
+
+namespace weft::parts {
+
+std::size_t GltfWriter::add_values(const std::string& values, std::size_t count, int component, const char* type) {
+  views_.push_back({{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", values.size()}});
+  accessors_.push_back({{"bufferView", views_.size() - 1}, {"componentType", component}, {"count", count}, {"type", type}});
+  bytes_ += values;
+  return accessors_.size() - 1;
+}
+
+std::size_t GltfWriter::add_node(json node, std::size_t parent) {
+  (parent == kNone ? tops_ : nodes[parent]["children"]).push_back(nodes.size());
+  nodes.push_back(std::move(node));
+  return nodes.size() - 1;
+}
+
+std::string GltfWriter::finish() {
+  json root{{"asset", {{"version", "2.0"}}}, {"scene", 0}};
+  root["buffers"] = json::array({{{"byteLength", bytes_.size()}}});
+  root["bufferViews"] = std::move(views_);
+  root["accessors"] = std::move(accessors_);
+  root["meshes"] = std::move(meshes);
+  root["nodes"] = std::move(nodes);
+  root["scenes"] = json::array({{{"nodes", std::move(tops_)}}});
+  std::string text = root.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const auto put = [](std::string& bytes, std::size_t value) {
+    for (int k = 0; k < 4; ++k) bytes.push_back(static_cast<char>(value >> (8 * k)));
+  };
+  std::string glb = "glTF";
+  for (const std::size_t value : {std::size_t{2}, 12 + 8 + text.size() + 8 + bytes_.size(), text.size()}) put(glb, value);
+  glb += "JSON" + text;
+  put(glb, bytes_.size());
+  glb.append("BIN\0", 4);
+  return glb + bytes_;
+}
+
+namespace {
+
+using Eigen::Affine3d;
+using Eigen::Matrix3d;
+
+Eigen::Vector3d wide(const aiVector3D& v) { return {v.x, v.y, v.z}; }
+
+Affine3d wide(const aiMatrix4x4& m) {
+  Affine3d result;
+  result.matrix() << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, 0, 0, 0, 1;
+  return result;
+}
+
+void append(const aiMesh& mesh, const Affine3d& place, Harvest& harvest) {
+  RenderMesh& render = harvest.render;
+  const std::size_t base = render.positions.size();
+  // A mirrored triangle is wound backwards; turned, it faces the way its transformed normals do.
+  const Matrix3d linear = place.linear();
+  const double side = linear.determinant() < 0 ? -1 : 1;
+  for (std::size_t f = triangles_that_name(mesh.mNumVertices); f < mesh.mNumFaces; ++f) {
+    const aiFace& face = mesh.mFaces[f];
+    if (face.mNumIndices != 3) continue;   // none is written; the number of triangles is compared
+    Triangle& triangle = render.triangles.emplace_back();
+    for (unsigned k = 0; k < 3; ++k) triangle[k] = static_cast<std::uint32_t>(base + face.mIndices[side < 0 ? 2 - k : k]);
+  }
+  // The cofactors are the inverse transpose times the determinant, and exist for a flattening transform too.
+  Matrix3d cofactors;
+  cofactors << linear.col(1).cross(linear.col(2)), linear.col(2).cross(linear.col(0)), linear.col(0).cross(linear.col(1));
+  const float missing = std::numeric_limits<float>::quiet_NaN();
+  for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
+    render.positions.push_back(narrow(place * wide(mesh.mVertices[v])));
+    Vec3& normal = render.normals.emplace_back();
+    Vec4& tangent = render.tangents.emplace_back();
+    Vec2& uv = render.uvs.emplace_back(Vec2{missing, missing});
+    if (mesh.HasTextureCoords(1)) {
+      uv = {mesh.mTextureCoords[0][v].x, mesh.mTextureCoords[1][v].x};
+      harvest.bad_uvs += !finite(uv);
+    }
+    if (!mesh.HasNormals()) continue;   // tangents without normals do not count (glTF 2.0, 3.7.2.1)
+    normal = narrow((side * (cofactors * wide(mesh.mNormals[v]))).normalized());
+    harvest.bad_normals += !finite(normal) || normal == Vec3{};
+    if (!mesh.HasTangentsAndBitangents()) continue;
+    const Vec3 along = narrow((linear * wide(mesh.mTangents[v])).normalized());
+    const double hand = wide(mesh.mNormals[v]).cross(wide(mesh.mTangents[v])).dot(wide(mesh.mBitangents[v])) < 0 ? -1 : 1;
+    tangent = {along.x, along.y, along.z, static_cast<float>(side * hand)};
+  }
+}
+
+Result<Harvest> decode_gltf(const GltfGeometry& geometry) {
+  struct Visit {
+    const aiNode* node;
+    Affine3d parent;
+  };
+  Assimp::Importer importer;
+  const aiScene* scene = importer.ReadFileFromMemory(geometry.glb.data(), geometry.glb.size(), aiProcess_Triangulate, "glb");
+  if (!scene || !scene->mRootNode) return fail("assimp cannot read it: ", importer.GetErrorString());
+  Harvest harvest;
+  std::vector<Visit> stack{{scene->mRootNode, Affine3d::Identity()}};
+  while (!stack.empty()) {
+    const auto [node, parent] = stack.back();
+    stack.pop_back();
+    const Affine3d place = parent * wide(node->mTransformation);
+    const bool skinned = std::string_view(node->mName.C_Str()) == kSkinned;
+    for (unsigned m = 0; m < node->mNumMeshes; ++m)
+      append(*scene->mMeshes[node->mMeshes[m]], skinned ? Affine3d::Identity() : place, harvest);
+    for (unsigned c = node->mNumChildren; c-- > 0;) stack.push_back({node->mChildren[c], place});   // the first child is taken next
+  }
+  if (harvest.render.positions.size() != geometry.vertices || harvest.render.triangles.size() != geometry.triangles)
+    return fail("assimp read ", harvest.render.positions.size(), " vertices and ", harvest.render.triangles.size(), " triangles of ",
+                geometry.vertices, " and ", geometry.triangles);
+  harvest.source_vertices = geometry.vertices;
+  harvest.points = geometry.points;
+  harvest.lines = geometry.lines;
+  harvest.skins = geometry.skins;
+  harvest.morph_targets = geometry.morph_targets;
+  return harvest;
+}
+
+}   // namespace
+
+Result<Harvest> read_gltf(const std::string& content, const std::filesystem::path& folder) {
+  Result<GltfDocument> document = open_gltf(content, folder);
+  if (!document) return document.take_error();
+  const Result<GltfGeometry> geometry = strip_gltf(*document);
+  if (!geometry) return Error{geometry.why()};
+  document = Error{};   // assimp needs the memory
+  return decode_gltf(*geometry);
+}
+
+}   // namespace weft::parts
