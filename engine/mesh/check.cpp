@@ -31,6 +31,9 @@ Result<void> points_are_there(const Mesh& mesh) {
     if (!is_finite(mesh.points[k])) return far("points", k, mesh.points[k]);
   for (std::size_t k = 0; k < mesh.render.positions.size(); ++k)
     if (!is_finite(mesh.render.positions[k])) return far("render.positions", k, mesh.render.positions[k]);
+  for (std::size_t k = 0; k < mesh.point_of_source.size(); ++k)
+    if (mesh.point_of_source[k] >= mesh.points.size() && mesh.point_of_source[k] != kNone)
+      return fail("point_of_source[", k, "]: ", mesh.point_of_source[k], " is not one of the ", mesh.points.size(), " points");
   std::vector<bool> is_drawn(mesh.points.size());
   for (std::size_t k = 0; k < mesh.point_of.size(); ++k) {
     if (mesh.point_of[k] >= mesh.points.size())

@@ -15,8 +15,8 @@ std::string number_text(float value);
 std::string outside(double value, const scene_fields::Range& range);
 std::string outside(float value, const scene_fields::Range& range);
 
-/// Vertices of all cloths and mesh colliders that are made for a scene: as many as the largest grid has. Cooking takes about 1.2 kB for each,
-/// so that no scene file, however short, takes more than 5 GB.
+/// Vertices of all cloths and mesh colliders that are made for a scene: as many as the largest grid has. Cooking takes about 1.2 kB
+/// for each, so that no scene file, however short, takes more than 5 GB.
 inline constexpr double kMostSceneVertices = 4'200'000;
 
 /// Of any numbers of cells, so that it must not be an integer.

@@ -112,12 +112,13 @@ TEST(SceneCheck, grids_that_are_too_large_together_are_refused_before_they_are_m
   for (int k = 0; k < 64; ++k) text += std::string(k > 0 ? "," : "") + R"({"grid":{"cells":[2048,2048]}})";
   const auto read = parse_scene(text + "]}", {});
   ASSERT_FALSE(read);
-  EXPECT_EQ(read.error(), "cloths: their grids have 268697664 vertices together, more than the 4200000 that a scene may have: take fewer cells");
+  EXPECT_EQ(read.error(),
+            "cloths: their grids have 268697664 vertices together, more than the 4200000 that a scene may have: take fewer cells");
   Scene scene = sound();
   scene.cloths[0].grid->cells_x = scene.cloths[0].grid->cells_y = UINT32_MAX;
   EXPECT_NE(check(scene).error().find("cells[0]: 4294967295 is more than 2048"), std::string::npos) << check(scene).error();
-  EXPECT_EQ(make_meshes(scene).error(), "cloths: their grids have 1.844674407e+19 vertices together, more than the 4200000 that a scene may "
-                                        "have: take fewer cells");
+  EXPECT_EQ(make_meshes(scene).error(),
+            "cloths: their grids have 1.844674407e+19 vertices together, more than the 4200000 that a scene may have: take fewer cells");
 }
 
 }  // namespace
