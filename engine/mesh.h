@@ -93,7 +93,7 @@ inline constexpr std::uint32_t kMostCorners = 1000;   // of a face: the time tha
 /// folder; nothing that an OBJ names is.
 /// Errors: missing, cut short or foreign file; a glTF that needs an extension, or uses sparse, quantised or compressed accessors;
 /// indices that make no whole triangles; no triangle; a vertex that is not finite, or 1e10 m or more away; more than kMostVertices
-/// vertices; a face of more than kMostCorners corners.
+/// vertices; a scene of more than 100,000 nodes, or as many primitives that share no accessors; a face of more than kMostCorners corners.
 Result<Mesh> load_mesh(const std::filesystem::path& file);
 
 /// Applies a transform (scale, then rotation, then translation) to positions, normals and tangents.

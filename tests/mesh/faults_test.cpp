@@ -117,6 +117,22 @@ TEST(MeshFaults, what_a_file_makes_the_program_read_and_hold_is_bounded) {
   expect_says(refusal(gltf.write(folder)), "its scene has the node 0 twice");
 }
 
+TEST(MeshFaults, a_hundred_thousand_nodes_or_sets_of_accessors_are_too_many) {
+  const Folder folder;
+  Gltf gltf = triangle();
+  gltf.json["nodes"] = nlohmann::json(100'001, {{"mesh", 0}});
+  gltf.json.erase("scenes");
+  gltf.json.erase("scene");
+  expect_says(refusal(gltf.write(folder)), "its scene has more than 100000 nodes");
+  gltf = triangle();
+  for (std::size_t k = 0; k < 100'000; ++k) {
+    const std::size_t next = gltf.json["accessors"].size();
+    gltf.json["accessors"].push_back(nlohmann::json(gltf.json["accessors"][0]));
+    gltf.primitive(next);
+  }
+  expect_says(refusal(gltf.write(folder)), "its primitives have more than 100000 sets of accessors");
+}
+
 TEST(MeshFaults, an_obj_reads_no_other_file) {
   const Folder folder;
   const std::string text = "mtllib /dev/zero ../../etc/passwd\ncall /dev/zero\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
