@@ -308,7 +308,7 @@ class GltfStripper {
     if (sets_ > kMostPieces) return say("its primitives have more than ", kMostPieces, " sets of accessors");
     std::vector<std::vector<std::uint32_t>> corners;
     for (const Vertices& vertices : part.vertices) {
-      // assimp from 5.4 keeps the vertices that corners name, in that order; so triangles come first that name all (see decode_gltf).
+      // A reader may keep only vertices that corners name, in that order; so triangles come first that name all (see decode_gltf).
       std::vector<std::uint32_t>& list = corners.emplace_back(3 * triangles_that_name(vertices.position.count));
       for (std::size_t i = 0; i < list.size(); ++i) list[i] = static_cast<std::uint32_t>(std::min(i, vertices.position.count - 1));
     }
