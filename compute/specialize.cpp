@@ -118,9 +118,10 @@ void Specializer::remember(std::span<const uint32_t> remembered) {
     const size_t key = remembered[0], words = remembered[1];
     remembered = remembered.subspan(2);
     if (key > remembered.size() || words > remembered.size() - key) return;
+    std::vector<uint32_t> name(remembered.begin(), remembered.begin() + static_cast<std::ptrdiff_t>(key));
     const auto one = remembered.subspan(key, words);
-    if (key > 0 && remembered[0] == kVersion && reflect(one))
-      made_.try_emplace({remembered.begin(), remembered.begin() + key}, one.begin(), one.end());
+    if (key > 0 && name[0] == kVersion && !made_.contains(name) && reflect(one))
+      made_.try_emplace(std::move(name), one.begin(), one.end());
     remembered = remembered.subspan(key + words);
   }
 }

@@ -104,8 +104,8 @@ struct Start {
   double degrees = 180;         // folded only; 180 lays one half on the other, less leaves it open
   double radius = 0;            // m, folded only; 0: a sharp fold
   Vec3 velocity;                // m/s
-  /// Of the fabric's thickness, 0 ... 1: by at most this every free vertex is off its place, across the cloth, at random, and in every
-  /// run alike. Without it cloth that is flat to the bit stays flat, since nothing ever pushes it aside.
+  /// Of the fabric's thickness, 0 ... 1: by at most this, and by 1/200 of the mean edge, every free vertex is off its place, across the
+  /// cloth, at random, and in every run alike. Without it cloth that is flat to the bit stays flat, since nothing ever pushes it aside.
   double imperfection = 0.02;
 };
 

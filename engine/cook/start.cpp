@@ -26,6 +26,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kMostStretch = 0.3;
+constexpr double kSteepest = 0.005;   // of an edge: steeper, an imperfection would show in the shading of a fine mesh
 constexpr std::uint32_t kSeed = 1;   // of StartPose::scrambled and of imperfections: the same in every process
 
 struct Box {
@@ -68,24 +69,35 @@ Vector3d folded(Vector3d place, double fold, const Box& box, const Start& start)
   return place;
 }
 
-// Unit normals of a cloth's particles, 0 where there is none.
-std::vector<Vector3d> normals_of(const ClothRange& range, const CookedFabric& fabric) {
-  std::vector<Vector3d> normals(range.particles, Vector3d::Zero());
+// Of a cloth: unit normals of its particles, 0 where there is none, and the mean edge of its triangles (m).
+struct Surface {
+  std::vector<Vector3d> normals;
+  double mean_edge = 0;
+};
+
+Surface surface_of(const ClothRange& range, const CookedFabric& fabric) {
+  Surface surface{std::vector<Vector3d>(range.particles, Vector3d::Zero())};
   const auto at = [&](std::uint32_t i) { return Vector3d(fabric.positions[i].x, fabric.positions[i].y, fabric.positions[i].z); };
-  for (const auto& [a, b, c] : fabric.triangles) {
-    if (a < range.first_particle || a - range.first_particle >= range.particles) continue;
+  // Triangles stand cloth after cloth.
+  const auto from = [&](std::uint32_t particle) {
+    return std::partition_point(fabric.triangles.begin(), fabric.triangles.end(), [&](const Triangle& t) { return t[0] < particle; });
+  };
+  const auto begin = from(range.first_particle), end = from(range.first_particle + range.particles);
+  for (auto triangle = begin; triangle != end; ++triangle) {
+    const auto& [a, b, c] = *triangle;
     const Vector3d across = (at(b) - at(a)).cross(at(c) - at(a));
-    for (const std::uint32_t i : {a, b, c}) normals[i - range.first_particle] += across;
+    for (const std::uint32_t i : {a, b, c}) surface.normals[i - range.first_particle] += across;
+    surface.mean_edge += ((at(b) - at(a)).norm() + (at(c) - at(b)).norm() + (at(a) - at(c)).norm()) / (3 * double(end - begin));
   }
-  for (Vector3d& normal : normals)
+  for (Vector3d& normal : surface.normals)
     if (const double size = normal.norm(); size > 0) normal /= size;
-  return normals;
+  return surface;
 }
 
 void add_imperfection(const Cloth& cloth, const ClothRange& range, CookedFabric& fabric) {
-  const double most = cloth.start.imperfection * cloth.fabric.thickness;
-  if (most == 0) return;
-  const std::vector<Vector3d> normals = normals_of(range, fabric);
+  if (cloth.start.imperfection == 0) return;
+  const auto [normals, mean_edge] = surface_of(range, fabric);
+  const double most = std::min(cloth.start.imperfection * cloth.fabric.thickness, kSteepest * mean_edge);
   std::mt19937 words(kSeed);
   for (std::uint32_t k = 0; k < range.particles; ++k) {
     gpu::vec4& p = fabric.positions[range.first_particle + k];

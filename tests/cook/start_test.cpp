@@ -130,5 +130,20 @@ TEST(Start, cloth_begins_off_its_plane_by_a_part_of_its_thickness) {
   for (const StretchLink& link : fabric.links) EXPECT_NEAR(length_of(fabric, link), link.rest, 2e-5 * link.rest);
 }
 
+// Where edges are short, a fiftieth of the thickness would be steep: nothing may show in the shading.
+TEST(Start, fine_cloth_begins_no_steeper_than_coarse) {
+  Scene scene = sheet(StartPose::rest);
+  scene.cloths[0].grid = Grid{{0.02f, 0.01f}, 40, 20, Topology::diagonal, false};   // edges of 0.5 mm
+  scene.cloths[0].start.imperfection = 1;
+  // A second cloth before it: each is looked at by itself.
+  scene.cloths.insert(scene.cloths.begin(), sheet(StartPose::rest).cloths[0]);
+  const CookedFabric fabric = cooked(scene);
+  double farthest = 0;
+  for (std::size_t i = fabric.cloths[1].first_particle; i < fabric.positions.size(); ++i)
+    farthest = std::max(farthest, std::abs(double(fabric.positions[i].y) - 1));
+  EXPECT_GT(farthest, 0.5e-3 * 0.005 * 0.8);
+  EXPECT_LT(farthest, 0.71e-3 * 0.005 + 1e-7);
+}
+
 }  // namespace
 }  // namespace weft
