@@ -17,7 +17,7 @@
   X(2,  bool, finalizes)        /* 1: the pass ends the iteration (motion/finalize.glsl) */                                  \
   X(3,  bool, is_iterated)      /* 1: more than one iteration a substep, so that multipliers are kept */                     \
   X(4,  bool, is_accelerated)   /* 1: by Chebyshev's iteration (chebyshev/chebyshev.glsl) */                                \
-  X(5,  uint, tether_pairs)     /* of tethers, per particle; 0: none */ \
+  X(5,  uint, tether_pairs)     /* of tethers, per particle, where the pass ends in them; 0: none */ \
   X(6,  bool, has_colliders)    /* 1: with a signed distance */                                                              \
   X(7,  bool, has_contacts)     /* 1: substeps end in contact_finalize */                                                    \
   X(8,  uint, planes)           /* colliders of this shape, and so on */                                                     \
@@ -26,7 +26,8 @@
   X(11, uint, boxes)                                                                                                         \
   X(12, uint, stretch_stride)   /* link pairs in every row; 0: stretch_rows tell */                                          \
   X(13, bool, has_damping)      /* 1: some spring is damped */                                                               \
-  X(14, uint, linear_solver)    /* WEFT_LINEAR_..., of the method implicit */
+  X(14, uint, linear_solver)    /* WEFT_LINEAR_..., of the method implicit */                                                \
+  X(15, bool, triangles_collide)   /* 1: with spheres, capsules and boxes (triangle_collide.comp) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
@@ -187,6 +188,16 @@ struct Groups {
   uint x, y, z;
 };
 
+/// Triangles that have met a collider in this substep. All 0 between substeps.
+struct Collisions {
+  Groups groups;      // of triangle_collide
+  uint count;
+};
+
+#define WEFT_FURTHEST_OUT 0.1f     // m: a triangle moves its corners by no more in an iteration
+#define WEFT_WHOLE_DEPTH 0.02f     // m: what moves a corner so far, or further, has the whole weight
+#define WEFT_WHOLE_WEIGHT 1024.0f  // as an integer
+
 // Levels of the grid: a box belongs to the first whose cells are at least as long as it, cell * 2^level.
 #define WEFT_LEVELS 16
 
@@ -252,6 +263,10 @@ struct ContactSettings {
   float margin_low, margin_high;   // m, limits of Detection::margin
 };
 
+struct CollisionSettings {
+  float quantum;      // m, unit of collision_sums: as many corrections of WEFT_FURTHEST_OUT as a particle has triangles fit
+};
+
 #define WEFT_LAST_ITERATION 1u   // of the substep: velocities follow
 #define WEFT_LAST_SUBSTEP 2u     // of the frame: no further prediction
 #define WEFT_FIRST_ITERATION 4u  // of the substep: multipliers start at zero
@@ -265,6 +280,7 @@ struct ContactSettings {
 layout(push_constant, scalar) uniform Constants { Push push; };
 SLICE(Motion, motion)
 SLICE(ContactSettings, contact_settings)
+SLICE(CollisionSettings, collision_settings)
 #endif
 
 #ifdef __cplusplus

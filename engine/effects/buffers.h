@@ -14,3 +14,4 @@
 #include "engine/effects/stretch/stretch.h"
 #include "engine/effects/surface/surface.h"
 #include "engine/effects/tether/tether.h"
+#include "engine/effects/triangle/triangle.h"

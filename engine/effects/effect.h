@@ -35,13 +35,18 @@ inline constexpr std::size_t kEffects = 0 WEFT_EFFECTS(WEFT_COUNT);
 /// When a pass runs; engine/solve/frame_program.h says how often.
 enum class Stage { frame_begin, substep_begin, force, detect, assemble, linear, iteration, contact, substep_end, frame_end };
 
+/// Where the GPU writes how many workgroups an indirect dispatch has.
+struct Arguments {
+  const Buffer* buffer = nullptr;       // null: the CPU counts
+  std::uint32_t offset = 0;             // bytes
+};
+
 /// How many threads a pass has.
 struct Threads {
   Length count;                         // push.count
   Length groups = nullptr;              // of workgroups; null: as many as `count` threads need
-  std::uint32_t arguments = kCounted;   // offset in gpu::Detection of the workgroup counts that the GPU writes, in bytes
+  Arguments arguments = {};
   bool grows = false;                   // with the capacity for contacts
-  static constexpr std::uint32_t kCounted = UINT32_MAX;   // the CPU counts
 };
 
 namespace threads {
@@ -80,6 +85,7 @@ struct Pass {
   bool (*when)(const Needs&) = nullptr;          // null: always when the effect is called for
   const char* with_contacts = "";                // what its label ends in with contacts, which it watches, too
   bool collides = false;                         // puts particles out of colliders, which its label says then
+  bool after_tethers = false;                    // these end the last pass before it
   bool only_towards_targets = false;             // without contacts, skipped in frames in which no target moves
   std::uint32_t rounds = 1;                      // dispatches one after another; the round is in push.flags
   std::vector<Range> (*ranges)(const Cooked&) = nullptr;   // instead: a dispatch for each

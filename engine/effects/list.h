@@ -16,6 +16,7 @@
   EFFECT(chebyshev) \
   EFFECT(tether) \
   EFFECT(collide) \
+  EFFECT(triangle) \
   EFFECT(motion) \
   EFFECT(contact) \
   EFFECT(surface)

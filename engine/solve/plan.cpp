@@ -30,30 +30,45 @@ std::vector<const Pass*> passes_of(const Needs& needs) {
   return passes;
 }
 
+// A pass of the frame, and which parts of motion/finalize.glsl are its.
+struct Part {
+  const Pass* pass;
+  bool holds_tethers = false, finalizes = false;
+};
+
 bool is_own_finalizer(const Pass& pass) { return std::string_view(pass.name) == "finalize"; }
 
-// The last pass of an iteration finalizes it, if it can; the pass `finalize` exists only for iterations that have no other pass, or
-// whose last pass cannot.
-const Pass* finalizer_of(std::vector<const Pass*>& passes) {
-  const auto changes = [](const Pass* pass) { return pass->stage == Stage::iteration && !is_own_finalizer(*pass); };
-  const auto last = std::find_if(passes.rbegin(), passes.rend(), changes);
-  if (last != passes.rend() && (*last)->can_finalize) {
-    const Pass* finalizer = *last;
-    std::erase_if(passes, [](const Pass* pass) { return is_own_finalizer(*pass); });
-    return finalizer;
+// All passes. The last pass of an iteration finalizes it, if it can; the pass `finalize` exists only where it cannot. Tethers belong to
+// that too, unless the last pass comes after them: then they end the one before it, or a `finalize` for them alone.
+std::vector<Part> parts_of(const std::vector<const Pass*>& passes, const Needs& needs) {
+  std::vector<Part> parts;
+  const auto own = std::ranges::find_if(passes, [](const Pass* pass) { return is_own_finalizer(*pass); });
+  bool holds_tethers = !needs.has(EffectId::tether);
+  const auto end_in = [&](bool Part::*what) {
+    if (parts.back().pass->stage != Stage::iteration || !parts.back().pass->can_finalize) parts.push_back({*own});
+    parts.back().*what = true;
+  };
+  for (const Pass* pass : passes) {
+    const bool ends = is_own_finalizer(*pass);   // the last of its stage, by the order of effects
+    if (!holds_tethers && (ends || pass->after_tethers)) {
+      end_in(&Part::holds_tethers);
+      holds_tethers = true;
+    }
+    if (ends)
+      end_in(&Part::finalizes);
+    else
+      parts.push_back({pass});
   }
-  const auto own = std::find_if(passes.begin(), passes.end(), [](const Pass* pass) { return is_own_finalizer(*pass); });
-  return own == passes.end() ? nullptr : *own;
+  return parts;
 }
 
-std::string label_of(const Pass& pass, bool finalizes, const Needs& needs) {
-  std::string label = pass.name;
-  if (needs.has(EffectId::contact)) label += pass.with_contacts;
-  if (pass.collides && needs.has(EffectId::collide)) label += "+collide";
-  if (!finalizes) return label;
+std::string label_of(const Part& part, const Needs& needs) {
+  std::string label = part.pass->name;
+  if (needs.has(EffectId::contact)) label += part.pass->with_contacts;
+  if (part.pass->collides && needs.has(EffectId::collide)) label += "+collide";
   for (std::size_t k = 0; k < kEffects; ++k)
-    if (needs.effects[k]) label += all_effects()[k]->part_of_finalize;
-  if (!needs.has(EffectId::contact) && !is_own_finalizer(pass)) label += "+finalize";
+    if (needs.effects[k] && (EffectId(k) == EffectId::tether ? part.holds_tethers : part.finalizes)) label += all_effects()[k]->part_of_finalize;
+  if (part.finalizes && !needs.has(EffectId::contact) && !is_own_finalizer(*part.pass)) label += "+finalize";
   return label;
 }
 
@@ -80,16 +95,18 @@ Result<PlannedPass::Resource> resource_of(const compute::Binding& binding, Plan&
   return PlannedPass::Resource{binding, PlannedPass::Resource::Kind::buffer, number};
 }
 
-Result<PlannedPass> planned(const Pass& pass, bool finalizes, const Needs& needs, compute::Specializer& specializer, Plan& plan) {
+Result<PlannedPass> planned(const Part& part, const Needs& needs, compute::Specializer& specializer, Plan& plan) {
+  const Pass& pass = *part.pass;
   PlannedPass made;
   made.pass = &pass;
-  made.label = label_of(pass, finalizes, needs);
+  made.label = label_of(part, needs);
   const auto refuse = [&](const std::string& why) { return fail("pass ", made.label, ": ", why); };
   const auto module = shader(pass.name);
   if (module.empty()) return refuse("there is no shader of this name");
   std::vector<compute::SpecializationConstant> constants;
   for (std::uint32_t id = 0; id < needs.constants.size(); ++id) constants.push_back({id, needs.constants[id]});
-  constants[gpu::constant::finalizes].value = finalizes;
+  constants[gpu::constant::finalizes].value = part.finalizes;
+  if (!part.holds_tethers) constants[gpu::constant::tether_pairs].value = 0;
   const auto spirv = specializer.specialize(module, constants);
   if (!spirv) return refuse(spirv.error());
   made.spirv.assign(spirv->begin(), spirv->end());
@@ -118,10 +135,8 @@ const Plan::PlannedBuffer* Plan::find(const Buffer& row) const {
 
 Result<Plan> make_plan(const Needs& needs, compute::Specializer& specializer) {
   Plan plan;
-  std::vector<const Pass*> passes = passes_of(needs);
-  const Pass* finalizer = finalizer_of(passes);
-  for (const Pass* pass : passes) {
-    auto made = planned(*pass, pass == finalizer, needs, specializer, plan);
+  for (const Part& part : parts_of(passes_of(needs), needs)) {
+    auto made = planned(part, needs, specializer, plan);
     if (!made) return made.take_error();
     plan.passes.push_back(std::move(*made));
   }

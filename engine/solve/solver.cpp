@@ -45,7 +45,7 @@ compute::Touches touches_of(const PlannedPass& planned, std::uint32_t parity) {
     if (resource.binding.read) touches.reads.insert(number);
     if (resource.binding.written) touches.writes.insert(number);
   }
-  if (planned.pass->threads.arguments != Threads::kCounted) touches.arguments.insert(number_of(buffers::detection));
+  if (const Buffer* arguments = planned.pass->threads.arguments.buffer) touches.arguments.insert(number_of(*arguments));
   return touches;
 }
 
@@ -325,8 +325,8 @@ void Solver::record_step(compute::Recorder& recorder, const Step& step) const {
   const VkDescriptorSet sets[] = {sets_[step.pass].sets[step.parity][0].handle(), sets_[step.pass].sets[step.parity][1].handle()};
   recorder.bind(run.pipeline.handle(), run.layout.get(), sets);
   recorder.push(run.layout.get(), std::as_bytes(std::span(&step.push, 1)));
-  const std::uint32_t arguments = planned.pass->threads.arguments;
-  if (arguments != Threads::kCounted) recorder.dispatch_indirect(buffer(buffers::detection).handle, arguments);
+  const Arguments& arguments = planned.pass->threads.arguments;
+  if (arguments.buffer != nullptr) recorder.dispatch_indirect(buffer(*arguments.buffer).handle, arguments.offset);
   else recorder.dispatch(run.groups > 0 ? run.groups : (step.push.count + workgroup_ - 1) / workgroup_);
 }
 

@@ -143,22 +143,28 @@ Hit box_entry(Collider c, vec3 a, vec3 segment) {
   return Hit(-towards * (t == begin.x ? vec3(1, 0, 0) : t == begin.y ? vec3(0, 1, 0) : vec3(0, 0, 1)), t);
 }
 
-// The body at the substep's start and end, and the particle in its axes: a at the start, b at the end.
-struct Relative {
+// A body at the substep's start and end.
+struct Pose {
   vec4 rotation_from, rotation_to;
   vec3 centre_from, centre_to;
+};
+
+Pose pose_of(Collider collider, Surface s, float from, float to) {
+  return Pose(rotation_at(collider, from), rotation_at(collider, to), s.point - s.moved, s.point);
+}
+
+// A particle in the body's axes: a at the substep's start, b at its end.
+struct Relative {
+  Pose pose;
   vec3 a, b;
 };
 
+vec3 at_start(Pose pose, vec3 x) { return rotate(inverse_of(pose.rotation_from), x - pose.centre_from); }
+vec3 at_end(Pose pose, vec3 p) { return rotate(inverse_of(pose.rotation_to), p - pose.centre_to); }
+
 Relative relative_to_body(Collider collider, Surface s, Particle v, vec3 p) {
-  Relative r;
-  r.rotation_from = rotation_at(collider, v.from);
-  r.rotation_to = rotation_at(collider, v.to);
-  r.centre_from = s.point - s.moved;
-  r.centre_to = s.point;
-  r.a = rotate(inverse_of(r.rotation_from), v.x - r.centre_from);
-  r.b = rotate(inverse_of(r.rotation_to), p - r.centre_to);
-  return r;
+  const Pose pose = pose_of(collider, s, v.from, v.to);
+  return Relative(pose, at_start(pose, v.x), at_end(pose, p));
 }
 
 // A particle that entered, and either left again or is past the middle, is kept in front of the tangent plane at its entry: the nearest way
@@ -169,9 +175,9 @@ vec3 out_of_body(Relative r, Hit here, Hit entry, Particle v, vec3 p, float fric
   const float depth = v.thickness - here.at;
   if (depth <= 0) return p;
   const vec3 local = r.b + depth * here.normal;
-  p = r.centre_to + rotate(r.rotation_to, local);
-  const vec3 carried = p - (r.centre_from + rotate(r.rotation_from, local));
-  return with_friction(v.x, p, carried, rotate(r.rotation_to, here.normal), depth, friction);
+  p = r.pose.centre_to + rotate(r.pose.rotation_to, local);
+  const vec3 carried = p - (r.pose.centre_from + rotate(r.pose.rotation_from, local));
+  return with_friction(v.x, p, carried, rotate(r.pose.rotation_to, here.normal), depth, friction);
 }
 
 vec3 out_of_capsule(Collider collider, Particle v, vec3 p) {

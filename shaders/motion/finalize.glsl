@@ -1,6 +1,7 @@
 // finalize: what a particle can do alone at the end of an iteration: [tethers] [colliders] and, after a substep's last iteration, the
 // velocity update. Fused into the last pass that moves the particle, because each part costs less than reading the particle again, and
-// specialised to the parts that the scene has. A scene with contacts ends its substeps after them, in the pass contact_finalize.
+// specialised to the parts that the scene has. Where triangles collide (triangle_collide), tethers come before that, in the last pass
+// of the constraints. A scene with contacts ends its substeps after them, in the pass contact_finalize.
 //
 // `predicted` is the iterate at hand and `next_iterate` the next; the host swaps them after a pass that changes iterates.
 //
@@ -11,10 +12,28 @@
 #include "tether/tether.glsl"
 
 READ_WRITE(vec4, chebyshev_iterates)
+READ_WRITE(ivec4, collision_sums)
+READ_WRITE(Collisions, collisions)
+
+// The mean of what a particle's triangles ask for (triangle_collide): out of the collider, and friction (m).
+struct Asked {
+  vec3 out_of, friction;
+};
+
+// Forgets it for the next iteration.
+Asked asked_by_triangles(uint i) {
+  const ivec4 sum = collision_sums[2 * i];
+  if (sum.w == 0) return Asked(vec3(0), vec3(0));
+  const float unit = WEFT_WHOLE_WEIGHT * collision_settings.quantum / float(sum.w);
+  const Asked asked = Asked(unit * vec3(sum.xyz), unit * vec3(collision_sums[2 * i + 1].xyz));
+  collision_sums[2 * i] = collision_sums[2 * i + 1] = ivec4(0);
+  return asked;
+}
 
 // p is the particle's iterate after the pass that this is part of.
 void finalize(uint i, vec4 p) {
   const bool last = !has_contacts && (push.flags & WEFT_LAST_ITERATION) != 0;
+  if (triangles_collide && i == 0) collisions[0] = Collisions(Groups(0, 0, 0), 0);   // for the next iteration
   if (p.w == 0) {
     if (last) positions[i].xyz = p.xyz;
     next_iterate[i] = p;
@@ -23,8 +42,14 @@ void finalize(uint i, vec4 p) {
   const vec4 x = FETCH(positions, i);
   const vec4 v = FETCH(velocities, i);
   const vec4 material = FETCH(materials, floatBitsToUint(v.w));
-  if (tether_pairs > 0) p.xyz = within_tethers(i, p.xyz);
-  if (has_colliders) p.xyz = out_of_colliders(x.xyz, p.xyz, material);
+  vec3 start = x.xyz;
+  if (triangles_collide) {
+    // The way round a box's edge is no way into the box, nor a slip: the particle begins where its triangles put it.
+    const Asked asked = asked_by_triangles(i);
+    start += asked.out_of;
+    p.xyz += asked.out_of + asked.friction;
+  }
+  if (has_colliders) p.xyz = out_of_colliders(start, p.xyz, material);
   if (is_accelerated) chebyshev_iterates[3 * i + 1] = vec4(p.xyz, 0);
   if (last) p = update_velocity(i, x.xyz, p, v.xyz, material.x);
   next_iterate[i] = p;
@@ -32,6 +57,7 @@ void finalize(uint i, vec4 p) {
 
 // Stores particle i's next iterate p, and ends the iteration if this pass is the last of it.
 void leave(uint i, vec4 p) {
+  if (tether_pairs > 0 && p.w != 0) p.xyz = within_tethers(i, p.xyz);
   if (finalizes) finalize(i, p);
   else next_iterate[i] = p;
 }

@@ -49,6 +49,7 @@ Sheet sheet_for(const Calls& calls) {
     made.scene.cloths[0].anchors[0].top = 0;
   }
   if (calls.has(Id::collide)) made.scene.colliders.resize(3);
+  if (calls.has(Id::triangle)) made.scene.colliders[0].shape = ColliderShape::box;
   made.scene.contacts.enabled = calls.has(Id::contact);
   made.scene.solver.iterations = calls.iterated ? 2 : 1;
   made.scene.solver.linear = calls.relaxed ? Linear::jacobi : Linear::cg;
@@ -73,9 +74,9 @@ TEST(NeedsOf, a_scene_calls_for_what_it_has) {
     const Needs wanted = setup_for(calls, true), got = needs_of(sheet.subject(), kWorkgroup, true);
     EXPECT_EQ(got.effects, wanted.effects);
     for (const auto id : {constant::workgroup, constant::through_texels, constant::is_iterated, constant::is_accelerated,
-                          constant::has_colliders, constant::has_contacts})
+                          constant::has_colliders, constant::triangles_collide, constant::has_contacts})
       EXPECT_EQ(got.constants[id], wanted.constants[id]) << "constant " << id;
-    EXPECT_EQ(got.constants[constant::planes], calls.has(Id::collide) ? 3u : 0u);
+    EXPECT_EQ(got.constants[constant::planes], calls.has(Id::triangle) ? 2u : calls.has(Id::collide) ? 3u : 0u);
   }
   const Sheet unheld = sheet_for({{Id::stretch, Id::tether}});
   EXPECT_FALSE(needs_of(unheld.subject(), kWorkgroup, true).has(Id::tether));

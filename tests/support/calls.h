@@ -34,6 +34,7 @@ inline Needs setup_for(const Calls& calls, bool texels) {
   setup.constants[constant::is_accelerated] = calls.has(Id::chebyshev);
   setup.constants[constant::tether_pairs] = calls.has(Id::tether);
   setup.constants[constant::has_colliders] = setup.constants[constant::spheres] = calls.has(Id::collide);
+  setup.constants[constant::triangles_collide] = calls.has(Id::triangle);
   setup.constants[constant::has_contacts] = calls.has(Id::contact);
   for (const Id id : {Id::motion, Id::surface}) setup.effects.set(static_cast<std::size_t>(id));
   for (const Id id : calls.effects) setup.effects.set(static_cast<std::size_t>(id));
@@ -54,12 +55,13 @@ inline Calls with(Calls calls, std::initializer_list<Id> more) {
 // Every combination that a scene can call for (engine/scene/method.cpp).
 inline std::vector<Calls> combinations() {
   std::vector<Calls> found;
-  constexpr Id kAny[] = {Id::anchor, Id::bend, Id::tether, Id::collide, Id::contact};
-  for (std::uint32_t bits = 0; bits < 64; ++bits) {
+  constexpr Id kAny[] = {Id::anchor, Id::bend, Id::tether, Id::collide, Id::contact, Id::triangle};
+  for (std::uint32_t bits = 0; bits < 128; ++bits) {
     Calls calls;
     for (std::size_t k = 0; k < std::size(kAny); ++k)
       if (bits >> k & 1) calls.effects.insert(kAny[k]);
-    calls.iterated = bits >> 5 & 1;
+    calls.iterated = bits >> 6 & 1;
+    if (calls.has(Id::triangle) && !calls.has(Id::collide)) continue;
     found.push_back(with(calls, {Id::stretch}));
     found.push_back(with(calls, {Id::gauss_seidel}));
     found.push_back(with(calls, {Id::stretch, Id::dihedral}));
@@ -77,7 +79,7 @@ inline std::vector<Calls> combinations() {
 // Effects that these do not know: forces, and whatever else goes with everything and is no constant of others' passes.
 inline std::vector<Id> others() {
   constexpr Id kKnown[] = {Id::anchor,   Id::stretch,   Id::gauss_seidel, Id::bend,    Id::dihedral, Id::spring, Id::implicit,
-                           Id::chebyshev, Id::tether, Id::collide,      Id::motion, Id::contact,  Id::surface};
+                           Id::chebyshev, Id::tether, Id::collide,      Id::triangle, Id::motion, Id::contact,  Id::surface};
   std::vector<Id> found;
   for (std::size_t k = 0; k < kEffects; ++k)
     if (std::find(std::begin(kKnown), std::end(kKnown), Id(k)) == std::end(kKnown)) found.push_back(Id(k));

@@ -45,25 +45,24 @@ namespace effects {
 namespace {
 
 constexpr const Buffer* kBuffers[] = {
-    &buffers::triangles,          &buffers::edges,           &buffers::rest,                &buffers::detection,
-    &buffers::detected_positions, &buffers::trajectories,    &buffers::displacement_bounds, &buffers::candidates,
-    &buffers::grid_counts,        &buffers::grid_starts,     &buffers::grid_totals,         &buffers::grid_entries,
-    &buffers::contact_normals,    &buffers::contact_weights, &buffers::near_edges,          &buffers::near_faces,
-    &buffers::contact_list,       &buffers::contact_counts,  &buffers::contact_sums,        &buffers::contact_penetrations,
-    &buffers::step_fractions,
+    &buffers::edges, &buffers::rest, &buffers::detection, &buffers::detected_positions,
+    &buffers::trajectories, &buffers::displacement_bounds, &buffers::candidates, &buffers::grid_counts,
+    &buffers::grid_starts, &buffers::grid_totals, &buffers::grid_entries, &buffers::contact_normals,
+    &buffers::contact_weights, &buffers::near_edges, &buffers::near_faces, &buffers::contact_list,
+    &buffers::contact_counts, &buffers::contact_sums, &buffers::contact_penetrations, &buffers::step_fractions,
 };
 
 // Indirect dispatches, in the order of the passes: a detection, where one is needed; the pairs of its broad phase; its
 // candidates; the particles, where there are candidates; the active candidates; the unsafe ones.
-constexpr Threads kDetectedParticles{lengths::particles, nullptr, offsetof(gpu::Detection, particles)};
-constexpr Threads kPrimitives{lengths::primitives, nullptr, offsetof(gpu::Detection, primitives)};
-constexpr Threads kBuckets{lengths::buckets, nullptr, offsetof(gpu::Detection, blocks)};
-constexpr Threads kNearFaces{buffers::near_faces.length, nullptr, offsetof(gpu::Detection, near_faces), true};
-constexpr Threads kNearEdges{buffers::near_edges.length, nullptr, offsetof(gpu::Detection, near_edges), true};
-constexpr Threads kCandidates{lengths::candidates, nullptr, offsetof(gpu::Detection, contacts), true};
-constexpr Threads kTouchedParticles{lengths::particles, nullptr, offsetof(gpu::Detection, touched)};
-constexpr Threads kContacts{lengths::candidates, nullptr, offsetof(gpu::Detection, listed), true};
-constexpr Threads kUnsafeCandidates{lengths::candidates, nullptr, offsetof(gpu::Detection, listed) + WEFT_UNSAFE * sizeof(gpu::Groups),
+constexpr Threads kDetectedParticles{lengths::particles, nullptr, {&buffers::detection, offsetof(gpu::Detection, particles)}};
+constexpr Threads kPrimitives{lengths::primitives, nullptr, {&buffers::detection, offsetof(gpu::Detection, primitives)}};
+constexpr Threads kBuckets{lengths::buckets, nullptr, {&buffers::detection, offsetof(gpu::Detection, blocks)}};
+constexpr Threads kNearFaces{buffers::near_faces.length, nullptr, {&buffers::detection, offsetof(gpu::Detection, near_faces)}, true};
+constexpr Threads kNearEdges{buffers::near_edges.length, nullptr, {&buffers::detection, offsetof(gpu::Detection, near_edges)}, true};
+constexpr Threads kCandidates{lengths::candidates, nullptr, {&buffers::detection, offsetof(gpu::Detection, contacts)}, true};
+constexpr Threads kTouchedParticles{lengths::particles, nullptr, {&buffers::detection, offsetof(gpu::Detection, touched)}};
+constexpr Threads kContacts{lengths::candidates, nullptr, {&buffers::detection, offsetof(gpu::Detection, listed)}, true};
+constexpr Threads kUnsafeCandidates{lengths::candidates, nullptr, {&buffers::detection, offsetof(gpu::Detection, listed) + WEFT_UNSAFE * sizeof(gpu::Groups)},
                                     true};
 
 constexpr Pass kPasses[] = {

@@ -3,7 +3,7 @@
 
 #include <bit>
 
-#include "engine/effects/buffer.h"
+#include "engine/effects/surface/surface.h"
 
 namespace weft {
 
@@ -12,7 +12,6 @@ namespace weft {
 gpu::ContactSettings contact_settings(const Scene& scene, const CookedFabric& fabric);
 
 namespace lengths {
-inline std::uint64_t triangles(const Cooked& s) { return s.fabric.triangles.size(); }
 inline std::uint64_t edges(const Cooked& s) { return s.fabric.edges.size(); }
 inline std::uint64_t primitives(const Cooked& s) { return triangles(s) + edges(s); }
 inline std::uint64_t buckets(const Cooked& s) { return s.contacts.buckets; }
@@ -22,13 +21,7 @@ namespace buffers {
 
 // ---- cooked
 
-/// Triangles of cloths, then of mesh colliders: three particles, unused.
-inline constexpr Buffer triangles = buffer<gpu::uvec4>("triangles", Lifetime::cooked, lengths::triangles, [](const Cooked& s) {
-  std::vector<gpu::uvec4> triangles;
-  for (const auto& [a, b, c] : s.fabric.triangles) triangles.push_back({a, b, c, 0});
-  return made(triangles);
-});
-/// Edges of those triangles, each once: two particles.
+/// Edges of all triangles, each once: two particles.
 inline constexpr Buffer edges = cooked<gpu::uvec2, &CookedFabric::edges>("edges");
 /// xyz rest position (m), w thickness (m).
 inline constexpr Buffer rest = cooked<gpu::vec4, &CookedFabric::rest>("rest");

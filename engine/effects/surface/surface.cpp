@@ -6,7 +6,8 @@
 namespace weft::effects {
 namespace {
 
-constexpr const Buffer* kBuffers[] = {&buffers::surface_rows, &buffers::corners, &buffers::vertex_positions, &buffers::vertex_normals};
+constexpr const Buffer* kBuffers[] = {&buffers::triangles, &buffers::surface_rows, &buffers::corners, &buffers::vertex_positions,
+                                      &buffers::vertex_normals};
 
 constexpr Pass kPasses[] = {{.name = "surface", .stage = Stage::frame_end, .threads = threads::vertices}};
 

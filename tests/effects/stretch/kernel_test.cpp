@@ -10,6 +10,7 @@
 #include "shaders/motion/motion.ref.h"
 #include "shaders/stretch/stretch.ref.h"
 #include "shaders/tether/tether.ref.h"
+#include "shaders/triangle/gap.ref.h"
 #include "tests/support/single_pass.h"
 
 namespace weft {
@@ -268,7 +269,13 @@ void twin_frame(const Scene& scene, const CookedFabric& fabric, reference::Point
           if (tether.anchor != WEFT_NONE) tethers.push_back({p[tether.anchor], tether.max_distance});
         }
         p[i] = reference::within_tethers(tethers, p[i]);
-        for (const reference::Body& body : bodies) p[i] = reference::out_of_body(body, x[i], p[i], material.thickness);
+      }
+      const auto asked = reference::ask_triangles(bodies, fabric.triangles, x, p, masses, material.thickness);
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        if (masses[i] == 0) continue;
+        p[i] += asked[i].out_of + asked[i].friction;
+        for (const reference::Body& body : bodies)
+          p[i] = reference::out_of_body(body, x[i] + asked[i].out_of, p[i], material.thickness);
       }
     }
     for (std::size_t i = 0; i < x.size(); ++i) v[i] = reference::velocity(x[i], p[i], fabric.h);

@@ -1,0 +1,27 @@
+// Triangles of cloth against spheres, capsules and boxes, where vertices alone would let these show through.
+#pragma once
+
+#include "engine/effects/buffer.h"
+
+namespace weft {
+
+struct TriangleLists {
+  std::uint32_t most_around = 0;   // triangles around one particle; 0: vertices are enough
+};
+
+namespace buffers {
+
+/// How many triangles have met a collider in this substep, and which (triangle_search.comp).
+inline constexpr Buffer collisions = [] {
+  Buffer row = cleared<gpu::Collisions>("collisions", lengths::one);
+  row.access = Access::arguments;
+  return row;
+}();
+inline constexpr Buffer collision_list =
+    scratch<gpu::uint>("collision_list", [](const Cooked& s) { return std::uint64_t(s.fabric.cloth_triangles); });
+/// Two of each particle: what its triangles ask for, in quanta: out of colliders, w the sum of weights; and by friction.
+inline constexpr Buffer collision_sums =
+    cleared<gpu::ivec4>("collision_sums", [](const Cooked& s) { return std::uint64_t(2 * s.fabric.positions.size()); });
+
+}  // namespace buffers
+}  // namespace weft

@@ -1,0 +1,45 @@
+// bodies: spheres, capsules and boxes as triangles meet them: convex, in axes of their own. Needs push.
+
+#include "collide/colliders.glsl"
+
+struct Body {
+  Pose pose;
+  vec3 half_size;   // m: half a box's sides; y: half a capsule's length
+  float radius;     // m; 0: a box
+  float friction;   // of the pair
+};
+
+const uint bodies = spheres + capsules + boxes;
+
+Body body_at(uint k, Particle v) {
+  const Collider collider = colliders[planes + k];
+  const Surface s = surface_at(collider, v);
+  const bool is_sphere = k < spheres, is_box = k >= spheres + capsules;
+  return Body(pose_of(collider, s, v.from, v.to), is_sphere ? vec3(0) : collider.half_size, is_box ? 0 : collider.radius, s.friction);
+}
+
+// Of cloth `material`, in this substep.
+Particle particle_of(vec4 material) { return Particle(push.fraction_from, push.fraction_to, vec3(0), material.z, material.y); }
+
+// How near triangles may come (m): nearer than vertices, so that where these lie on a body triangles have nothing to do.
+float separation_of(vec4 material) { return 0.9 * material.z; }
+
+vec3 from_axis(Body body, vec3 p) { return p - vec3(0, clamp(p.y, -body.half_size.y, body.half_size.y), 0); }
+
+// How far the body extends in the direction n (m).
+float support_of(Body body, vec3 n) {
+  return body.radius > 0 ? body.half_size.y * abs(n.y) + body.radius : dot(abs(n), body.half_size);
+}
+
+// Unit: from the body to p, or across the box's face that is nearest.
+vec3 direction_to(Body body, vec3 p) {
+  const vec3 d = from_axis(body, p), q = abs(p) - body.half_size;
+  const float len = length(d), most = max(q.x, max(q.y, q.z));
+  const vec3 across = (most == q.y ? vec3(0, 1, 0) : most == q.x ? vec3(1, 0, 0) : vec3(0, 0, 1)) * vec3(p.x < 0 ? -1 : 1, p.y < 0 ? -1 : 1, p.z < 0 ? -1 : 1);
+  return body.radius == 0 ? across : len > 1e-9 ? d / len : vec3(1, 0, 0);
+}
+
+// Of a point outside (m); of one inside a box at most 0.
+float distance_to(Body body, vec3 p) {
+  return body.radius > 0 ? length(from_axis(body, p)) - body.radius : length(max(abs(p) - body.half_size, 0));
+}

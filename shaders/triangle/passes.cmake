@@ -1,0 +1,1 @@
+weft_passes(triangle_search triangle_collide)

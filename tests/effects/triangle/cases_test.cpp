@@ -1,0 +1,194 @@
+// Edges and triangles against spheres, capsules and boxes: nothing shows through between vertices, and nothing hooks.
+#include <gtest/gtest.h>
+
+#include "shaders/triangle/gap.ref.h"
+#include "tests/support/cooked.h"
+#include "tests/support/sheets.h"
+#include "tests/support/single_pass.h"
+
+namespace weft {
+namespace {
+
+using TriangleCollision = GpuTest;
+using reference::Vector;
+
+Collider box(Vec3 centre, Vec3 size, double friction = 0.4) {
+  Collider collider;
+  collider.shape = ColliderShape::box;
+  collider.centre = centre;
+  collider.size = size;
+  collider.friction = friction;
+  return collider;
+}
+
+Collider capsule(Vec3 centre, double radius, double length, Vec3 axis) {
+  Collider collider;
+  collider.shape = ColliderShape::capsule;
+  collider.centre = centre;
+  collider.radius = radius;
+  collider.length = length;
+  collider.axis = axis;
+  return collider;
+}
+
+// A sheet on a box, whose one hem is pulled off it by 2 m.
+Scene hem(std::uint32_t cells, double speed, double friction) {
+  Scene scene;
+  Cloth& cloth = scene.cloths.emplace_back();
+  cloth.grid = Grid{{1.2f, 1.2f}, cells, cells, Topology::diagonal, false};
+  cloth.transform.translate = {0, 0.005f, 0};
+  Anchor& pulled = cloth.anchors.emplace_back();
+  pulled.box = Anchor::Box{{0.599f, -9, -9}, {0.601f, 9, 9}};
+  pulled.keys = {{0.2, {}, {0, 1, 0}, 0}, {0.2 + 2 / speed, {2, 0, 0}, {0, 1, 0}, 0}};
+  scene.colliders = {box({0, -0.25f, 0}, {1, 0.5f, 1}, friction), plane(-0.5f)};
+  return scene;
+}
+
+void expect_free(const compute::Device& device, const Scene& scene, double speed) {
+  const auto simulation = must(Simulation::create(device, scene));
+  run(*simulation, 0.7 + 2 / speed);
+  EXPECT_LT(strain_of(*simulation).max, 1);
+  for (const gpu::vec4& x : must(simulation->read_positions())) ASSERT_GT(x.x, 0.49f);
+}
+
+TEST_F(TriangleCollision, a_hem_slips_off_a_box_at_any_speed) {
+  for (const double speed : {0.5, 5.0, 20.0}) expect_free(device(), hem(24, speed, 0.4), speed);
+}
+
+TEST_F(TriangleCollision, a_hem_slips_off_a_box_with_any_friction_and_cell) {
+  for (const double friction : {0.0, 1.0})
+    for (const std::uint32_t cells : {6u, 40u}) expect_free(device(), hem(cells, 3, friction), 3);
+}
+
+TEST_F(TriangleCollision, a_hem_slips_off_a_box_with_every_method_and_with_contacts) {
+  Scene scene = hem(16, 3, 0.4);
+  for (const Method method : {Method::jacobi, Method::gauss_seidel, Method::implicit}) {
+    scene.solver.method = method;
+    if (method == Method::implicit) {   // which the default solves too badly
+      scene.cloths[0].tethers = false;
+      scene.solver.substeps = 10;
+      scene.solver.iterations = 100;
+    }
+    expect_free(device(), scene, 3);
+  }
+  scene = hem(16, 3, 0.4);
+  scene.cloths[0].tethers = false;
+  expect_free(device(), scene, 3);
+  scene.contacts.enabled = true;
+  expect_free(device(), scene, 3);
+}
+
+// The body of a collider without keys, or with a pose.
+reference::Body body_of(const Collider& collider, const ColliderPose& pose) {
+  reference::Body body;
+  body.shape = static_cast<reference::Shape>(collider.shape);
+  body.radius = collider.radius;
+  body.half_size = collider.shape == ColliderShape::box ? Vector(0.5 * collider.size.x, 0.5 * collider.size.y, 0.5 * collider.size.z)
+                                                        : Vector(0, 0.5 * collider.length, 0);
+  body.centre_after = {pose.centre.x, pose.centre.y, pose.centre.z};
+  body.rotation_after = Eigen::Quaterniond(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z);
+  return body;
+}
+
+// How deep the deepest of 66 points of every triangle is in a body (m); of its vertices alone where `vertices`.
+double deepest(const Simulation& simulation, const reference::Body& body, bool vertices = false) {
+  constexpr int kParts = 10;
+  const auto positions = must(simulation.read_positions());
+  double most = -INFINITY;
+  for (const auto& [a, b, c] : simulation.fabric().triangles)
+    for (int i = 0; i <= kParts; i += vertices ? kParts : 1)
+      for (int j = 0; i + j <= kParts; j += vertices ? kParts : 1) {
+        const double u = double(i) / kParts, v = double(j) / kParts;
+        const Vector p = (1 - u - v) * vector(positions[a]) + u * vector(positions[b]) + v * vector(positions[c]);
+        most = std::max(most, -reference::signed_distance(body, p));
+      }
+  return most;
+}
+
+Scene over(const Collider& collider, std::uint32_t cells) {
+  Scene scene = sheet(cells);
+  scene.cloths[0].transform.translate = {0.02f, 0.45f, 0.01f};
+  scene.cloths[0].fabric.damping = 1;
+  scene.colliders = {collider};
+  return scene;
+}
+
+// Where the sheet lies. Where it strikes at 2 m/s an edge may be in the body by half its thickness, 1 mm, for a substep or two.
+TEST_F(TriangleCollision, nothing_shows_through_a_draped_sheet_at_any_cell_size) {
+  Collider turned = box({0, 0, 0}, {0.4f, 0.5f, 0.3f});
+  turned.axis = {0.6f, 0.8f, 0};
+  turned.degrees = 33;
+  const Collider colliders[] = {sphere({0, 0.1f, 0}, 0.15), capsule({0, 0.2f, 0}, 0.04, 0.5, {0.8f, 0.6f, 0}), box({0, 0, 0}, {0.4f, 0.5f, 0.3f}), turned};
+  for (const Collider& collider : colliders)
+    for (const std::uint32_t cells : {1u, 3u, 10u, 25u}) {
+      SCOPED_TRACE("shape " + std::to_string(int(collider.shape)) + ", cells " + std::to_string(cells));
+      const auto simulation = must(Simulation::create(device(), over(collider, cells)));
+      const reference::Body body = body_of(collider, simulation->colliders()[0]);
+      for (int k = 0; k < 12; ++k) {
+        run(*simulation, 0.1);
+        ASSERT_LT(deepest(*simulation, body), 0.001) << "after " << 0.1 * (k + 1) << " s";
+      }
+      EXPECT_LT(deepest(*simulation, body), 0);
+    }
+}
+
+// Small bodies through large cells, without a vertex near their way.
+TEST_F(TriangleCollision, no_body_passes_between_vertices_however_fast) {
+  const Collider colliders[] = {sphere({0.13f, -0.5f, 0.09f}, 0.03), capsule({0.13f, -0.5f, 0.09f}, 0.02, 0.1, {0.8f, 0, 0.6f}),
+                                box({0.13f, -0.5f, 0.09f}, {0.05f, 0.03f, 0.04f})};
+  for (const double speed : {5.0, 20.0, 60.0})
+    for (Collider collider : colliders) {
+      SCOPED_TRACE("shape " + std::to_string(int(collider.shape)) + " at " + std::to_string(speed) + " m/s");
+      collider.keys = {{0, {}, {0, 1, 0}, 0}, {0.7 / speed, {0, 0.7f, 0}, {0, 1, 0}, 0}};
+      Scene scene = sheet(4);
+      scene.colliders = {collider};
+      scene.cloths[0].anchors = {held_at({Corner::low_low, Corner::low_high, Corner::high_low, Corner::high_high})};
+      scene.cloths[0].tethers = false;
+      scene.gravity = {0, 0, 0};
+      const auto simulation = must(Simulation::create(device(), scene));
+      run(*simulation, 0.5);
+      // The sheet lies over the body now, and is not pierced.
+      EXPECT_LT(deepest(*simulation, body_of(collider, simulation->colliders()[0])), 0.001);
+      double highest = 0;
+      for (const gpu::vec4& x : must(simulation->read_positions())) highest = std::max(highest, double(x.y));
+      EXPECT_GT(highest, 0.1);
+    }
+}
+
+TEST_F(TriangleCollision, a_sheet_over_a_box_comes_to_rest) {
+  Scene scene = over(box({0, 0, 0}, {0.4f, 0.5f, 0.3f}), 12);
+  scene.cloths[0].fabric.damping = 4;
+  const auto simulation = must(Simulation::create(device(), scene));
+  run(*simulation, 10);
+  EXPECT_LT(top_speed(*simulation), 0.005);
+  EXPECT_LT(strain_of(*simulation).max, 0.2);
+}
+
+// Fine cloth keeps out of round bodies by its vertices alone, and pays for no more than these.
+TEST_F(TriangleCollision, are_looked_for_only_where_something_could_show_through) {
+  const auto searches = [&](const Scene& scene) {
+    const CookedFabric fabric = cooked(scene);
+    const Needs needs = needs_of(cooked_of(scene, fabric), 64, true);
+    return needs.has(EffectId::triangle);
+  };
+  const Collider ball = sphere({0, 0, 0}, 0.25), ground = plane(0);
+  EXPECT_FALSE(searches(over(ball, 50)));
+  EXPECT_TRUE(searches(over(ball, 10)));
+  EXPECT_FALSE(searches(over(ground, 1)));
+  EXPECT_TRUE(searches(over(box({0, 0, 0}, {1, 1, 1}), 50)));
+}
+
+// A cape's anchors lie in the shoulder that carries it.
+TEST_F(TriangleCollision, anchors_inside_a_body_leave_the_cloth_around_them_calm) {
+  Scene scene = sheet(10);
+  scene.colliders = {capsule({0, 0, -0.45f}, 0.12, 1, {1, 0, 0})};
+  scene.cloths[0].fabric.damping = 4;
+  scene.cloths[0].anchors.emplace_back().box = Anchor::Box{{-1, -1, -0.51f}, {1, 1, -0.49f}};
+  const auto simulation = must(Simulation::create(device(), scene));
+  run(*simulation, 4);
+  EXPECT_LT(top_speed(*simulation), 0.05);
+  EXPECT_LT(strain_of(*simulation).max, 0.3);
+}
+
+}  // namespace
+}  // namespace weft
