@@ -65,36 +65,37 @@ struct Modern {
   VkPhysicalDeviceVulkan13Features f13 =
       typed<VkPhysicalDeviceVulkan13Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES);
 
+  // Of extensions: asked for only where the device has them.
+  VkPhysicalDeviceMeshShaderFeaturesEXT mesh =
+      typed<VkPhysicalDeviceMeshShaderFeaturesEXT>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT);
+  VkPhysicalDeviceRayTracingPipelineFeaturesKHR rays =
+      typed<VkPhysicalDeviceRayTracingPipelineFeaturesKHR>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR);
+  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures =
+      typed<VkPhysicalDeviceAccelerationStructureFeaturesKHR>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR);
+
   void ask(const Functions& fn, VkPhysicalDevice physical) {
     properties.pNext = &v11;
     v11.pNext = &v12;
     v12.pNext = &v13;
     features.pNext = &f12;
     f12.pNext = &f13;
+    uint32_t count = 0;
+    fn.vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
+    std::vector<VkExtensionProperties> offered(count);
+    fn.vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, offered.data());
+    void** last = &f13.pNext;
+    const auto also = [&](std::string_view extension, auto& structure) {
+      if (std::none_of(offered.begin(), offered.end(), [&](const auto& e) { return extension == e.extensionName; })) return;
+      *last = &structure;
+      last = &structure.pNext;
+    };
+    also(VK_EXT_MESH_SHADER_EXTENSION_NAME, mesh);
+    also(VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME, rays);
+    also(VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME, structures);
     fn.vkGetPhysicalDeviceProperties2(physical, &properties);
     fn.vkGetPhysicalDeviceFeatures2(physical, &features);
   }
 };
-
-struct Features {
-  VkBool32 synchronization2 = VK_FALSE, timeline_semaphore = VK_FALSE, host_query_reset = VK_FALSE, scalar_block_layout = VK_FALSE;
-};
-
-std::string missing_of(const Features& features) {
-  std::string missing;
-  const auto need = [&](VkBool32 present, const char* name) {
-    if (!present) missing += missing.empty() ? name : std::string(" and ") + name;
-  };
-  need(features.synchronization2, "synchronization2");
-  need(features.timeline_semaphore, "timelineSemaphore");
-  need(features.host_query_reset, "hostQueryReset");
-  need(features.scalar_block_layout, "scalarBlockLayout");
-  return missing;
-}
-
-std::string missing_features(const Modern& modern) {
-  return missing_of({modern.f13.synchronization2, modern.f12.timelineSemaphore, modern.f12.hostQueryReset, modern.f12.scalarBlockLayout});
-}
 
 /// A family that also draws is preferred; nothing when none has compute.
 std::optional<uint32_t> best_family(std::span<const VkQueueFamilyProperties> families) {
@@ -108,45 +109,7 @@ std::optional<uint32_t> best_family(std::span<const VkQueueFamilyProperties> fam
   return best;
 }
 
-template <class T>
-const T& as(const VkBaseInStructure* in) {
-  return *reinterpret_cast<const T*>(in);
-}
-
 }  // namespace
-
-// Each feature is enabled by its own structure or by that of its version.
-std::string features_not_enabled(const VkDeviceCreateInfo& created_with) {
-  Features features;
-  for (auto* in = static_cast<const VkBaseInStructure*>(created_with.pNext); in != nullptr; in = in->pNext) {
-    switch (in->sType) {
-      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES: {
-        const auto& enabled = as<VkPhysicalDeviceVulkan12Features>(in);
-        features.timeline_semaphore |= enabled.timelineSemaphore;
-        features.host_query_reset |= enabled.hostQueryReset;
-        features.scalar_block_layout |= enabled.scalarBlockLayout;
-        break;
-      }
-      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES:
-        features.synchronization2 |= as<VkPhysicalDeviceVulkan13Features>(in).synchronization2;
-        break;
-      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SYNCHRONIZATION_2_FEATURES:
-        features.synchronization2 |= as<VkPhysicalDeviceSynchronization2Features>(in).synchronization2;
-        break;
-      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_FEATURES:
-        features.timeline_semaphore |= as<VkPhysicalDeviceTimelineSemaphoreFeatures>(in).timelineSemaphore;
-        break;
-      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_HOST_QUERY_RESET_FEATURES:
-        features.host_query_reset |= as<VkPhysicalDeviceHostQueryResetFeatures>(in).hostQueryReset;
-        break;
-      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SCALAR_BLOCK_LAYOUT_FEATURES:
-        features.scalar_block_layout |= as<VkPhysicalDeviceScalarBlockLayoutFeatures>(in).scalarBlockLayout;
-        break;
-      default: break;
-    }
-  }
-  return missing_of(features);
-}
 
 Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t index, std::optional<uint32_t> lent_family) {
   Candidate found;
@@ -185,7 +148,8 @@ Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t inde
   limits.max_allocation_bytes = std::min(modern.v11.maxMemoryAllocationSize, kEndless);
   limits.max_buffer_bytes = std::min(modern.v13.maxBufferSize, kEndless);
   limits.subgroup_size = modern.v11.subgroupSize;
-  if (const std::string missing = missing_features(modern); !missing.empty()) {
+  found.features = features_in(&modern.features);
+  if (const std::string missing = missing_of(found.features); !missing.empty()) {
     out.refusal = "it lacks the feature " + missing;
     return found;
   }
@@ -203,6 +167,7 @@ Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t inde
     return found;
   }
   found.queue_family = *family;
+  found.queue_flags = families[*family].queueFlags;
   limits.timestamp_bits = families[*family].timestampValidBits;
   limits.timestamp_period_ns = limits.timestamp_bits > 0 ? static_cast<double>(from.timestampPeriod) : 0.0;
   out.draws = (families[*family].queueFlags & VK_QUEUE_GRAPHICS_BIT) && modern.f13.dynamicRendering;
