@@ -1,11 +1,14 @@
 // Who reads what Weft has made, in a host's own commands, and what buffers must be created for that.
 //
-//     draws                               VERTEX_ATTRIBUTE_INPUT           VERTEX_ATTRIBUTE_READ
-//     skinning, culling in compute        COMPUTE_SHADER                   SHADER_STORAGE_READ
-//     builds of acceleration structures   ACCELERATION_STRUCTURE_BUILD     SHADER_READ
-//     copies                              COPY                             TRANSFER_READ
+//     who                                 stage                              access
+//     draws                               VERTEX_ATTRIBUTE_INPUT             VERTEX_ATTRIBUTE_READ
+//     skinning, culling in compute        COMPUTE_SHADER                     SHADER_STORAGE_READ
+//     builds of acceleration structures   ACCELERATION_STRUCTURE_BUILD_KHR   SHADER_READ
+//     copies                              COPY                               TRANSFER_READ
 //
-// The stages and accesses are Vulkan's (VK_PIPELINE_STAGE_2_*_BIT, VK_ACCESS_2_*_BIT); several readers are or-ed together.
+// The names are Vulkan's (VK_PIPELINE_STAGE_2_*, VK_ACCESS_2_*); several readers are or-ed together, also those of different frames.
+// Shaders that read by address take the usage SHADER_DEVICE_ADDRESS; builds of acceleration structures take it, too, and
+// ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_KHR.
 #pragma once
 
 #include "compute/device.h"

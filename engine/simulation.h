@@ -73,7 +73,7 @@ struct SimulationOptions {
   /// Who reads positions() and normals() in the host's commands, in whatever frame. A frame begins by waiting for these stages, besides
   /// compute shaders and copies, which Weft's own commands are; it ends by making its results visible to these accesses of theirs.
   /// Empty: vertex input, vertex shaders, compute shaders and copies. Other readers, fragment shaders or builds of acceleration
-  /// structures, must be named here, or kept apart by barriers of the host's. compute/readers.h has examples, and what is refused.
+  /// structures, must be named here, or kept apart by barriers of the host's. Examples, and what is refused: compute/readers.h.
   std::optional<compute::Readers> readers;
   /// What else the buffers of positions() and normals() are created for: VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT, or
   /// VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR besides it. What takes a feature is refused unless the

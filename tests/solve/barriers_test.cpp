@@ -290,6 +290,19 @@ TEST_F(Barriers, a_frame_has_to_do_with_the_readers_that_the_host_names_and_with
   }
 }
 
+TEST_F(Barriers, readers_behind_a_submitted_frame_on_its_queue_need_no_semaphore) {
+  for (const bool named : {false, true}) {
+    SimulationOptions options;
+    if (named) options.readers = {Reading().stage, Reading().access};
+    expect_no_hazard(heard(subjects().front().scene, options, false, [&](Simulation& simulation, DrawingHost& host) {
+      for (int k = 0; k < 3; ++k) {
+        must(simulation.submit(kFrame));
+        host.draw();
+      }
+    }));
+  }
+}
+
 // Timestamps wait for all commands: they can be read when the frame is told to be done.
 TEST_F(Barriers, a_frame_with_timestamps_is_done_when_all_commands_are) {
   if (device().timestamp_period_ns() == 0) GTEST_SKIP() << "no timestamps";
