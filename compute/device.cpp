@@ -127,7 +127,7 @@ Result<std::unique_ptr<Device>> Device::borrow(const BorrowedDevice& lent) try {
   if (!description.refusal.empty()) {
     return fail("the device lent to Weft, ", description.name, ", cannot be used: ", description.refusal);
   }
-  state->features = lent.created_with != nullptr ? enabled_features(*lent.created_with) : state->candidate.features;
+  state->features = lent.created_with != nullptr ? enabled_features(*lent.created_with) : supported_features(state->fn, lent.physical);
   if (const std::string missing = missing_of(state->features); !missing.empty())
     return fail("the device lent to Weft, ", description.name, ", was created without ", missing, ", which Weft needs enabled");
   state->instance = lent.instance;

@@ -1,6 +1,10 @@
 // Reads features from Vulkan's structures. See features.h.
 #include "compute/features.h"
 
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
 namespace weft::compute {
 namespace {
 
@@ -69,6 +73,34 @@ Features enabled_features(const VkDeviceCreateInfo& created_with) {
   Features on = features_in(created_with.pNext);
   if (created_with.pEnabledFeatures != nullptr) add(*created_with.pEnabledFeatures, on);
   return on;
+}
+
+Features supported_features(const Functions& fn, VkPhysicalDevice physical) {
+  auto all = typed<VkPhysicalDeviceFeatures2>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2);
+  auto v12 = typed<VkPhysicalDeviceVulkan12Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
+  auto v13 = typed<VkPhysicalDeviceVulkan13Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES);
+  auto mesh = typed<VkPhysicalDeviceMeshShaderFeaturesEXT>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT);
+  auto rays = typed<VkPhysicalDeviceRayTracingPipelineFeaturesKHR>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR);
+  auto structures =
+      typed<VkPhysicalDeviceAccelerationStructureFeaturesKHR>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR);
+  all.pNext = &v12;
+  v12.pNext = &v13;
+  // Structures of extensions may be asked for only where there is the extension.
+  uint32_t count = 0;
+  fn.vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> offered(count);
+  fn.vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, offered.data());
+  void** last = &v13.pNext;
+  const auto ask_too = [&](std::string_view extension, auto& structure) {
+    if (std::none_of(offered.begin(), offered.end(), [&](const auto& one) { return extension == one.extensionName; })) return;
+    *last = &structure;
+    last = &structure.pNext;
+  };
+  ask_too(VK_EXT_MESH_SHADER_EXTENSION_NAME, mesh);
+  ask_too(VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME, rays);
+  ask_too(VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME, structures);
+  fn.vkGetPhysicalDeviceFeatures2(physical, &all);
+  return features_in(&all);
 }
 
 std::string missing_of(const Features& features) {

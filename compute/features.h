@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "compute/functions.h"
+
 namespace weft::compute {
 
 struct Features {
@@ -13,9 +15,11 @@ struct Features {
   bool ray_tracing_pipeline = false, acceleration_structure = false, buffer_device_address = false;
 };
 
-/// Those that a chain of Vulkan's structures says are on: what a device supports, or what one is created with.
+/// Those that a chain of Vulkan's structures says are on.
 Features features_in(const void* chain);
 Features enabled_features(const VkDeviceCreateInfo& created_with);
+/// Of a device of Vulkan 1.3.
+Features supported_features(const Functions& fn, VkPhysicalDevice physical);
 
 /// Of the four that Weft needs, those that are off: "synchronization2 and timelineSemaphore"; empty if there are none.
 std::string missing_of(const Features& features);

@@ -65,33 +65,12 @@ struct Modern {
   VkPhysicalDeviceVulkan13Features f13 =
       typed<VkPhysicalDeviceVulkan13Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES);
 
-  // Of extensions: asked for only where the device has them.
-  VkPhysicalDeviceMeshShaderFeaturesEXT mesh =
-      typed<VkPhysicalDeviceMeshShaderFeaturesEXT>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT);
-  VkPhysicalDeviceRayTracingPipelineFeaturesKHR rays =
-      typed<VkPhysicalDeviceRayTracingPipelineFeaturesKHR>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR);
-  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures =
-      typed<VkPhysicalDeviceAccelerationStructureFeaturesKHR>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR);
-
   void ask(const Functions& fn, VkPhysicalDevice physical) {
     properties.pNext = &v11;
     v11.pNext = &v12;
     v12.pNext = &v13;
     features.pNext = &f12;
     f12.pNext = &f13;
-    uint32_t count = 0;
-    fn.vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
-    std::vector<VkExtensionProperties> offered(count);
-    fn.vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, offered.data());
-    void** last = &f13.pNext;
-    const auto also = [&](std::string_view extension, auto& structure) {
-      if (std::none_of(offered.begin(), offered.end(), [&](const auto& e) { return extension == e.extensionName; })) return;
-      *last = &structure;
-      last = &structure.pNext;
-    };
-    also(VK_EXT_MESH_SHADER_EXTENSION_NAME, mesh);
-    also(VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME, rays);
-    also(VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME, structures);
     fn.vkGetPhysicalDeviceProperties2(physical, &properties);
     fn.vkGetPhysicalDeviceFeatures2(physical, &features);
   }
@@ -148,8 +127,7 @@ Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t inde
   limits.max_allocation_bytes = std::min(modern.v11.maxMemoryAllocationSize, kEndless);
   limits.max_buffer_bytes = std::min(modern.v13.maxBufferSize, kEndless);
   limits.subgroup_size = modern.v11.subgroupSize;
-  found.features = features_in(&modern.features);
-  if (const std::string missing = missing_of(found.features); !missing.empty()) {
+  if (const std::string missing = missing_of(features_in(&modern.features)); !missing.empty()) {
     out.refusal = "it lacks the feature " + missing;
     return found;
   }

@@ -47,7 +47,6 @@ struct Candidate {
   VkPhysicalDeviceMemoryProperties memory{};
   uint32_t queue_family = 0;
   VkQueueFlags queue_flags = 0;  // of that family
-  Features features;             // that it supports
   DeviceDescription description;
 };
 

@@ -114,6 +114,15 @@ TEST_F(ReadersOf, what_takes_a_feature_is_refused_unless_the_host_has_enabled_it
   EXPECT_EQ(refusal(*without, VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT), address);
 }
 
+TEST_F(ReadersOf, a_host_that_does_not_tell_is_taken_to_have_enabled_what_there_is) {
+  const auto silent = must(Device::borrow({device().vk().vkGetInstanceProcAddr, device().instance(), device().physical(), device().handle(),
+                                           device().queue(), device().queue_family()}));
+  const Features there = supported_features(device().vk(), device().physical());
+  EXPECT_TRUE(missing_of(there).empty());
+  EXPECT_EQ(refusal(*silent, VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT).empty(), there.buffer_device_address);
+  EXPECT_EQ(refusal(*silent, kBuilds, kShaders).empty(), there.acceleration_structure);
+}
+
 // Each feature by each structure that may tell of it.
 TEST(FeaturesOf, a_device_are_read_wherever_they_stand) {
   VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{};

@@ -32,7 +32,7 @@ class FrameReaders : public compute::OnDevice {
   void SetUp() override {
     OnDevice::SetUp();
     VkPhysicalDeviceVulkan12Features wanted{};
-    wanted.bufferDeviceAddress = supports_addresses();
+    wanted.bufferDeviceAddress = compute::supported_features(device().vk(), device().physical()).buffer_device_address;
     if (!wanted.bufferDeviceAddress) GTEST_SKIP() << "no buffer device addresses here";
     host_ = std::make_unique<LentDevice>(device(), wanted);
     options_.readers = {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_COPY_BIT,
@@ -42,13 +42,6 @@ class FrameReaders : public compute::OnDevice {
   void TearDown() override {
     host_.reset();
     OnDevice::TearDown();
-  }
-  bool supports_addresses() const {
-    auto v12 = compute::typed<VkPhysicalDeviceVulkan12Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
-    auto features = compute::typed<VkPhysicalDeviceFeatures2>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2);
-    features.pNext = &v12;
-    device().vk().vkGetPhysicalDeviceFeatures2(device().physical(), &features);
-    return v12.bufferDeviceAddress != VK_FALSE;
   }
   VkDeviceAddress address_of(VkBuffer buffer) const {
     const Device& lent = **host_;
