@@ -142,6 +142,10 @@ Result<Arena> Arena::create(const Device& device, Memory kind, std::string_view 
   auto allocate = typed<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
   allocate.allocationSize = arena.total_bytes_;
   allocate.memoryTypeIndex = type;
+  auto flags = typed<VkMemoryAllocateFlagsInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO);
+  flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
+  const auto has_address = [](const BufferRequest& request) { return (request.usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) != 0; };
+  if (std::any_of(requests.begin(), requests.end(), has_address)) allocate.pNext = &flags;
   const VkDeviceSize heap = device.memory().memoryHeaps[device.memory().memoryTypes[type].heapIndex].size;
   VkDeviceMemory memory = VK_NULL_HANDLE;
   const VkResult result = arena.total_bytes_ > heap

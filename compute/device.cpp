@@ -17,6 +17,7 @@ struct Device::State {
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
   Candidate candidate;
+  Features features;            // enabled
   mutable std::mutex queue_mutex;
   mutable std::atomic<bool> lost = false;
   mutable Specializer specializer;
@@ -42,7 +43,7 @@ Result<std::vector<DeviceDescription>> list_devices() try {
 
 namespace {
 
-Result<VkDevice> create_device(const Functions& fn, const Candidate& candidate, const DeviceChoice& choice) {
+Result<VkDevice> create_device(const Functions& fn, const Candidate& candidate, const DeviceChoice& choice, Features& enabled) {
   uint32_t count = 0;
   fn.vkEnumerateDeviceExtensionProperties(candidate.physical, nullptr, &count, nullptr);
   std::vector<VkExtensionProperties> offered(count);
@@ -74,6 +75,7 @@ Result<VkDevice> create_device(const Functions& fn, const Candidate& candidate, 
   create.pQueueCreateInfos = &queue;
   create.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
   create.ppEnabledExtensionNames = extensions.data();
+  enabled = enabled_features(create);
   VkDevice device = VK_NULL_HANDLE;
   const VkResult result = fn.vkCreateDevice(candidate.physical, &create, nullptr, &device);
   if (result != VK_SUCCESS) {
@@ -99,7 +101,7 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceChoice& choice) try {
   state->fn = state->own->functions();
   state->instance = state->own->handle();
   state->candidate = (*candidates)[*index];
-  Result<VkDevice> device = create_device(state->fn, state->candidate, choice);
+  Result<VkDevice> device = create_device(state->fn, state->candidate, choice, state->features);
   if (!device) return device.take_error();
   if (Result<void> loaded = state->fn.load_device(*device); !loaded) return loaded.take_error();
   state->device = *device;
@@ -125,9 +127,9 @@ Result<std::unique_ptr<Device>> Device::borrow(const BorrowedDevice& lent) try {
   if (!description.refusal.empty()) {
     return fail("the device lent to Weft, ", description.name, ", cannot be used: ", description.refusal);
   }
-  if (lent.created_with != nullptr)
-    if (const std::string missing = features_not_enabled(*lent.created_with); !missing.empty())
-      return fail("the device lent to Weft, ", description.name, ", was created without ", missing, ", which Weft needs enabled");
+  state->features = lent.created_with != nullptr ? enabled_features(*lent.created_with) : supported_features(state->fn, lent.physical);
+  if (const std::string missing = missing_of(state->features); !missing.empty())
+    return fail("the device lent to Weft, ", description.name, ", was created without ", missing, ", which Weft needs enabled");
   state->instance = lent.instance;
   state->device = lent.device;
   state->queue = lent.queue;
@@ -145,6 +147,8 @@ VkPhysicalDevice Device::physical() const { return state_->candidate.physical; }
 VkDevice Device::handle() const { return state_->device; }
 VkQueue Device::queue() const { return state_->queue; }
 uint32_t Device::queue_family() const { return state_->candidate.queue_family; }
+VkQueueFlags Device::queue_flags() const { return state_->candidate.queue_flags; }
+const Features& Device::features() const { return state_->features; }
 const std::string& Device::name() const { return state_->candidate.description.name; }
 const DeviceDescription& Device::description() const { return state_->candidate.description; }
 const DeviceLimits& Device::limits() const { return state_->candidate.description.limits; }

@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compute/features.h"
 #include "compute/functions.h"
 #include "compute/result.h"
 #include "compute/specialize.h"
@@ -45,8 +46,9 @@ struct BorrowedDevice {
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
   uint32_t queue_family = 0;
-  /// What the host gave vkCreateDevice, looked at in borrow alone: the four features must be enabled there. Null: not checked, since
-  /// Vulkan does not tell what a device was created with.
+  /// What the host gave vkCreateDevice, looked at in borrow alone: the four features must be enabled there, and so must those that
+  /// the host's readers need (compute/readers.h). Null: what the device supports is taken to be enabled, since Vulkan does not tell
+  /// what a device was created with.
   const VkDeviceCreateInfo* created_with = nullptr;
 };
 
@@ -101,6 +103,10 @@ class Device {
   VkDevice handle() const;
   VkQueue queue() const;
   uint32_t queue_family() const;
+  /// What the queue family can do.
+  VkQueueFlags queue_flags() const;
+  /// Those that are enabled. Of a borrowed device without BorrowedDevice::created_with only the host knows; then those that it supports.
+  const Features& features() const;
 
   const std::string& name() const;
   const DeviceDescription& description() const;

@@ -76,26 +76,6 @@ struct Modern {
   }
 };
 
-struct Features {
-  VkBool32 synchronization2 = VK_FALSE, timeline_semaphore = VK_FALSE, host_query_reset = VK_FALSE, scalar_block_layout = VK_FALSE;
-};
-
-std::string missing_of(const Features& features) {
-  std::string missing;
-  const auto need = [&](VkBool32 present, const char* name) {
-    if (!present) missing += missing.empty() ? name : std::string(" and ") + name;
-  };
-  need(features.synchronization2, "synchronization2");
-  need(features.timeline_semaphore, "timelineSemaphore");
-  need(features.host_query_reset, "hostQueryReset");
-  need(features.scalar_block_layout, "scalarBlockLayout");
-  return missing;
-}
-
-std::string missing_features(const Modern& modern) {
-  return missing_of({modern.f13.synchronization2, modern.f12.timelineSemaphore, modern.f12.hostQueryReset, modern.f12.scalarBlockLayout});
-}
-
 /// A family that also draws is preferred; nothing when none has compute.
 std::optional<uint32_t> best_family(std::span<const VkQueueFamilyProperties> families) {
   std::optional<uint32_t> best;
@@ -108,45 +88,7 @@ std::optional<uint32_t> best_family(std::span<const VkQueueFamilyProperties> fam
   return best;
 }
 
-template <class T>
-const T& as(const VkBaseInStructure* in) {
-  return *reinterpret_cast<const T*>(in);
-}
-
 }  // namespace
-
-// Each feature is enabled by its own structure or by that of its version.
-std::string features_not_enabled(const VkDeviceCreateInfo& created_with) {
-  Features features;
-  for (auto* in = static_cast<const VkBaseInStructure*>(created_with.pNext); in != nullptr; in = in->pNext) {
-    switch (in->sType) {
-      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES: {
-        const auto& enabled = as<VkPhysicalDeviceVulkan12Features>(in);
-        features.timeline_semaphore |= enabled.timelineSemaphore;
-        features.host_query_reset |= enabled.hostQueryReset;
-        features.scalar_block_layout |= enabled.scalarBlockLayout;
-        break;
-      }
-      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES:
-        features.synchronization2 |= as<VkPhysicalDeviceVulkan13Features>(in).synchronization2;
-        break;
-      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SYNCHRONIZATION_2_FEATURES:
-        features.synchronization2 |= as<VkPhysicalDeviceSynchronization2Features>(in).synchronization2;
-        break;
-      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_FEATURES:
-        features.timeline_semaphore |= as<VkPhysicalDeviceTimelineSemaphoreFeatures>(in).timelineSemaphore;
-        break;
-      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_HOST_QUERY_RESET_FEATURES:
-        features.host_query_reset |= as<VkPhysicalDeviceHostQueryResetFeatures>(in).hostQueryReset;
-        break;
-      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SCALAR_BLOCK_LAYOUT_FEATURES:
-        features.scalar_block_layout |= as<VkPhysicalDeviceScalarBlockLayoutFeatures>(in).scalarBlockLayout;
-        break;
-      default: break;
-    }
-  }
-  return missing_of(features);
-}
 
 Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t index, std::optional<uint32_t> lent_family) {
   Candidate found;
@@ -185,7 +127,7 @@ Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t inde
   limits.max_allocation_bytes = std::min(modern.v11.maxMemoryAllocationSize, kEndless);
   limits.max_buffer_bytes = std::min(modern.v13.maxBufferSize, kEndless);
   limits.subgroup_size = modern.v11.subgroupSize;
-  if (const std::string missing = missing_features(modern); !missing.empty()) {
+  if (const std::string missing = missing_of(features_in(&modern.features)); !missing.empty()) {
     out.refusal = "it lacks the feature " + missing;
     return found;
   }
@@ -203,6 +145,7 @@ Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t inde
     return found;
   }
   found.queue_family = *family;
+  found.queue_flags = families[*family].queueFlags;
   limits.timestamp_bits = families[*family].timestampValidBits;
   limits.timestamp_period_ns = limits.timestamp_bits > 0 ? static_cast<double>(from.timestampPeriod) : 0.0;
   out.draws = (families[*family].queueFlags & VK_QUEUE_GRAPHICS_BIT) && modern.f13.dynamicRendering;

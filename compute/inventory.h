@@ -46,11 +46,9 @@ struct Candidate {
   VkPhysicalDeviceProperties properties{};
   VkPhysicalDeviceMemoryProperties memory{};
   uint32_t queue_family = 0;
+  VkQueueFlags queue_flags = 0;  // of that family
   DeviceDescription description;
 };
-
-/// Of the four that Weft needs, those that a device was created without: "synchronization2 and timelineSemaphore"; empty if there are none.
-std::string features_not_enabled(const VkDeviceCreateInfo& created_with);
 
 /// `lent_family`: the queue family a host lends; without it the best one is taken.
 Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t index,

@@ -32,8 +32,9 @@ bool has(Use uses, Use one) { return (static_cast<uint32_t>(uses) & static_cast<
 Scope operator|(Scope a, Scope b) { return {a.stages | b.stages, a.writes | b.writes, a.all | b.all}; }
 
 /// A queue that cannot draw knows no vertex stages.
-Scope scope_of(Use uses, bool draws) {
-  Scope scope;
+Scope scope_of(const Users& users, bool draws) {
+  const Use uses = users.uses;
+  Scope scope{users.readers.stages, 0, users.readers.accesses};
   if (has(uses, Use::compute)) scope = scope | kCompute;
   if (has(uses, Use::indirect)) scope = scope | kIndirect;
   if (has(uses, Use::transfer)) scope = scope | kTransfer;
@@ -207,15 +208,15 @@ void Recorder::dispatch_indirect(VkBuffer arguments, VkDeviceSize offset) {
   ++dispatches_;
 }
 
-void Recorder::barrier(Use from, Use to) {
+void Recorder::barrier(Users from, Users to) {
   finish();
   Scope before = scope_of(from, device_->draws());
   const Scope after = scope_of(to, device_->draws());
-  const bool between_shaders = has(from, Use::compute) && has(to, Use::compute);
+  const bool between_shaders = has(from.uses, Use::compute) && has(to.uses, Use::compute);
   if (between_shaders && hazards_.waits_for_indirect()) before = before | kIndirect;
   if (before.stages == 0 || after.stages == 0) return;
   record_barrier(device_->vk(), commands_, before, after);
-  if (between_shaders) hazards_.barrier(has(to, Use::indirect));
+  if (between_shaders) hazards_.barrier(has(to.uses, Use::indirect));
   ++barriers_;
 }
 

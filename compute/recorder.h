@@ -17,6 +17,7 @@
 
 #include "compute/index_set.h"
 #include "compute/owned.h"
+#include "compute/readers.h"
 
 namespace weft::compute {
 
@@ -95,6 +96,13 @@ enum class Use : uint32_t {
 };
 constexpr Use operator|(Use a, Use b) { return static_cast<Use>(static_cast<uint32_t>(a) | static_cast<uint32_t>(b)); }
 
+/// Uses, and the readers of a host besides.
+struct Users {
+  Users(Use uses, Readers readers = {}) : uses(uses), readers(readers) {}
+  Use uses;
+  Readers readers;
+};
+
 /// Records into a command buffer that is in the recording state; owns nothing. Allocates only when a pass name is new to
 /// its Timestamps.
 ///
@@ -124,7 +132,7 @@ class Recorder {
   void finish();
 
   /// Everything `from` wrote is seen by `to`, and `to` waits until `from` has read. Ends the current pass.
-  void barrier(Use from, Use to);
+  void barrier(Users from, Users to);
 
   VkCommandBuffer commands() const { return commands_; }
   uint32_t barriers() const { return barriers_; }

@@ -16,7 +16,9 @@ struct FrameView {
   std::uint32_t stride = 16;                        // bytes
   VkFormat format = VK_FORMAT_R32G32B32A32_SFLOAT;  // w is not read
   std::uint32_t count = 0;                          // vertices
-  /// What the buffer was created for: vertex and storage buffer, source and destination of copies. Written by compute shaders.
+  /// What the buffer was created for: vertex and storage buffer, source and destination of copies, and
+  /// SimulationOptions::vertex_usage. Written by compute shaders. With VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT its address is
+  /// vkGetBufferDeviceAddress's, plus the offset.
   VkBufferUsageFlags usage = 0;
 };
 

@@ -37,11 +37,13 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "compute/device.h"
+#include "compute/readers.h"
 #include "compute/result.h"
 #include "engine/counts.h"
 #include "engine/fabric.h"
@@ -68,6 +70,15 @@ struct SimulationOptions {
   const Curve* curve = nullptr;
   /// Threads a workgroup; 0 chooses for the device.
   std::uint32_t workgroup = 0;
+  /// Who reads positions() and normals() in the host's commands, in whatever frame. A frame begins by waiting for these stages, besides
+  /// compute shaders and copies, which Weft's own commands are; it ends by making its results visible to these accesses of theirs.
+  /// Empty: vertex input, vertex shaders, compute shaders and copies. Other readers, fragment shaders or builds of acceleration
+  /// structures, must be named here, or kept apart by barriers of the host's. Examples, and what is refused: compute/readers.h.
+  std::optional<compute::Readers> readers;
+  /// What else the buffers of positions() and normals() are created for: VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT, or
+  /// VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR besides it. What takes a feature is refused unless the
+  /// feature is enabled (BorrowedDevice::created_with).
+  VkBufferUsageFlags vertex_usage = 0;
 };
 
 /// What a frame did with the seconds it was given.
@@ -104,7 +115,7 @@ class Simulation {
  public:
   /// Loads the scene's meshes, cooks, allocates, compiles. `device` must outlive the simulation. Errors: a number in the scene
   /// that is not finite; a mesh that cannot be loaded or cooked; a method that cannot solve the scene; more dispatches a frame
-  /// than can be recorded; what Vulkan refuses.
+  /// than can be recorded; readers or a vertex usage that the device cannot have; what Vulkan refuses.
   static Result<std::unique_ptr<Simulation>> create(const compute::Device& device, const Scene& scene,
                                                     const SimulationOptions& options = {});
   /// The same with meshes that the caller made: one a cloth, in its rest pose in world space, then one a mesh collider, in the
@@ -121,18 +132,20 @@ class Simulation {
 
   /// Simulates `seconds`, waiting on the GPU for `waits` first; returns at once. The frame can be drawn once
   /// ready_semaphore(), a timeline, has reached ready_value(). At most two frames are in flight: a third waits for the first, and has
-  /// a larger capacity where that one's candidate pairs overflowed.
+  /// a larger capacity where that one's candidate pairs overflowed. The frame begins and ends as with record: the stages of each of `waits`
+  /// must include one that it waits for there. The semaphore is signalled after all earlier commands on the queue; with readers, and
+  /// without timings, after the earlier compute shaders and copies alone.
   /// Errors: as advance.
   Result<Advance> submit(double seconds, std::span<const VkSemaphoreSubmitInfo> waits = {});
   VkSemaphore ready_semaphore() const;
   std::uint64_t ready_value() const;
 
   /// Records `seconds` into the host's command buffer (recording state, outside a render pass, on the queue family of the
-  /// device). It waits for all earlier commands on the queue, and makes positions and normals visible to vertex input, vertex shaders,
-  /// compute shaders and copies. Any number of recorded frames may be under way; each is submitted once, in the order in which they were
-  /// recorded, to one queue. The simulation may be destroyed when they are done. Before advance, submit and
-  /// every call that waits the host's recorded frames must be done: these calls may replace the buffers of contacts, and read
-  /// the last frame's counters. Errors: `seconds` not finite or negative.
+  /// device). Of what is earlier on the queue it waits for compute shaders, copies and SimulationOptions::readers, and it makes positions
+  /// and normals visible to the readers behind it: between readers and frames the host needs no barriers. Any number of recorded frames
+  /// may be under way; each is submitted once, in the order in which they were recorded, to one queue. The simulation may be destroyed
+  /// when they are done. Before advance, submit and every call that waits the host's recorded frames must be done: these calls may
+  /// replace the buffers of contacts, and read the last frame's counters. Errors: `seconds` not finite or negative.
   Result<Advance> record(VkCommandBuffer commands, double seconds);
 
   /// Positions (m, world space) and unit normals of every render vertex, cloth after cloth, then mesh collider after mesh

@@ -137,17 +137,20 @@ void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput&
                                      std::size_t place) {
   using compute::Use;
   compute::Recorder recorder(*device, commands, timestamps);
-  recorder.barrier(Use::all, Use::compute | Use::transfer | Use::indirect);   // earlier frames, and the renderer that still reads them
+  constexpr Use kOwn = Use::compute | Use::transfer | Use::indirect;
+  // Earlier frames, and the renderer that still reads them.
+  recorder.barrier(options.readers ? compute::Users(kOwn, *options.readers) : Use::all, kOwn);
   if (rollback.frame_is_torn) {
     copy_saved(commands, true);
-    recorder.barrier(Use::transfer, Use::compute | Use::transfer | Use::indirect);
+    recorder.barrier(Use::transfer, kOwn);
   }
   if (save) copy_saved(commands, false);
   const auto steps = solver->frame(input);
   if (!steps.empty()) {
     solver->record_input(recorder, input);   // writes nothing that is saved, and its barrier to the steps is that of the copies, too
     for (const Solver::Step& step : steps) solver->record_step(recorder, step);
-    recorder.barrier(Use::compute, Use::compute | Use::vertex | Use::transfer);
+    recorder.barrier(Use::compute, options.readers ? compute::Users(Use::transfer, *options.readers)   // the report's copies
+                                                   : Use::compute | Use::vertex | Use::transfer);
   }
   const auto report = [&](const Buffer& row, std::size_t bytes, const compute::Buffer& to) {
     const VkBufferCopy region{0, 0, bytes};
@@ -178,8 +181,11 @@ Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<
     return give_up(fail("a frame's command buffer could not be ended: ", compute::result_name(ended)));
   if (timestamps != nullptr) timestamps->reset();
   const VkCommandBufferSubmitInfo commands{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO, nullptr, slot.commands, 0};
-  const VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, queue.ready.get(), value,
-                                     VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
+  // A host that says who reads has its other commands on the queue hold up nothing. Timestamps wait for all of them.
+  const VkPipelineStageFlags2 stages = options.readers && timestamps == nullptr
+                                           ? VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT
+                                           : VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  const VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, queue.ready.get(), value, stages, 0};
   const VkSubmitInfo2 work{
       VK_STRUCTURE_TYPE_SUBMIT_INFO_2, nullptr, 0, static_cast<std::uint32_t>(waits.size()), waits.data(), 1, &commands, 1, &signal};
   if (auto done = device->submit(work); !done) return give_up(done.take_error());

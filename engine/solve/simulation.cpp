@@ -55,6 +55,9 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
 // `meshes` are relative to the origin, the scene is not.
 Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device& device, const Scene& given, Vec3 origin,
                                                           std::vector<Mesh> meshes, const SimulationOptions& options) {
+  if (options.readers)
+    if (auto good = compute::check_readers(device, *options.readers); !good) return good.take_error();
+  if (auto good = compute::check_usage(device, options.vertex_usage); !good) return good.take_error();
   const Scene described = origin == Vec3{} ? given : relative_to(given, origin);
   std::string chosen_by;
   std::uint64_t points = 0;
@@ -83,7 +86,8 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   auto cache = compute::PipelineCache::create(device, options.pipeline_cache);
   if (!cache) return cache.take_error();
   state->cache = std::move(*cache);
-  auto solver = Solver::create(device, state->cache, scene, state->fabric, {options.gather_storage, options.workgroup, origin});
+  auto solver = Solver::create(device, state->cache, scene, state->fabric,
+                               {options.gather_storage, options.workgroup, origin, options.vertex_usage});
   if (!solver) return solver.take_error();
   state->solver = std::move(*solver);
   for (const Plan::PlannedBuffer& planned : state->solver->plan().buffers)

@@ -72,6 +72,7 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   solver.rho_ = rho_of(scene.solver);
   const Cooked subject = cooked_of(scene, fabric);
   solver.contacts_ = subject.contacts;
+  solver.vertex_usage_ = options.vertex_usage;
   // Both are measured choices: the software driver runs a workgroup on one core, GPUs want full warps and waves.
   solver.workgroup_ = options.workgroup != 0 ? options.workgroup : device.is_software() ? 512 : 64;
   if (solver.workgroup_ > device.limits().max_workgroup_invocations)
@@ -105,7 +106,7 @@ Result<compute::Arena> Solver::create_arena(bool grows) const {
       request.usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
       request.texel_format = texel_format(row.texel);
     }
-    if (row.access == Access::vertices) request.usage |= VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
+    if (row.access == Access::vertices) request.usage |= VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | vertex_usage_;
     if (row.access == Access::arguments) request.usage |= VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
     requests.push_back(std::move(request));
   }

@@ -20,6 +20,7 @@ struct SolverOptions {
   bool gather_storage = false;
   std::uint32_t workgroup = 0;   // threads; 0 chooses for the device
   Vec3 origin = {};              // m: of the particles' positions, in world space
+  VkBufferUsageFlags vertex_usage = 0;   // of the buffers that a host draws from, besides Weft's own
 };
 
 /// A frame's input from the host. The spans need only live during record_input.
@@ -120,6 +121,7 @@ class Solver {
   gpu::Motion motion_{};
   std::vector<std::byte> uniforms_;    // the uniform buffer as the next frame tells it
   std::vector<SliceRange> slices_; // of plan_.slices, in it
+  VkBufferUsageFlags vertex_usage_ = 0;
   std::uint32_t workgroup_ = 0, parity_ = 0, phase_ = 0;
   double rho_ = 0;
 };

@@ -136,7 +136,10 @@ Result<void> Engine::start_weft() {
   auto borrowed = weft::compute::Device::borrow(device_->lend());
   if (!borrowed) return borrowed.take_error();
   cloth.device = std::move(*borrowed);
-  auto simulation = weft::Simulation::create(*cloth.device, cloth_scene(time_));
+  // Only draws read Weft's buffers: the engine's fragment shaders and its other commands hold up no simulation.
+  weft::SimulationOptions options;
+  options.readers = {VK_PIPELINE_STAGE_2_VERTEX_ATTRIBUTE_INPUT_BIT, VK_ACCESS_2_VERTEX_ATTRIBUTE_READ_BIT};
+  auto simulation = weft::Simulation::create(*cloth.device, cloth_scene(time_), options);
   if (!simulation) return simulation.take_error();
   cloth.simulation = std::move(*simulation);
   const weft::FrameView view = cloth.simulation->positions(), drawable;
@@ -195,7 +198,7 @@ Result<void> Engine::frame(Way way) {
   auto ready = typed<VkSemaphoreSubmitInfo>(VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO);
   ready.semaphore = simulation.ready_semaphore();
   ready.value = simulation.ready_value();
-  ready.stageMask = VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT;
+  ready.stageMask = VK_PIPELINE_STAGE_2_VERTEX_ATTRIBUTE_INPUT_BIT;
   return frames_->end({&ready, 1});
 }
 
