@@ -143,7 +143,7 @@ class Device {
  private:
   struct State;
   explicit Device(std::unique_ptr<State> state);
-  void name_object_raw(VkObjectType type, uint64_t handle, std::string_view name) const;
+  void name_object_raw(VkObjectType type, uint64_t handle, std::string_view name) const noexcept;
   std::unique_ptr<State> state_;
 };
 

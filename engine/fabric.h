@@ -154,6 +154,9 @@ std::vector<Vec3> anchor_targets(const Scene& scene, const CookedFabric& fabric,
 /// Where a mesh collider's particles are, in their order, when the collider stands so.
 std::vector<Vec3> collider_points(const CookedFabric& fabric, const ColliderMesh& mesh, Vec3 centre, const Rotation& rotation);
 
+/// Where one of them is, the `k`-th of its own, when the collider stands so.
+Vec3 collider_point(const CookedFabric& fabric, const ColliderMesh& mesh, std::uint32_t k, Vec3 centre, const Rotation& rotation);
+
 /// The number of kinematic particles: all anchors, then those of mesh colliders.
 std::uint32_t kinematic_particles(const CookedFabric& fabric);
 

@@ -168,14 +168,15 @@ class Simulation {
   std::span<const ColliderPose> colliders() const;
 
   /// Of the last frame of advance or submit; empty without SimulationOptions::timings. On devices without timestamps the CPU
-  /// measures each pass, and timed_on_cpu() is true.
+  /// measures each pass, and timed_on_cpu() is true. Empty, too, where there is no memory for the list.
   std::vector<PassTiming> timings() const;
   std::vector<DispatchTime> dispatch_times() const;
   bool timed_on_cpu() const;
   /// Milliseconds on the GPU from a frame's first to its last command; 0 without timings.
   double gpu_milliseconds() const;
 
-  /// What the scene's plan consists of: passes with their dispatches a frame, and buffers with their bytes.
+  /// What the scene's plan consists of: passes with their dispatches a frame, and buffers with their bytes. Empty where there is no
+  /// memory for the list.
   std::vector<PassUse> passes() const;
   std::vector<BufferUse> buffers() const;
   /// Of the last frame that is done. Frames that a host has recorded must be.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "compute/result.h"
+#include "engine/json_tree.h"
 
 namespace weft::parts {
 
@@ -17,7 +18,7 @@ using json = nlohmann::json;
 /// A document and the first fault that was found in it. After a fault its numbers are 0 and its lists empty, so callers need to look
 /// only once, at the end.
 struct GltfDocument {
-  json root;
+  JsonTree tree;
   std::vector<std::string> buffers;   // each as long as the document says
   std::string fault;
 
@@ -39,16 +40,18 @@ Result<GltfDocument> open_gltf(const std::string& content, const std::filesystem
 
 /// A GLB in memory, as assimp is given it.
 struct GltfWriter {
-  json nodes = json::array(), meshes = json::array();
+  JsonTree nodes = json::array(), meshes = json::array();
 
   /// Values that lie densely, a multiple of four bytes; returns their accessor's number.
   std::size_t add_values(const std::string& values, std::size_t count, int component, const char* type);
   /// Below `parent`, or at the top with kNone; returns its number.
-  std::size_t add_node(json node, std::size_t parent);
+  std::size_t add_node(JsonTree node, std::size_t parent);
   std::string finish();
 
  private:
-  json accessors_ = json::array(), views_ = json::array(), tops_ = json::array();
+  void add(JsonTree& list, JsonTree entry);
+
+  JsonTree accessors_ = json::array(), views_ = json::array(), tops_ = json::array();
   std::string bytes_;
 };
 

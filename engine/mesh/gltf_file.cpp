@@ -113,7 +113,7 @@ Result<std::string> bytes_of(const json& buffer, std::uint64_t wanted, const std
 
 void read_buffers(GltfDocument& document, const std::string* chunk, const std::filesystem::path& folder) {
   std::uint64_t total = 0;
-  for (const json& buffer : document.list(document.root, "buffers")) {
+  for (const json& buffer : document.list(document.tree.root, "buffers")) {
     const std::size_t number = document.buffers.size();
     const std::uint64_t wanted = document.natural(buffer, "byteLength", 0);
     total += wanted;
@@ -183,9 +183,9 @@ Result<GltfDocument> open_gltf(const std::string& content, const std::filesystem
     }
   }
   if (std::string fault = outline_fault(text); !fault.empty()) return Error{std::move(fault)};
-  GltfDocument document{json::parse(text, nullptr, false), {}, {}};
-  if (document.root.is_discarded() || !document.root.is_object()) return fail("it is not a JSON document, or is cut short");
-  if (!version_is_2(document.root)) return fail("it is not a glTF 2.0 document: \"asset.version\" does not start with 2");
+  GltfDocument document{parsed_json(text), {}, {}};
+  if (document.tree.root.is_discarded() || !document.tree.root.is_object()) return fail("it is not a JSON document, or is cut short");
+  if (!version_is_2(document.tree.root)) return fail("it is not a glTF 2.0 document: \"asset.version\" does not start with 2");
   read_buffers(document, has_chunk ? &chunk : nullptr, folder);
   return document;
 }

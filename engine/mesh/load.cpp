@@ -120,6 +120,8 @@ Result<Mesh> load_mesh(const std::filesystem::path& file) try {
   // assimp throws on some damaged files, and memory can run out on any; no exception may leave this function.
   try {
     return load(file);
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& problem) {
     return fail(file.string(), " cannot be read: ", problem.what());
   }

@@ -225,12 +225,20 @@ Result<void> Solver::grow(std::uint32_t candidates) {
     contacts_.capacity = capacity;
     set_uniforms("contact_settings", contacts_);
   };
+  // As errors: after an exception the capacity would stay.
+  const auto made_by = [](auto make) -> decltype(make()) {
+    try {
+      return make();
+    } catch (...) {
+      return caught("contact candidates");
+    }
+  };
   const std::uint32_t before = contacts_.capacity;
   set_capacity(candidates);
-  auto arena = create_arena(true);
+  auto arena = made_by([&] { return create_arena(true); });
   if (arena) {
     std::swap(growing_arena_, *arena);
-    auto sets = write_sets();
+    auto sets = made_by([&] { return write_sets(); });
     if (sets) {
       sets_ = std::move(*sets);
       return {};
@@ -245,6 +253,18 @@ Result<void> Solver::grow(std::uint32_t candidates) {
 std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
   steps_.clear();
   if (input.substeps == 0) return {};
+  const std::uint32_t parity = parity_, phase = phase_;
+  try {
+    list_frame(input);
+  } catch (...) {   // no memory for the steps: as if it had not been asked for
+    parity_ = parity;
+    phase_ = phase;
+    throw;
+  }
+  return steps_;
+}
+
+void Solver::list_frame(const FrameInput& input) {
   gpu::Push push{};
   walk_frame(shape_, input.substeps, [&](const Moment& moment) {
     const std::uint32_t substep_flags = moment.substep + 1 == input.substeps ? WEFT_LAST_SUBSTEP : 0;
@@ -269,7 +289,6 @@ std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
     list(moment.stage, input, push);
     if (moment.stage == Stage::detect) phase_ = (phase_ + 1) % 3;
   });
-  return steps_;
 }
 
 std::span<const Solver::Step> Solver::surface() {
