@@ -141,7 +141,8 @@ struct CookedFabric {
 std::uint32_t substeps_of(const SolverSettings& solver);
 
 /// Loads or generates every cloth's mesh and puts it where its transform says; after these, in the order of the scene, the meshes of
-/// its mesh colliders, scaled, in their own axes. Errors name the cloth or the collider.
+/// its mesh colliders, scaled, in their own axes. Errors, which name the cloth or the collider: a grid and a mesh, or neither; a grid of
+/// no size or too many cells; what load_mesh refuses; more vertices than can be simulated.
 Result<std::vector<Mesh>> make_meshes(const Scene& scene);
 
 /// Errors: no particle, more than WEFT_MAX_PARTICLES, an anchor that chooses nothing or a vertex the mesh does not have,

@@ -10,6 +10,7 @@
 
 #include "compute/result.h"
 #include "engine/json_tree.h"
+#include "engine/scene.h"
 
 namespace weft::parts {
 
@@ -34,9 +35,10 @@ struct GltfDocument {
   const json* entry(const json& from, const json& object, const char* key);
 };
 
-/// Reads the document of a glTF or GLB, and its buffers: those in it and those in files below `folder`. Faults of buffers stay in it.
+/// Reads the document of a glTF or GLB, and its buffers: those in it and those in files below `folder`, or anywhere. Faults of buffers
+/// stay in it.
 /// Errors: not JSON, too large or nested too deeply, cut short, another version than 2.
-Result<GltfDocument> open_gltf(const std::string& content, const std::filesystem::path& folder);
+Result<GltfDocument> open_gltf(const std::string& content, const std::filesystem::path& folder, BufferFiles buffer_files);
 
 /// A GLB in memory, as assimp is given it.
 struct GltfWriter {

@@ -138,8 +138,8 @@ Result<Harvest> decode_gltf(const GltfGeometry& geometry) {
 
 }   // namespace
 
-Result<Harvest> read_gltf(const std::string& content, const std::filesystem::path& folder) {
-  Result<GltfDocument> document = open_gltf(content, folder);
+Result<Harvest> read_gltf(const std::string& content, const std::filesystem::path& folder, BufferFiles buffer_files) {
+  Result<GltfDocument> document = open_gltf(content, folder, buffer_files);
   if (!document) return document.take_error();
   const Result<GltfGeometry> geometry = strip_gltf(*document);
   if (!geometry) return Error{geometry.why()};

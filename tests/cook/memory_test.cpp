@@ -4,11 +4,16 @@
 
 #include "engine/export.h"
 #include "engine/fabric.h"
+#include "engine/reference/choice.h"
 #include "engine/snapshot.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/must.h"
 #include "tests/support/scarce_memory.h"
 #include "tests/support/scene_texts.h"
+
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/lsan_interface.h>
+#endif
 
 namespace weft {
 namespace {
@@ -68,8 +73,8 @@ TEST(Memory, that_runs_out_while_a_scene_is_refused_is_a_sentence) {
       return std::move(why.message);
     };
   };
-  for (const char* text : {R"({"cloths": [{"grid": {"cells": [0, "a"]}, "anchor": 1}], "gravity": 1e400})", "{\"a\": 1, \"a\": 2}", "[", "[1]",
-                           R"({"cloths": [{"grid": {"cells": [0, "a"]}, "anchor": 1}], "frames": "no\u0001"})"})
+  for (const char* text : {R"({"cloths": [{"grid": {"cells": [0, "a"]}, "anchor": 1}], "gravity": 1e400})", "{\"a\": 1, \"a\": 2}", "[",
+                           "[1]", R"({"cloths": [{"grid": {"cells": [0, "a"]}, "anchor": 1}], "frames": "no\u0001"})"})
     expect_same_or_sentence(200, refused(text), std::equal_to<>());
 }
 
@@ -87,6 +92,16 @@ TEST(Memory, that_runs_out_while_a_scene_is_checked_is_a_sentence) {
         return std::move(why.message);
       },
       std::equal_to<>());
+}
+
+TEST(Memory, that_runs_out_while_settings_are_chosen_is_a_sentence) {
+  const Scene scene = must(parse_scene(R"({"cloths": [{"grid": {}}], "solver": {"method": "auto", "budget_ms": 3}})", {}));
+  const Curve curve = builtin_curve();
+  std::string note;
+  expect_same_or_sentence(100, [&] { return with_choice(scene, 1089, curve, note); }, same_scene);
+  const std::string csv = curve_csv(curve);
+  expect_same_or_sentence(100, [&] { return parse_curve(csv); },
+                          [](const Curve& a, const Curve& b) { return curve_csv(a) == curve_csv(b); });
 }
 
 test::Gltf painted_sheet() {
@@ -108,6 +123,9 @@ TEST(Memory, that_runs_out_while_a_mesh_is_read_is_a_sentence) {
                                              "f 1/1/1 5/1/1 4/1/1 3/1/1 2/1/1\nf 1 4 3\nf 1 4 3\nl 1 2\n");
   expect_same_or_sentence(200, [&] { return load_mesh(obj); }, same_mesh);
   const auto gltf = painted_sheet().write(folder);
+#ifdef __SANITIZE_ADDRESS__
+  const __lsan::ScopedDisabler assimp_s_leaks;   // it keeps some of what it had begun
+#endif
   expect_same_or_sentence(300, [&] { return load_mesh(gltf); }, same_mesh);
 }
 

@@ -99,9 +99,10 @@ class ScarceMemoryOnDevice : public GpuTest {
         });
   }
 
+  test::Folder folder_;
+
  private:
   std::unique_ptr<Device> lent_;
-  test::Folder folder_;
 };
 
 TEST_F(ScarceMemoryOnDevice, is_a_sentence_where_a_device_is_lent) {
@@ -233,6 +234,10 @@ TEST_F(ScarceMemoryOnDevice, is_a_sentence_where_a_picture_is_drawn) {
   const auto shading = must(create());
   const auto draw = [&] { return shading->draw({simulation->positions(), simulation->normals(), simulation->colliders()}); };
   const Image expected = must(draw());
+  const auto file = folder_ / "picture.png";
+  at_every_allocation(100, [] { return nullptr; }, [&](std::nullptr_t) { return write_png(file, expected); }, [](auto, bool) {});
+  must(write_png(file, expected));
+  at_every_allocation(100, [] { return nullptr; }, [&](std::nullptr_t) { return done_or_why(read_image(file)); }, [](auto, bool) {});
   at_every_allocation(
       100, [] { return nullptr; }, [&](std::nullptr_t) { return done_or_why(draw()); },
       [&](std::nullptr_t, bool) { EXPECT_EQ(must(draw()).rgba, expected.rgba); });

@@ -339,6 +339,15 @@ TEST_F(SimulationApi, views_name_a_vertex_per_render_vertex) {
   EXPECT_EQ(simulation->positions().stride, 16u);
 }
 
+TEST_F(SimulationApi, a_capacity_that_the_device_has_no_room_for_is_refused_by_its_key_and_value) {
+  Scene scene = sheet(4);
+  scene.contacts.enabled = true;
+  scene.contacts.capacity = kMostCandidates;
+  const auto made = Simulation::create(device(), scene);
+  if (made) GTEST_SKIP() << "this device has room for that many";
+  EXPECT_TRUE(made.error().starts_with("contacts.capacity: 67108864 candidate pairs")) << made.error();
+}
+
 TEST_F(SimulationApi, a_scene_that_cannot_be_cooked_is_refused) {
   Scene scene;
   expect_refused(Simulation::create(device(), scene), "cloths: is empty: at least 1 is needed");
