@@ -59,7 +59,7 @@ std::vector<Vec3> block_of(const Simulation& simulation) {
   return {places.begin() + cloth_particles(simulation.fabric()), places.end()};
 }
 
-std::uint64_t crossings_of(const Simulation& simulation) {
+std::uint64_t crossings_with_the_mesh(const Simulation& simulation) {
   const CookedFabric& fabric = simulation.fabric();
   return count_crossings(places_of(simulation), fabric.triangles, fabric.cloth_triangles);
 }
@@ -70,7 +70,7 @@ TEST_F(MeshCollider, a_sheet_that_falls_on_it_lies_on_its_top_and_crosses_it_in_
   const std::vector<Vec3> before = block_of(*simulation);
   for (int frame = 0; frame < 45; ++frame) {
     must(simulation->advance(kFrame));
-    ASSERT_EQ(crossings_of(*simulation), 0u) << "after frame " << frame;
+    ASSERT_EQ(crossings_with_the_mesh(*simulation), 0u) << "after frame " << frame;
   }
   EXPECT_EQ(block_of(*simulation), before) << "nothing moves it";
   const std::vector<Vec3> places = places_of(*simulation);
@@ -96,7 +96,7 @@ TEST_F(MeshCollider, a_tablecloth_dropped_on_a_table_hangs_over_its_edges_and_cr
   const std::size_t particles = cloth_particles(simulation->fabric());
   for (int frame = 0; frame < 90; ++frame) {
     must(simulation->advance(kFrame));
-    ASSERT_EQ(crossings_of(*simulation), 0u) << "after frame " << frame;
+    ASSERT_EQ(crossings_with_the_mesh(*simulation), 0u) << "after frame " << frame;
   }
   const std::vector<Vec3> places = places_of(*simulation);
   float top = -INFINITY;
@@ -128,7 +128,7 @@ TEST_F(MeshCollider, it_has_two_sides) {
   const auto simulation = must(Simulation::create(device(), scene));
   for (int frame = 0; frame < 45; ++frame) {
     must(simulation->advance(kFrame));
-    ASSERT_EQ(crossings_of(*simulation), 0u) << "after frame " << frame;
+    ASSERT_EQ(crossings_with_the_mesh(*simulation), 0u) << "after frame " << frame;
   }
   EXPECT_GT(simulation->counts().contacts_most, 100u);
   EXPECT_EQ(simulation->counts().contacts_overflowed, 0u);
@@ -147,7 +147,7 @@ TEST_F(MeshCollider, its_friction_takes_cloth_along_and_without_friction_cloth_s
     const auto simulation = must(Simulation::create(device(), scene));
     for (int frame = 0; frame < 30; ++frame) {
       must(simulation->advance(kFrame));
-      ASSERT_EQ(crossings_of(*simulation), 0u) << "after frame " << frame;
+      ASSERT_EQ(crossings_with_the_mesh(*simulation), 0u) << "after frame " << frame;
     }
     EXPECT_NEAR(centre_of_mass(must(simulation->read_positions())).x, 0.08 * friction, 0.01) << friction;
     EXPECT_EQ(simulation->counts().contacts_overflowed, 0u);
@@ -185,7 +185,7 @@ TEST_F(MeshCollider, cloth_on_it_rides_along_and_does_not_cross_it) {
   const auto simulation = must(Simulation::create(device(), scene));
   for (int frame = 0; frame < 60; ++frame) {
     must(simulation->advance(kFrame));
-    ASSERT_EQ(crossings_of(*simulation), 0u) << "after frame " << frame;
+    ASSERT_EQ(crossings_with_the_mesh(*simulation), 0u) << "after frame " << frame;
   }
   const Point middle = centre_of_mass(must(simulation->read_positions()));
   EXPECT_GT(middle.y, 0.25);
@@ -203,7 +203,7 @@ TEST_F(MeshCollider, one_that_sets_off_under_a_draped_sheet_takes_it_along) {
     const auto simulation = must(Simulation::create(device(), scene));
     for (int frame = 0; frame < 45; ++frame) {
       must(simulation->advance(kFrame));
-      ASSERT_EQ(crossings_of(*simulation), 0u) << "after frame " << frame << " at " << speed << " m/s";
+      ASSERT_EQ(crossings_with_the_mesh(*simulation), 0u) << "after frame " << frame << " at " << speed << " m/s";
     }
   }
 }
