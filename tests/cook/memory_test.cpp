@@ -6,6 +6,8 @@
 #include "engine/fabric.h"
 #include "engine/reference/choice.h"
 #include "engine/snapshot.h"
+#include "engine/solve/plan.h"
+#include "tests/support/cooked.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/must.h"
 #include "tests/support/scarce_memory.h"
@@ -154,6 +156,24 @@ TEST(Memory, that_runs_out_while_cloth_is_cooked_is_a_sentence) {
   }
   expect_same_or_sentence(100, [&] { return make_meshes(scene); },
                           [](const auto& a, const auto& b) { return a.size() == b.size() && same_mesh(a[0], b[0]); });
+}
+
+TEST(Memory, that_runs_out_while_passes_are_planned_and_specialised_is_a_sentence) {
+  Scene scene;
+  scene.cloths.emplace_back().grid = Grid{{1, 1}, 2, 2};
+  const CookedFabric fabric = cooked(scene);
+  const Cooked subject = cooked_of(scene, fabric);
+#ifdef __SANITIZE_ADDRESS__
+  const __lsan::ScopedDisabler optimizer_s_leaks;   // SPIRV-Tools is built without exceptions
+#endif
+  expect_sentence(30, [&]() -> Result<void> {
+    try {
+      compute::Specializer specializer;
+      return plain(make_plan(needs_of(subject, 64, true), specializer));
+    } catch (...) {   // as Simulation::create does
+      return caught("the plan");
+    }
+  });
 }
 
 // A file is whole or not there.
