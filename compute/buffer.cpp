@@ -106,6 +106,8 @@ Result<Arena> Arena::create(const Device& device, Memory kind, std::string_view 
   Arena arena;
   if (requests.empty()) return arena;
   std::vector<VkDeviceSize> offsets;
+  arena.handles_.reserve(requests.size());   // before there is a handle that nobody owns
+  arena.views_.reserve(requests.size());
   uint32_t allowed = ~0u;
   for (const BufferRequest& request : requests) {
     if (Result<void> checked = check(device, request); !checked) return checked.take_error();

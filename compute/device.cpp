@@ -24,8 +24,9 @@ struct Device::State {
 
   ~State() {
     if (!own || device == VK_NULL_HANDLE) return;
-    fn.vkDeviceWaitIdle(device);
-    fn.vkDestroyDevice(device, nullptr);
+    // Null only when the device lacked functions: there is then nothing to call.
+    if (fn.vkDeviceWaitIdle != nullptr) fn.vkDeviceWaitIdle(device);
+    if (fn.vkDestroyDevice != nullptr) fn.vkDestroyDevice(device, nullptr);
   }
 };
 
@@ -103,8 +104,8 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceChoice& choice) try {
   state->candidate = (*candidates)[*index];
   Result<VkDevice> device = create_device(state->fn, state->candidate, choice, state->features);
   if (!device) return device.take_error();
-  if (Result<void> loaded = state->fn.load_device(*device); !loaded) return loaded.take_error();
   state->device = *device;
+  if (Result<void> loaded = state->fn.load_device(*device); !loaded) return loaded.take_error();
   state->fn.vkGetDeviceQueue(state->device, state->candidate.queue_family, 0, &state->queue);
   return std::unique_ptr<Device>(new Device(std::move(state)));
 } catch (...) {
@@ -159,7 +160,8 @@ bool Device::draws() const { return description().draws; }
 bool Device::is_borrowed() const { return !state_->own; }
 double Device::timestamp_period_ns() const { return limits().timestamp_period_ns; }
 
-void Device::name_object_raw(VkObjectType type, uint64_t handle, std::string_view name) const {
+// Called with handles that nobody owns yet. Where there is no memory for a name, the object has none.
+void Device::name_object_raw(VkObjectType type, uint64_t handle, std::string_view name) const noexcept try {
   if (vk().vkSetDebugUtilsObjectNameEXT == nullptr || handle == 0) return;
   const std::string text(name);
   auto named = typed<VkDebugUtilsObjectNameInfoEXT>(VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT);
@@ -167,6 +169,7 @@ void Device::name_object_raw(VkObjectType type, uint64_t handle, std::string_vie
   named.objectHandle = handle;
   named.pObjectName = text.c_str();
   vk().vkSetDebugUtilsObjectNameEXT(this->handle(), &named);
+} catch (const std::bad_alloc&) {
 }
 
 Result<void> Device::submit(const VkSubmitInfo2& work, VkFence fence) const {

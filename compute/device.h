@@ -83,15 +83,16 @@ struct DeviceDescription {
   std::string refusal; ///< why Weft cannot use it; empty when it can
 };
 
-/// Every device the loader knows, in the loader's order. Fails only without a loader or without any driver.
+/// Every device the loader knows, in the loader's order. Errors: no loader, no driver, memory.
 Result<std::vector<DeviceDescription>> list_devices();
 
 class Device {
  public:
-  /// Errors: no loader, no driver, no device that the choice names or that has what Weft needs; the validation layer is wanted and not
-  /// installed; what Vulkan refuses.
+  /// Errors: no loader, no driver, no device that the choice names or that has what Weft needs; an extension or the validation layer that is
+  /// wanted and not there; memory; what Vulkan refuses.
   static Result<std::unique_ptr<Device>> create(const DeviceChoice& choice = {});
-  /// Errors: a handle that is null; a device without Vulkan 1.3, the four features or compute on that queue family.
+  /// Errors: a handle that is null; a device without Vulkan 1.3, the four features or compute on that queue family, or created without
+  /// a feature (`created_with`); a Vulkan function that is missing; memory.
   static Result<std::unique_ptr<Device>> borrow(const BorrowedDevice& lent);
   ~Device();
   Device(const Device&) = delete;
@@ -128,7 +129,7 @@ class Device {
     name_object_raw(type, reinterpret_cast<uint64_t>(handle), name);
   }
 
-  /// The only place where the queue is touched. Serialised: any thread may call it.
+  /// The only place where the queue is touched. Serialised: any thread may call it. Errors: no memory, a lost device.
   Result<void> submit(const VkSubmitInfo2& work, VkFence fence = VK_NULL_HANDLE) const;
   /// Presents under the same lock; the caller reads VK_SUBOPTIMAL_KHR and VK_ERROR_OUT_OF_DATE_KHR from the result.
   VkResult present(const VkPresentInfoKHR& what) const;
@@ -149,7 +150,7 @@ class Device {
  private:
   struct State;
   explicit Device(std::unique_ptr<State> state);
-  void name_object_raw(VkObjectType type, uint64_t handle, std::string_view name) const;
+  void name_object_raw(VkObjectType type, uint64_t handle, std::string_view name) const noexcept;
   std::unique_ptr<State> state_;
 };
 

@@ -27,6 +27,8 @@ class IndexSet {
   bool empty() const {
     return std::all_of(words_.begin(), words_.end(), [](std::uint64_t word) { return word == 0; });
   }
+  /// Memory for numbers below `most`.
+  void reserve(std::size_t most) { words_.reserve((most + kBits - 1) / kBits); }
   /// Keeps its memory.
   void clear() { std::fill(words_.begin(), words_.end(), 0); }
 

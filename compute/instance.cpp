@@ -10,7 +10,7 @@ namespace {
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
 VKAPI_ATTR VkBool32 VKAPI_CALL hear(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
-                                    const VkDebugUtilsMessengerCallbackDataEXT* said, void* user) {
+                                    const VkDebugUtilsMessengerCallbackDataEXT* said, void* user) try {
   Messages& messages = *static_cast<Messages*>(user);
   const std::string text = said->pMessage != nullptr ? said->pMessage : "a validation message without text";
   {
@@ -18,6 +18,8 @@ VKAPI_ATTR VkBool32 VKAPI_CALL hear(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDe
     messages.heard.push_back(text);
   }
   if (messages.listener) messages.listener(text);
+  return VK_FALSE;
+} catch (const std::bad_alloc&) {   // nothing may be thrown through a driver
   return VK_FALSE;
 }
 

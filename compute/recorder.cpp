@@ -58,6 +58,12 @@ void record_barrier(const Functions& fn, VkCommandBuffer commands, Scope from, S
 
 }  // namespace
 
+// A command buffer of a host that has a part of a frame cannot be taken back: recording must not run out of memory.
+HazardTracker::HazardTracker() {
+  constexpr std::size_t kNumbers = 512;   // far more than there are buffers
+  for (IndexSet* set : {&read_, &written_, &argument_read_, &unseen_by_indirect_}) set->reserve(kNumbers);
+}
+
 bool HazardTracker::needs_barrier(const Touches& pass) const {
   return pass.reads.intersects(written_) || pass.writes.intersects(written_) || pass.writes.intersects(read_) ||
          pass.writes.intersects(argument_read_) || pass.arguments.intersects(unseen_by_indirect_);

@@ -32,6 +32,7 @@ struct Touches {
 /// does not reach it: what was written and not yet shown to that stage is kept apart.
 class HazardTracker {
  public:
+  HazardTracker();
   bool needs_barrier(const Touches& pass) const;
   /// Some argument reads are pending, so a barrier must also wait for that stage.
   bool waits_for_indirect() const { return !argument_read_.empty(); }

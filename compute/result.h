@@ -57,8 +57,9 @@ template <class... Parts>
   return error;
 }
 
-/// In a catch (...) block: what was thrown, as an error about `what`. Public functions end in one.
-inline Error caught(std::string_view what) {
+/// In a catch (...) block: what was thrown, as an error about `what`. Public functions end in one. Where there is no memory for a
+/// sentence, it is one that needs none.
+inline Error caught(std::string_view what) noexcept try {
   try {
     throw;
   } catch (const std::bad_alloc&) {
@@ -68,6 +69,8 @@ inline Error caught(std::string_view what) {
   } catch (const std::exception& problem) {
     return fail(ErrorKind::other, what, ": ", problem.what());
   }
+} catch (...) {
+  return {"out of memory", ErrorKind::memory};
 }
 
 template <class T>

@@ -10,7 +10,10 @@ namespace weft {
 
 class TextStream : public std::ostringstream {
  public:
-  TextStream() { imbue(std::locale::classic()); }
+  TextStream() {
+    imbue(std::locale::classic());
+    exceptions(badbit);   // else a text for which there is no memory is cut short, and nobody told
+  }
 };
 
 /// `value` with so many significant digits at most, as printf's %g writes it.

@@ -14,13 +14,14 @@ namespace weft {
 
 /// Binary little-endian PLY: x y z [nx ny nz] [strain] per vertex (float), triangles as lists of three ints.
 /// `normals` and `strain` (a fraction) are as many as the positions, or none, and are then left out of the file.
-/// Errors: lists of unequal length, an index out of range, a file that cannot be written.
+/// Errors: lists of unequal length, an index out of range, a file that cannot be written (no folder, no permission, a full disk, a
+/// target that is no regular file).
 Result<void> write_ply(const std::filesystem::path& file, std::span<const Vec3> positions, std::span<const Vec3> normals,
                        std::span<const float> strain, std::span<const Triangle> triangles);
 
 /// GLB (glTF 2.0): one node, one mesh, one double-sided material without textures; positions, normals, UVs, 32-bit indices.
 /// Tangents are not written: a reader makes them from the UVs. Normals and UVs are as many as the positions, or none.
-/// Errors: as write_ply; also no triangle at all, which glTF does not allow.
+/// Errors: as write_ply; also no triangle at all, which glTF does not allow, and more than 4 GiB, which a GLB does not hold.
 Result<void> write_glb(const std::filesystem::path& file, const RenderMesh& mesh);
 
 }  // namespace weft

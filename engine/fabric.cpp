@@ -129,7 +129,7 @@ Result<std::vector<Mesh>> make_meshes(const Scene& scene) try {
     const Cloth& cloth = scene.cloths[index];
     if (cloth.grid && !cloth.mesh.empty()) return fail("cloths[", index, "]: has both a grid and a mesh: give one of them");
     if (!cloth.grid && cloth.mesh.empty()) return fail("cloths[", index, "]: has neither a grid nor a mesh: give one of them");
-    auto mesh = cloth.grid ? grid_mesh(*cloth.grid) : load_mesh(scene.folder / cloth.mesh);
+    auto mesh = cloth.grid ? grid_mesh(*cloth.grid) : load_mesh(scene.folder / cloth.mesh, scene.buffer_files);
     if (!mesh) return fail("cloths[", index, cloth.grid ? "].grid: " : "].mesh: ", mesh.why());
     if (auto added = add(std::move(*mesh)); !added) return fail("cloths[", index, "]: ", added.why());
     transform_mesh(meshes.back(), cloth.transform);
@@ -137,7 +137,7 @@ Result<std::vector<Mesh>> make_meshes(const Scene& scene) try {
   for (const std::uint32_t index : mesh_colliders(scene)) {
     const Collider& collider = scene.colliders[index];
     if (collider.mesh.empty()) return fail("colliders[", index, "]: has no \"mesh\": the file that it is made of");
-    auto mesh = load_mesh(scene.folder / collider.mesh);
+    auto mesh = load_mesh(scene.folder / collider.mesh, scene.buffer_files);
     if (!mesh) return fail("colliders[", index, "].mesh: ", mesh.why());
     if (auto added = add(std::move(*mesh)); !added) return fail("colliders[", index, "]: ", added.why());
     transform_mesh(meshes.back(), {.translate = {}, .axis = {0, 1, 0}, .degrees = 0, .scale = collider.scale});

@@ -141,7 +141,8 @@ struct CookedFabric {
 std::uint32_t substeps_of(const SolverSettings& solver);
 
 /// Loads or generates every cloth's mesh and puts it where its transform says; after these, in the order of the scene, the meshes of
-/// its mesh colliders, scaled, in their own axes. Errors name the cloth or the collider.
+/// its mesh colliders, scaled, in their own axes. Errors, which name the cloth or the collider: a grid and a mesh, or neither; a grid of
+/// no size or too many cells; what load_mesh refuses; more vertices than can be simulated.
 Result<std::vector<Mesh>> make_meshes(const Scene& scene);
 
 /// Errors: no particle, more than WEFT_MAX_PARTICLES, an anchor that chooses nothing or a vertex the mesh does not have,
@@ -153,6 +154,9 @@ std::vector<Vec3> anchor_targets(const Scene& scene, const CookedFabric& fabric,
 
 /// Where a mesh collider's particles are, in their order, when the collider stands so.
 std::vector<Vec3> collider_points(const CookedFabric& fabric, const ColliderMesh& mesh, Vec3 centre, const Rotation& rotation);
+
+/// Where one of them is, the `k`-th of its own, when the collider stands so.
+Vec3 collider_point(const CookedFabric& fabric, const ColliderMesh& mesh, std::uint32_t k, Vec3 centre, const Rotation& rotation);
 
 /// The number of kinematic particles: all anchors, then those of mesh colliders.
 std::uint32_t kinematic_particles(const CookedFabric& fabric);

@@ -170,7 +170,7 @@ struct SolverSettings {
   double longest_advance = 0.1; // s: a longer advance() is clamped to this, and the surplus reported
 };
 
-/// The largest capacity for candidate pairs, 52 bytes each: what a device with a few GiB has for them.
+/// The largest capacity for candidate pairs, 52 bytes each: what a device with a few GiB has for them. Others refuse less in create.
 inline constexpr std::uint32_t kMostCandidates = 1u << 26;
 
 /// Cloth against cloth, itself included, and against mesh colliders. Off unless the scene asks for it or has a mesh collider.
@@ -199,10 +199,14 @@ struct Light {
   double sky = 1;
 };
 
+/// Which files a glTF may name as its buffers. Not a key: who reads a scene decides, and not who wrote it.
+enum class BufferFiles { below_its_folder, anywhere };
+
 struct Scene {
   std::string name;
   std::string description;            // what it shows, for people
   std::filesystem::path folder;       // paths in the scene are relative to this
+  BufferFiles buffer_files = BufferFiles::below_its_folder;   // of its meshes; in no scene file
   std::uint32_t frames = 300;
   Vec3 gravity{0, -9.81f, 0};         // m/s^2
   SolverSettings solver;
@@ -218,16 +222,18 @@ struct Assignment {
   std::string path, value;
 };
 
-/// Reads and checks a scene file of at most 64 MiB, nested at most 64 deep. Every fault that is found is named, one sentence
-/// a line, each with its JSON path.
+/// Reads and checks a scene file of at most 64 MiB, nested at most 64 deep. Errors: a file that is missing, not regular, too large or
+/// cannot be read; what parse_scene names.
 Result<Scene> load_scene(const std::filesystem::path& file, std::span<const Assignment> assignments = {});
 
-/// The same from text; `folder` is what relative paths start from.
+/// The same from text; `folder` is what relative paths start from. Errors: text that is not JSON or nests too deep, with line and column; a
+/// key twice; an assignment whose path leads nowhere; an unknown key, a wrong type, a value outside its limits, a file that is not there,
+/// and rules between keys. Every fault that is found is named, one sentence a line, each with its JSON path.
 Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& folder, std::span<const Assignment> assignments = {});
 
 /// What a scene file is checked for, of a scene that a program made: every number within its limits and finite, every list within its
-/// length, every choice one of those there are, and the rules between keys. Files are not looked for. The fault is one sentence a line,
-/// each with its JSON path.
+/// length, every choice one of those there are, and the rules between keys. Files are not looked for. Errors: each of these, one sentence a
+/// line with its JSON path.
 Result<void> check(const Scene& scene);
 
 /// A scene as JSON, every key written out: parse_scene with the same folder reads it back to the same scene.

@@ -24,7 +24,9 @@
 // its own near the cloth; it is the world's for cloth within 8 m of that. What a host sets and draws is in world space:
 // targets, colliders' poses, render vertices. Particles, the cooked fabric and the meshes are relative to origin().
 //
-// Errors: what Vulkan refuses is a sentence with a kind (compute/result.h), by which a program can decide what to do. After an
+// Errors: a sentence with a kind (compute/result.h), by which a program can decide what to do. Every function that returns a Result
+// may fail for want of the host's memory, and every one that waits, submits or copies by what Vulkan refuses: no memory of the
+// device's, a lost device. What it was to change is then as it was, or whole, or its comment says otherwise. After an
 // error of advance, submit or record the simulation is consistent and can go on: the clock has moved by that frame, the cloth
 // may not have. After a lost device every call fails; the simulation can only be destroyed.
 //
@@ -113,13 +115,15 @@ struct BufferUse {
 
 class Simulation {
  public:
-  /// Loads the scene's meshes, cooks, allocates, compiles. `device` must outlive the simulation. Errors: a number in the scene
-  /// that is not finite; a mesh that cannot be loaded or cooked; a method that cannot solve the scene; more dispatches a frame
-  /// than can be recorded; readers or a vertex usage that the device cannot have; what Vulkan refuses.
+  /// Loads the scene's meshes, cooks, allocates, compiles. `device` must outlive the simulation. Errors: what check(scene) names; a
+  /// mesh that load_mesh or cook refuses; with the method "auto" a curve without a point that counts; a particle that would start, or
+  /// a link that is, farther than floats allow; more particles, candidate pairs (contacts.capacity) or threads a workgroup than the
+  /// device takes; readers or a vertex usage that the device cannot have; more dispatches a frame than can be recorded; what Vulkan
+  /// refuses. A pipeline cache that cannot be read or written is no error; the fabric's notes say if it was not written.
   static Result<std::unique_ptr<Simulation>> create(const compute::Device& device, const Scene& scene,
                                                     const SimulationOptions& options = {});
   /// The same with meshes that the caller made: one a cloth, in its rest pose in world space, then one a mesh collider, in the
-  /// collider's own axes.
+  /// collider's own axes. Errors: also another number of meshes, or one that check(mesh) refuses.
   static Result<std::unique_ptr<Simulation>> create(const compute::Device& device, const Scene& scene, std::vector<Mesh> meshes,
                                                     const SimulationOptions& options = {});
   ~Simulation();
@@ -127,7 +131,7 @@ class Simulation {
   Simulation& operator=(const Simulation&) = delete;
 
   /// Simulates `seconds` >= 0, submits and waits. Where candidate pairs overflowed it enlarges their capacity and repeats the
-  /// frame. Errors: `seconds` not finite or negative; what Vulkan refuses.
+  /// frame. Errors: `seconds` not finite or negative; memory; what Vulkan refuses.
   Result<Advance> advance(double seconds);
 
   /// Simulates `seconds`, waiting on the GPU for `waits` first; returns at once. The frame can be drawn once
@@ -168,7 +172,7 @@ class Simulation {
   /// drive the collider, move it on from there. Together with write_positions, which does the same to cloth and its anchors,
   /// this teleports a scene. Waits if it is a mesh collider. Errors: as move_collider; what Vulkan refuses.
   Result<void> place_collider(std::uint32_t collider, const ColliderPose& pose);
-  /// From the next frame on (m/s^2). Errors: not finite, or 1e10 m/s^2 or more.
+  /// From the next frame on (m/s^2). Errors: not finite, or 1e10 m/s^2 or more; the gravity is then as it was.
   Result<void> set_gravity(Vec3 gravity);
 
   /// The origin of the particles' positions, in world space (m); chosen at create.
@@ -181,14 +185,15 @@ class Simulation {
   std::span<const ColliderPose> colliders() const;
 
   /// Of the last frame of advance or submit; empty without SimulationOptions::timings. On devices without timestamps the CPU
-  /// measures each pass, and timed_on_cpu() is true.
+  /// measures each pass, and timed_on_cpu() is true. Empty, too, where there is no memory for the list.
   std::vector<PassTiming> timings() const;
   std::vector<DispatchTime> dispatch_times() const;
   bool timed_on_cpu() const;
   /// Milliseconds on the GPU from a frame's first to its last command; 0 without timings.
   double gpu_milliseconds() const;
 
-  /// What the scene's plan consists of: passes with their dispatches a frame, and buffers with their bytes.
+  /// What the scene's plan consists of: passes with their dispatches a frame, and buffers with their bytes. Empty where there is no
+  /// memory for the list.
   std::vector<PassUse> passes() const;
   std::vector<BufferUse> buffers() const;
   /// Of the last frame that is done. Frames that a host has recorded must be.
@@ -202,18 +207,20 @@ class Simulation {
   const compute::Device& device() const;
 
   /// Copies back all particles, of cloths and mesh colliders, in CookedFabric's order: xyz position relative to origin() (m), w
-  /// inverse mass (1/kg); xyz velocity (m/s), w the material's index as bits. Waits for the last submitted frame.
+  /// inverse mass (1/kg); xyz velocity (m/s), w the material's index as bits. Waits for the last submitted frame. Errors: memory; what
+  /// Vulkan refuses.
   Result<std::vector<gpu::vec4>> read_positions() const;
   Result<std::vector<gpu::vec4>> read_velocities() const;
   /// Overwrites the positions or velocities of all particles, of mesh colliders too (CookedFabric's order, units as above; w is
   /// ignored). Waits. A value that is not finite, or of 1e10 or more, is counted in Counts::non_finite and sanitized: the
   /// particle stays where it is, or moves as its neighbours do, with velocity 0; no other particle is affected. A written
   /// position is also an anchor's target until keys or move_anchors set another: an anchor that cloth held back, written where
-  /// it was read, gives up its former target. Errors: another number of values than particles; what Vulkan refuses.
+  /// it was read, gives up its former target. Errors: another number of values than particles; memory; what Vulkan refuses. Written
+  /// positions of which only the surface could not be made anew are written all the same.
   Result<void> write_positions(std::span<const gpu::vec4> positions);
   Result<void> write_velocities(std::span<const gpu::vec4> velocities);
   /// The whole state, to continue from later or in another process (engine/snapshot.h). Waits; frames that a host has recorded
-  /// must be done.
+  /// must be done. Errors: memory; what Vulkan refuses.
   Result<Snapshot> save() const;
   /// Continues from a snapshot: what follows is bitwise the same as after save(). With submit and record, which do not repeat
   /// frames in which contacts overflowed, this also takes the same capacity for contacts as then. Waits. Errors: a snapshot of
@@ -222,7 +229,7 @@ class Simulation {
   Result<void> restore(const Snapshot& snapshot);
   /// Whether restore would accept it. Errors: as restore, except for want of memory.
   Result<void> fits(const Snapshot& snapshot) const;
-  /// Positions (m, world space) and normals of all render vertices, copied back. Waits.
+  /// Positions (m, world space) and normals of all render vertices, copied back. Waits. Errors: memory; what Vulkan refuses.
   Result<std::vector<Vec3>> read_vertex_positions() const;
   Result<std::vector<Vec3>> read_vertex_normals() const;
 

@@ -70,7 +70,8 @@ std::vector<std::byte> snapshot_bytes(const Snapshot& snapshot);
 /// multiple of what it is given. Whether the snapshot fits a simulation is checked by restore.
 Result<Snapshot> parse_snapshot(std::span<const std::byte> bytes);
 
-/// Whole or not at all: under a temporary name in the same folder, then renamed.
+/// Whole or not at all: under a temporary name in the same folder, then renamed. Errors: the system's reason, as write_file's
+/// (compute/file.h): no such folder, no permission, a full disk, a target that is no regular file.
 Result<void> save_snapshot(const std::filesystem::path& file, const Snapshot& snapshot);
 /// Errors: as parse_snapshot; a file that cannot be read. Reads no more than the beginning of what is no snapshot.
 Result<Snapshot> load_snapshot(const std::filesystem::path& file);

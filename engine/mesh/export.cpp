@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 
 #include "compute/file.h"
+#include "engine/json_tree.h"
 
 namespace weft {
 namespace {
@@ -78,40 +78,42 @@ Result<void> write_glb(const std::filesystem::path& file, const RenderMesh& mesh
 
   constexpr int float_type = 5126, integer_type = 5125, vertex_target = 34962, index_target = 34963;
   std::string binary;
-  json accessors = json::array(), views = json::array();
+  JsonTree accessors = json::array(), views = json::array();
   const auto add = [&](auto values, int component, const char* type, std::size_t count, int target) {
-    views.push_back({{"buffer", 0}, {"byteOffset", binary.size()}, {"byteLength", values.size_bytes()}, {"target", target}});
-    accessors.push_back({{"bufferView", views.size() - 1}, {"componentType", component}, {"count", count}, {"type", type}});
+    JsonTree view = object_of("buffer", 0, "byteOffset", binary.size(), "byteLength", values.size_bytes(), "target", target);
+    JsonTree accessor = object_of("bufferView", views.root.size(), "componentType", component, "count", count, "type", type);
+    views.root.push_back(std::move(view.root));
+    accessors.root.push_back(std::move(accessor.root));
     put_all(binary, values);
-    return accessors.size() - 1;
+    return accessors.root.size() - 1;
   };
-  json attributes;
+  JsonTree shown = json::object();
+  json& attributes = shown.root;
   attributes["POSITION"] = add(std::span<const Vec3>(mesh.positions), float_type, "VEC3", vertices, vertex_target);
   Vec3 low = mesh.positions.front(), high = low;
   for (const Vec3& p : mesh.positions) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
   }
-  accessors.back()["min"] = {low.x, low.y, low.z};
-  accessors.back()["max"] = {high.x, high.y, high.z};
+  for (const auto& [key, bound] : {std::pair{"min", low}, std::pair{"max", high}}) {
+    json& place = accessors.root.back()[key];
+    place = {bound.x, bound.y, bound.z};
+  }
   if (!mesh.normals.empty()) attributes["NORMAL"] = add(std::span<const Vec3>(mesh.normals), float_type, "VEC3", vertices, vertex_target);
   if (!mesh.uvs.empty()) attributes["TEXCOORD_0"] = add(std::span<const Vec2>(mesh.uvs), float_type, "VEC2", vertices, vertex_target);
   const std::size_t indices =
       add(std::span<const Triangle>(mesh.triangles), integer_type, "SCALAR", mesh.triangles.size() * 3, index_target);
 
-  json document;
-  document["asset"] = {{"version", "2.0"}, {"generator", "Weft"}};
-  document["scene"] = 0;
-  document["scenes"] = json::array({{{"nodes", json::array({0})}}});
-  document["nodes"] = json::array({{{"mesh", 0}}});
-  document["materials"] =
-      json::array({{{"doubleSided", true}, {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0.8}}}}});
-  document["meshes"] = json::array({{{"primitives", json::array({{{"attributes", attributes}, {"indices", indices}, {"material", 0}}})}}});
-  document["accessors"] = std::move(accessors);
-  document["bufferViews"] = std::move(views);
-  document["buffers"] = json::array({{{"byteLength", binary.size()}}});
+  JsonTree look = object_of("metallicFactor", 0, "roughnessFactor", 0.8);
+  JsonTree materials = list_of(object_of("doubleSided", true, "pbrMetallicRoughness", std::move(look)));
+  JsonTree primitives = list_of(object_of("attributes", std::move(shown), "indices", indices, "material", 0));
+  const JsonTree document = object_of(
+      "asset", object_of("version", "2.0", "generator", "Weft"), "scene", 0, "scenes", list_of(object_of("nodes", list_of(json(0)))),
+      "nodes", list_of(object_of("mesh", 0)), "materials", std::move(materials), "meshes",
+      list_of(object_of("primitives", std::move(primitives))), "accessors", std::move(accessors), "bufferViews", std::move(views),
+      "buffers", list_of(object_of("byteLength", binary.size())));
 
-  std::string text = document.dump();
+  std::string text = document.root.dump();
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const std::size_t size = 12 + 8 + text.size() + 8 + binary.size();
   if (size > 0xffffffffu)

@@ -78,7 +78,7 @@ bool has(const json& object, const char* key) { return object.is_object() && obj
 
 class GltfStripper {
  public:
-  explicit GltfStripper(GltfDocument& document) : document_(document), root_(document.root) {}
+  explicit GltfStripper(GltfDocument& document) : document_(document), root_(document.tree.root) {}
 
   Result<GltfGeometry> strip() {
     for (const json& name : document_.list(root_, "extensionsRequired"))
@@ -111,7 +111,7 @@ class GltfStripper {
       say("the accessor of \"", key, "\" has the component type ", component, "; ",
           indices ? "5121, 5123 and 5125 (integers)" : "only 5126 (float)", " can be read");
     const std::string type = indices ? "SCALAR" : "VEC" + std::to_string(width);
-    if (!accessor->is_object() || accessor->value("type", json()) != type) say("the accessor of \"", key, "\" is not a ", type);
+    if (!has(*accessor, "type") || !is_text((*accessor)["type"], type)) say("the accessor of \"", key, "\" is not a ", type);
     if (!has(*accessor, "bufferView")) say("the accessor of \"", key, "\" has no \"bufferView\", and so nothing that can be read");
     const json* view = document_.entry(document_.list(root_, "bufferViews"), *accessor, "bufferView");
     if (!view) return {};
@@ -148,8 +148,9 @@ class GltfStripper {
   void read_primitive(const json& primitive, Part& part, std::map<std::array<std::uint64_t, 4>, std::size_t>& known) {
     const std::uint64_t mode = document_.natural(primitive, "mode", triangles);
     if (mode > triangle_fan) return say("a primitive has the mode ", mode, "; the highest is ", std::uint64_t{triangle_fan});
-    const json attributes = primitive.is_object() ? primitive.value("attributes", json::object()) : json::object();
-    const json extensions = primitive.is_object() ? primitive.value("extensions", json::object()) : json::object();
+    static const json none = json::object();
+    const auto member = [&](const char* key) -> const json& { return has(primitive, key) ? primitive[key] : none; };
+    const json &attributes = member("attributes"), &extensions = member("extensions");
     if (has(extensions, "KHR_draco_mesh_compression") && !has_plain_copy(attributes))
       return say("a primitive is compressed (KHR_draco_mesh_compression), which is not read");
 
@@ -196,8 +197,9 @@ class GltfStripper {
   }
 
   /// A node's place below its parent, as the document has it.
-  json place(const json& node, std::size_t n) {
-    json copy = json::object();
+  JsonTree place(const json& node, std::size_t n) {
+    JsonTree tree = json::object();
+    json& copy = tree.root;
     for (const auto& [key, length] :
          {std::pair{"matrix", 16u}, std::pair{"translation", 3u}, std::pair{"rotation", 4u}, std::pair{"scale", 3u}}) {
       const json& numbers = document_.list(node, key);
@@ -205,14 +207,15 @@ class GltfStripper {
       if (numbers.size() != length || !std::ranges::all_of(numbers, [](const json& x) { return x.is_number(); }))
         say("node ", n, ": \"", key, "\" is not ", length, " numbers");
       else
-        copy[key] = numbers;
+        put(tree, key, numbers);
     }
     if (copy.contains("rotation")) {   // assimp takes the quaternion to have length 1
-      auto turn = copy["rotation"].get<std::array<double, 4>>();
+      json& rotation = copy["rotation"];
+      auto turn = rotation.get<std::array<double, 4>>();
       Eigen::Map<Eigen::Vector4d>(turn.data()).stableNormalize();
-      copy["rotation"] = turn;
+      for (std::size_t k = 0; k < turn.size(); ++k) rotation[k] = turn[k];
     }
-    return copy;
+    return tree;
   }
 
   /// The parent of each node, kNone at the top; a fault unless nodes are a forest.
@@ -265,7 +268,7 @@ class GltfStripper {
     for (std::size_t n = 0; n < nodes.size(); ++n) place(nodes[n], n);   // faults of nodes that no scene shows, too
     // A file of meshes without nodes is a library in glTF's words; every mesh is shown once.
     if (nodes.empty() && document_.list(root_, "scenes").empty())
-      for (Part& part : parts_) show(part, glb_.add_node(json::object(), kNone));
+      for (Part& part : parts_) show(part, glb_.add_node(JsonTree(json::object()), kNone));
     std::vector<Visit> stack;
     for (std::size_t k = tops.size(); k-- > 0;) stack.push_back({tops[k], kNone});
     while (!stack.empty() && document_.fault.empty()) {
@@ -279,7 +282,7 @@ class GltfStripper {
         if (mesh >= parts_.size()) return say("node ", n, ": \"mesh\" points to ", mesh, " of ", parts_.size());
         if (has(node, "skin") && !parts_[mesh].primitives.empty()) {
           ++out_.skins;
-          glb_.nodes[copy]["name"] = kSkinned;
+          glb_.nodes.root[copy]["name"] = kSkinned;
         }
         show(parts_[mesh], copy);
       }
@@ -299,7 +302,7 @@ class GltfStripper {
     for (const Primitive& primitive : part.primitives) out_.triangles += primitive.triangle_count();
     if (out_.triangles > kMostIndices / 3) return say("it has more than ", kMostIndices / 3, " triangles");
     if (part.written == kNone) write(part);
-    glb_.nodes[node]["mesh"] = part.written;
+    glb_.nodes.root[node]["mesh"] = part.written;
   }
 
   /// A primitive for each set of vertices, with the triangles of all that share it.
@@ -317,10 +320,11 @@ class GltfStripper {
         const Triangle triangle = primitive.triangle(i);
         corners[primitive.vertices].insert(corners[primitive.vertices].end(), triangle.begin(), triangle.end());
       }
-    json primitives = json::array();
+    JsonTree primitives = json::array();
     for (std::size_t k = 0; k < part.vertices.size(); ++k) {
       const Vertices& vertices = part.vertices[k];
-      json attributes{{"POSITION", add<Vec3>(vertices.position, "VEC3")}};
+      JsonTree tree = object_of("POSITION", add<Vec3>(vertices.position, "VEC3"));
+      json& attributes = tree.root;
       if (vertices.normal.bytes) attributes["NORMAL"] = add<Vec3>(vertices.normal, "VEC3");
       if (vertices.tangent.bytes) attributes["TANGENT"] = add<Vec4>(vertices.tangent, "VEC4");
       if (vertices.uv.bytes) {
@@ -329,10 +333,13 @@ class GltfStripper {
         attributes["TEXCOORD_1"] = add<Vec2>(vertices.uv, "VEC2", [](Vec2 uv) { return Vec2{uv.y, 0}; });
       }
       const std::string bytes(reinterpret_cast<const char*>(corners[k].data()), corners[k].size() * sizeof(std::uint32_t));
-      primitives.push_back({{"attributes", std::move(attributes)}, {"indices", glb_.add_values(bytes, corners[k].size(), 5125, "SCALAR")}});
+      const std::size_t indices = glb_.add_values(bytes, corners[k].size(), 5125, "SCALAR");
+      JsonTree primitive = object_of("attributes", std::move(tree), "indices", indices);
+      primitives.root.push_back(std::move(primitive.root));
     }
-    part.written = glb_.meshes.size();
-    glb_.meshes.push_back({{"primitives", std::move(primitives)}});
+    part.written = glb_.meshes.root.size();
+    JsonTree mesh = object_of("primitives", std::move(primitives));
+    glb_.meshes.root.push_back(std::move(mesh.root));
   }
 
   template <class T, class Change = std::identity>

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "compute/result.h"
+#include "engine/json_tree.h"
+#include "engine/scene.h"
 
 namespace weft::parts {
 
@@ -17,7 +19,7 @@ using json = nlohmann::json;
 /// A document and the first fault that was found in it. After a fault its numbers are 0 and its lists empty, so callers need to look
 /// only once, at the end.
 struct GltfDocument {
-  json root;
+  JsonTree tree;
   std::vector<std::string> buffers;   // each as long as the document says
   std::string fault;
 
@@ -33,22 +35,25 @@ struct GltfDocument {
   const json* entry(const json& from, const json& object, const char* key);
 };
 
-/// Reads the document of a glTF or GLB, and its buffers: those in it and those in files below `folder`. Faults of buffers stay in it.
+/// Reads the document of a glTF or GLB, and its buffers: those in it and those in files below `folder`, or anywhere. Faults of buffers
+/// stay in it.
 /// Errors: not JSON, too large or nested too deeply, cut short, another version than 2.
-Result<GltfDocument> open_gltf(const std::string& content, const std::filesystem::path& folder);
+Result<GltfDocument> open_gltf(const std::string& content, const std::filesystem::path& folder, BufferFiles buffer_files);
 
 /// A GLB in memory, as assimp is given it.
 struct GltfWriter {
-  json nodes = json::array(), meshes = json::array();
+  JsonTree nodes = json::array(), meshes = json::array();
 
   /// Values that lie densely, a multiple of four bytes; returns their accessor's number.
   std::size_t add_values(const std::string& values, std::size_t count, int component, const char* type);
   /// Below `parent`, or at the top with kNone; returns its number.
-  std::size_t add_node(json node, std::size_t parent);
+  std::size_t add_node(JsonTree node, std::size_t parent);
   std::string finish();
 
  private:
-  json accessors_ = json::array(), views_ = json::array(), tops_ = json::array();
+  void add(JsonTree& list, JsonTree entry);
+
+  JsonTree accessors_ = json::array(), views_ = json::array(), tops_ = json::array();
   std::string bytes_;
 };
 

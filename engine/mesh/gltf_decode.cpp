@@ -11,27 +11,28 @@
 namespace weft::parts {
 
 std::size_t GltfWriter::add_values(const std::string& values, std::size_t count, int component, const char* type) {
-  views_.push_back({{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", values.size()}});
-  accessors_.push_back({{"bufferView", views_.size() - 1}, {"componentType", component}, {"count", count}, {"type", type}});
+  const std::size_t view = views_.root.size();
+  add(views_, object_of("buffer", 0, "byteOffset", bytes_.size(), "byteLength", values.size()));
+  add(accessors_, object_of("bufferView", view, "componentType", component, "count", count, "type", type));
   bytes_ += values;
-  return accessors_.size() - 1;
+  return accessors_.root.size() - 1;
 }
 
-std::size_t GltfWriter::add_node(json node, std::size_t parent) {
-  (parent == kNone ? tops_ : nodes[parent]["children"]).push_back(nodes.size());
-  nodes.push_back(std::move(node));
-  return nodes.size() - 1;
+std::size_t GltfWriter::add_node(JsonTree node, std::size_t parent) {
+  if (parent != kNone && !nodes.root[parent].contains("children")) nodes.root[parent].emplace("children", json::array());
+  (parent == kNone ? tops_.root : nodes.root[parent]["children"]).push_back(nodes.root.size());
+  add(nodes, std::move(node));
+  return nodes.root.size() - 1;
 }
+
+void GltfWriter::add(JsonTree& list, JsonTree entry) { list.root.push_back(std::move(entry.root)); }
 
 std::string GltfWriter::finish() {
-  json root{{"asset", {{"version", "2.0"}}}, {"scene", 0}};
-  root["buffers"] = json::array({{{"byteLength", bytes_.size()}}});
-  root["bufferViews"] = std::move(views_);
-  root["accessors"] = std::move(accessors_);
-  root["meshes"] = std::move(meshes);
-  root["nodes"] = std::move(nodes);
-  root["scenes"] = json::array({{{"nodes", std::move(tops_)}}});
-  std::string text = root.dump();
+  const JsonTree document = object_of(
+      "asset", object_of("version", "2.0"), "scene", 0, "buffers", list_of(object_of("byteLength", bytes_.size())), "bufferViews",
+      std::move(views_), "accessors", std::move(accessors_), "meshes", std::move(meshes), "nodes", std::move(nodes), "scenes",
+      list_of(object_of("nodes", std::move(tops_))));
+  std::string text = document.root.dump();
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const auto put = [](std::string& bytes, std::size_t value) {
     for (int k = 0; k < 4; ++k) bytes.push_back(static_cast<char>(value >> (8 * k)));
@@ -92,6 +93,16 @@ void append(const aiMesh& mesh, const Affine3d& place, Harvest& harvest) {
   }
 }
 
+/// assimp keeps what was thrown.
+void refuse_for_memory(const std::exception_ptr& thrown) {
+  try {
+    if (thrown) std::rethrow_exception(thrown);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (...) {   // has a sentence
+  }
+}
+
 Result<Harvest> decode_gltf(const GltfGeometry& geometry) {
   struct Visit {
     const aiNode* node;
@@ -99,7 +110,10 @@ Result<Harvest> decode_gltf(const GltfGeometry& geometry) {
   };
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFileFromMemory(geometry.glb.data(), geometry.glb.size(), aiProcess_Triangulate, "glb");
-  if (!scene || !scene->mRootNode) return fail("assimp cannot read it: ", importer.GetErrorString());
+  if (!scene || !scene->mRootNode) {
+    refuse_for_memory(importer.GetException());
+    return fail("assimp cannot read it: ", importer.GetErrorString());
+  }
   Harvest harvest;
   std::vector<Visit> stack{{scene->mRootNode, Affine3d::Identity()}};
   while (!stack.empty()) {
@@ -124,8 +138,8 @@ Result<Harvest> decode_gltf(const GltfGeometry& geometry) {
 
 }   // namespace
 
-Result<Harvest> read_gltf(const std::string& content, const std::filesystem::path& folder) {
-  Result<GltfDocument> document = open_gltf(content, folder);
+Result<Harvest> read_gltf(const std::string& content, const std::filesystem::path& folder, BufferFiles buffer_files) {
+  Result<GltfDocument> document = open_gltf(content, folder, buffer_files);
   if (!document) return document.take_error();
   const Result<GltfGeometry> geometry = strip_gltf(*document);
   if (!geometry) return Error{geometry.why()};

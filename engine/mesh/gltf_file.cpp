@@ -87,22 +87,25 @@ std::string decode_percent(const std::string& text) {
   return plain;
 }
 
-/// The file that a buffer names, which lies below the folder, also where links lead elsewhere.
-Result<std::filesystem::path> inside(const std::filesystem::path& folder, const std::string& uri) {
+/// The file that a buffer names. Unless others are allowed it must lie below the folder, links followed.
+Result<std::filesystem::path> found(const std::filesystem::path& folder, const std::string& uri, BufferFiles buffer_files) {
   std::error_code code;
   const auto root = std::filesystem::canonical(folder.empty() ? "." : folder, code);
   const auto file = code ? root : std::filesystem::weakly_canonical(root / decode_percent(uri), code);
   if (code) return fail("\"", uri.substr(0, 200), "\" cannot be found: ", code.message());
-  if (std::mismatch(root.begin(), root.end(), file.begin(), file.end()).first != root.end())
-    return fail("\"", uri.substr(0, 200), "\" lies outside the folder of the glTF, below which alone buffers are read");
+  const bool is_below = std::mismatch(root.begin(), root.end(), file.begin(), file.end()).first == root.end();
+  if (!is_below && buffer_files != BufferFiles::anywhere)
+    return fail("\"", uri.substr(0, 200), "\" lies outside the folder of the glTF, below which alone buffers are read unless others are ",
+                "allowed (weft --allow-outside)");
   return file;
 }
 
-Result<std::string> bytes_of(const json& buffer, std::uint64_t wanted, const std::string* chunk, const std::filesystem::path& folder) {
+Result<std::string> bytes_of(const json& buffer, std::uint64_t wanted, const std::string* chunk, const std::filesystem::path& folder,
+                             BufferFiles buffer_files) {
   if (!buffer.is_object() || !buffer.contains("uri")) return chunk ? chunk->substr(0, wanted) : std::string();
   const std::string uri = buffer["uri"].is_string() ? buffer["uri"].get<std::string>() : std::string();
   if (!uri.starts_with("data:")) {
-    const Result<std::filesystem::path> file = inside(folder, uri);
+    const Result<std::filesystem::path> file = found(folder, uri, buffer_files);
     return file ? read_file(*file, wanted) : Result<std::string>(Error{file.why()});
   }
   const std::size_t comma = uri.find(";base64,");
@@ -111,14 +114,14 @@ Result<std::string> bytes_of(const json& buffer, std::uint64_t wanted, const std
   return std::move(*decoded);
 }
 
-void read_buffers(GltfDocument& document, const std::string* chunk, const std::filesystem::path& folder) {
+void read_buffers(GltfDocument& document, const std::string* chunk, const std::filesystem::path& folder, BufferFiles buffer_files) {
   std::uint64_t total = 0;
-  for (const json& buffer : document.list(document.root, "buffers")) {
+  for (const json& buffer : document.list(document.tree.root, "buffers")) {
     const std::size_t number = document.buffers.size();
     const std::uint64_t wanted = document.natural(buffer, "byteLength", 0);
     total += wanted;
     if (total > kMostBytes) return document.say("its buffers have ", total, " bytes or more; at most ", kMostBytes, " are allowed");
-    Result<std::string> bytes = bytes_of(buffer, wanted, number == 0 ? chunk : nullptr, folder);
+    Result<std::string> bytes = bytes_of(buffer, wanted, number == 0 ? chunk : nullptr, folder, buffer_files);
     if (!bytes) return document.say("buffer ", number, ": ", bytes.error());
     if (bytes->size() < wanted && buffer.contains("extensions") && buffer["extensions"].contains("EXT_meshopt_compression"))
       return document.say("buffer ", number, " is compressed (EXT_meshopt_compression), which is not read");
@@ -161,7 +164,7 @@ const json* GltfDocument::entry(const json& from, const json& object, const char
   return nullptr;
 }
 
-Result<GltfDocument> open_gltf(const std::string& content, const std::filesystem::path& folder) {
+Result<GltfDocument> open_gltf(const std::string& content, const std::filesystem::path& folder, BufferFiles buffer_files) {
   std::string text = content, chunk;
   bool has_chunk = false;
   if (content.starts_with("glTF")) {
@@ -183,10 +186,10 @@ Result<GltfDocument> open_gltf(const std::string& content, const std::filesystem
     }
   }
   if (std::string fault = outline_fault(text); !fault.empty()) return Error{std::move(fault)};
-  GltfDocument document{json::parse(text, nullptr, false), {}, {}};
-  if (document.root.is_discarded() || !document.root.is_object()) return fail("it is not a JSON document, or is cut short");
-  if (!version_is_2(document.root)) return fail("it is not a glTF 2.0 document: \"asset.version\" does not start with 2");
-  read_buffers(document, has_chunk ? &chunk : nullptr, folder);
+  GltfDocument document{parsed_json(text), {}, {}};
+  if (document.tree.root.is_discarded() || !document.tree.root.is_object()) return fail("it is not a JSON document, or is cut short");
+  if (!version_is_2(document.tree.root)) return fail("it is not a glTF 2.0 document: \"asset.version\" does not start with 2");
+  read_buffers(document, has_chunk ? &chunk : nullptr, folder, buffer_files);
   return document;
 }
 

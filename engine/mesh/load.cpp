@@ -76,20 +76,20 @@ std::vector<std::uint32_t> join_copies(RenderMesh& render) {
   return renamed;
 }
 
-Result<parts::Harvest> harvest_of(const std::filesystem::path& file) {
+Result<parts::Harvest> harvest_of(const std::filesystem::path& file, BufferFiles buffer_files) {
   std::string kind = file.extension().string();
   for (char& c : kind) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
   const bool gltf = kind == ".gltf" || kind == ".glb";
   if (!gltf && kind != ".obj") return fail(file.string(), " has the extension \"", kind, "\"; .gltf, .glb and .obj can be read");
   Result<std::string> content = parts::read_file(file);
   if (!content) return content.take_error();
-  Result<parts::Harvest> harvest = gltf ? parts::read_gltf(*content, file.parent_path()) : parts::read_obj(*content);
+  Result<parts::Harvest> harvest = gltf ? parts::read_gltf(*content, file.parent_path(), buffer_files) : parts::read_obj(*content);
   if (!harvest) return fail(file.string(), ": ", harvest.why());
   return harvest;
 }
 
-Result<Mesh> load(const std::filesystem::path& file) {
-  Result<parts::Harvest> harvest = harvest_of(file);
+Result<Mesh> load(const std::filesystem::path& file, BufferFiles buffer_files) {
+  Result<parts::Harvest> harvest = harvest_of(file, buffer_files);
   if (!harvest) return harvest.take_error();
   RenderMesh& render = harvest->render;
   if (Result<void> checked = parts::check_places(render.positions); !checked) return fail(file.string(), ": ", checked.why());
@@ -116,10 +116,12 @@ Result<Mesh> load(const std::filesystem::path& file) {
 
 }   // namespace
 
-Result<Mesh> load_mesh(const std::filesystem::path& file) try {
+Result<Mesh> load_mesh(const std::filesystem::path& file, BufferFiles buffer_files) try {
   // assimp throws on some damaged files, and memory can run out on any; no exception may leave this function.
   try {
-    return load(file);
+    return load(file, buffer_files);
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& problem) {
     return fail(file.string(), " cannot be read: ", problem.what());
   }

@@ -62,7 +62,7 @@ struct Harvest {
 /// A glTF or GLB file's scene. `folder` is where the file's relative URIs start from, and nothing outside it is read.
 /// Errors: not JSON, too large or nested too deeply, cut short, a reference or a range out of bounds, a required extension, sparse,
 /// quantised or compressed accessors, indices that make no whole triangles, too many vertices, triangles, nodes or sets of accessors.
-Result<Harvest> read_gltf(const std::string& content, const std::filesystem::path& folder);
+Result<Harvest> read_gltf(const std::string& content, const std::filesystem::path& folder, BufferFiles buffer_files);
 
 /// An OBJ file's faces.
 /// Errors: a line that does not read as what it claims to be, an index without its vertex, too many corners or vertices, no face.

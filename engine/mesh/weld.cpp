@@ -261,7 +261,7 @@ Result<void> check_places(std::span<const Vec3> positions) {
 
 }   // namespace parts
 
-Result<Mesh> weld_mesh(RenderMesh render) {
+Result<Mesh> weld_mesh(RenderMesh render) try {
   if (Result<void> checked = check_lists(render); !checked) return checked.take_error();
   std::vector<std::uint8_t> used(render.positions.size(), 0);
   Box box;
@@ -312,6 +312,8 @@ Result<Mesh> weld_mesh(RenderMesh render) {
   parts::complete_uvs(mesh.render);
   parts::complete_tangents(mesh.render);
   return mesh;
+} catch (...) {
+  return caught("the mesh");
 }
 
 }   // namespace weft

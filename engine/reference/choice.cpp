@@ -51,6 +51,7 @@ std::map<SettingKey, Samples> settings_of(const Curve& curve, bool tethers) {
 Result<SolverSettings> solver_of(const CurvePoint& setting) {
   std::vector<Assignment> assignments;
   std::istringstream words(setting.assignments);
+  words.exceptions(std::ios::badbit);   // a word for which there is no memory is none that may be left out
   for (std::string word; words >> word;)
     assignments.push_back({word.substr(0, word.find('=')), word.substr(std::min(word.find('=') + 1, word.size()))});
   assignments.push_back({"solver.substeps", std::to_string(setting.substeps)});
@@ -62,7 +63,7 @@ Result<SolverSettings> solver_of(const CurvePoint& setting) {
 
 }  // namespace
 
-Result<Choice> choose(const Curve& curve, double budget_ms, std::uint64_t particles, bool tethers) {
+Result<Choice> choose(const Curve& curve, double budget_ms, std::uint64_t particles, bool tethers) try {
   auto settings = settings_of(curve, tethers);
   if (settings.empty()) settings = settings_of(curve, !tethers);
   if (settings.empty()) return fail("the curve of ", curve.scene, " on ", curve.device, " has no setting to choose from");
@@ -70,9 +71,11 @@ Result<Choice> choose(const Curve& curve, double budget_ms, std::uint64_t partic
   for (const auto& [key, samples] : settings) points.push_back(expected(samples, particles));
   const auto found = best(points, &CurvePoint::strain_rms, budget_ms);
   return Choice{points[found ? *found : front(points, &CurvePoint::strain_rms).front()], found.has_value()};
+} catch (...) {
+  return caught("the curve");
 }
 
-Result<Scene> with_choice(const Scene& scene, std::uint64_t particles, const Curve& curve, std::string& note) {
+Result<Scene> with_choice(const Scene& scene, std::uint64_t particles, const Curve& curve, std::string& note) try {
   if (scene.solver.method != Method::automatic) return scene;
   if (!scene.solver.budget_ms) return fail("solver.method: \"auto\" needs solver.budget_ms");
   const bool tethers =
@@ -91,6 +94,8 @@ Result<Scene> with_choice(const Scene& scene, std::uint64_t particles, const Cur
          " % rms strain expected for " + std::to_string(particles) + " particles by the curve of " + curve.scene + " on " +
          curve.device + " of " + curve.date + (choice->fits ? "." : "; nothing fits the budget.");
   return chosen;
+} catch (...) {
+  return caught("the curve");
 }
 
 Curve condensed(const Curve& curve) {

@@ -153,7 +153,7 @@ std::string curve_csv(const Curve& curve) {
   return text;
 }
 
-Result<Curve> parse_curve(std::string_view text) {
+Result<Curve> parse_curve(std::string_view text) try {
   Curve curve;
   bool headed = false;
   if (next(text, '\n') != kFirstLine) return fail("line 1: is not \"", kFirstLine, "\"");
@@ -172,6 +172,8 @@ Result<Curve> parse_curve(std::string_view text) {
     }
   }
   return curve;
+} catch (...) {
+  return caught("the curve");
 }
 
 }  // namespace weft

@@ -45,11 +45,11 @@ std::optional<std::size_t> index_of(std::string_view step) {
 // Short forms grow into the objects they stand for, so that `fabric.bend` can be set where the file says "denim".
 void lengthen(json& value, std::string_view key) {
   if (key == "fabric" && value.is_string())
-    value = json::object({{"preset", value}});
+    value = std::move(object_of("preset", value).root);
   else if (key == "tethers" && value.is_boolean() && value.get<bool>())
     value = json::object();
   else if (key == "contacts" && value.is_boolean())
-    value = json::object({{"enabled", value}});
+    value = std::move(object_of("enabled", value).root);
   else if (value.is_null())
     value = json::object();
 }
@@ -85,8 +85,9 @@ Result<void> assign(json& scene, const Assignment& assignment) {
   }
 
   // What is not JSON is text; so is what the scene's own parser would refuse, such as brackets without end.
-  Result<json> value = parse_json(assignment.value);
-  *target = value ? std::move(*value) : json(assignment.value);
+  Result<JsonTree> value = parse_json(assignment.value);
+  JsonTree put(value ? std::move(value->root) : json(assignment.value));
+  target->swap(put.root);
   return {};
 }
 

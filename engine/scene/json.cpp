@@ -110,7 +110,7 @@ class Listener final : public nlohmann::json_sax<json> {
 
 }  // namespace
 
-Result<json> parse_json(std::string_view text) {
+Result<JsonTree> parse_json(std::string_view text) {
   if (text.size() > kLargestSceneBytes)
     return fail("scene: ", text.size(), " bytes are more than ", kLargestSceneBytes, ", the most a scene may have");
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) return fail("scene: is empty");
@@ -120,8 +120,8 @@ Result<json> parse_json(std::string_view text) {
     if (listener.complaint.empty()) listener.complaint = "scene: is not JSON";
     return Error{listener.complaint};
   }
-  json value = json::parse(text, nullptr, false);
-  if (value.is_discarded()) return fail("scene: is not JSON");
+  JsonTree value = parsed_json(text);
+  if (value.root.is_discarded()) return fail("scene: is not JSON");
   return value;
 }
 

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "compute/result.h"
+#include "engine/json_tree.h"
 #include "engine/scene.h"
 
 namespace weft {
@@ -16,7 +17,7 @@ inline constexpr std::size_t kDeepestNesting = 64;
 
 /// Strict JSON (no comments, no key twice in one object) of at most kLargestSceneBytes, nested at most kDeepestNesting deep.
 /// An error is one sentence that starts with the line and the column.
-Result<nlohmann::json> parse_json(std::string_view text);
+Result<JsonTree> parse_json(std::string_view text);
 
 /// A value as a sentence shows it: `"ten" is text`, `-3`, `a list`. Never longer than about 60 bytes.
 std::string shown(const nlohmann::json& value);

@@ -30,9 +30,10 @@ Result<std::string> read_text(const std::filesystem::path& file) {
 }  // namespace
 
 Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& folder, std::span<const Assignment> assignments) try {
-  Result<nlohmann::json> value = parse_json(text);
-  if (!value) return value.take_error();
-  if (!value->is_object()) return fail("scene: ", shown(*value), ", not an object");
+  Result<JsonTree> tree = parse_json(text);
+  if (!tree) return tree.take_error();
+  nlohmann::json& value = tree->root;
+  if (!value.is_object()) return fail("scene: ", shown(value), ", not an object");
 
   std::string refused;
   const auto refuse = [&](const std::string& sentences) {
@@ -40,11 +41,11 @@ Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& fo
     refused += sentences;
   };
   for (const Assignment& assignment : assignments)
-    if (Result<void> done = assign(*value, assignment); !done) refuse(done.error());
+    if (Result<void> done = assign(value, assignment); !done) refuse(done.error());
 
   Scene scene;
   Faults faults;
-  read_scene(*value, folder, scene, faults);
+  read_scene(value, folder, scene, faults);
   if (!faults.empty()) refuse(faults.text());
   if (!refused.empty()) return Error{refused};
   return scene;
@@ -73,7 +74,7 @@ std::vector<std::uint32_t> mesh_colliders(const Scene& scene) {
 
 std::string scene_text(const Scene& scene) {
   constexpr int kIndent = 2;
-  return SceneWriter::written(scene).dump(kIndent, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
+  return SceneWriter::written(scene).root.dump(kIndent, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
 }
 
 }  // namespace weft

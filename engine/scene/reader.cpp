@@ -70,7 +70,7 @@ class Reader {
   void stiffness(std::string_view key, double& out, const Range& range) {
     const json* value = find(key);
     if (!value) return;
-    if (*value == "rigid") {
+    if (is_text(*value, "rigid")) {
       out = std::numeric_limits<double>::infinity();
     } else if (value->is_number()) {
       read_number(*value, path_of(key), range, out);

@@ -15,22 +15,25 @@ struct SceneWriter {
   using Names = scene_fields::Names;
   using Range = scene_fields::Range;
 
-  json members = json::object();
+  JsonTree members = json::object();
 
   template <class T>
-  static json written(T value) {
+  static JsonTree written(T value) {
     SceneWriter writer;
     if constexpr (std::is_same_v<T, Scene>) value.contacts.enabled = contacts_on(value);
     scene_fields::fields(writer, value);
     if constexpr (std::is_same_v<T, Collider>)
       for (const scene_fields::ShapeKey& own : scene_fields::kShapeKeys)
-        if (!own.of[static_cast<std::size_t>(value.shape)]) writer.members.erase(std::string(own.key));
-    return writer.members;
+        if (!own.of[static_cast<std::size_t>(value.shape)]) writer.members.root.erase(std::string(own.key));
+    return std::move(writer.members);
   }
 
   static json numbers_of(Vec2 v) { return {v.x, v.y}; }
   static json numbers_of(Vec3 v) { return {v.x, v.y, v.z}; }
-  void put(std::string_view key, json value) { members[std::string(key)] = std::move(value); }
+  template <class V>
+  void put(std::string_view key, V&& value) {
+    weft::put(members, std::string(key), std::forward<V>(value));
+  }
 
   void note(std::string_view) {}
   void text(std::string_view key, const std::string& value) { put(key, value); }
@@ -55,14 +58,14 @@ struct SceneWriter {
   void choices(std::string_view key, const std::vector<E>& value, Names names) {
     json list = json::array();
     for (const E chosen : value) list.push_back(names[static_cast<std::size_t>(chosen)]);
-    put(key, list);
+    put(key, std::move(list));
   }
   void vector2(std::string_view key, Vec2 value, const Range&) { put(key, numbers_of(value)); }
   void vector3(std::string_view key, Vec3 value, const Range&) { put(key, numbers_of(value)); }
   void colour(std::string_view key, Vec3 value, const Range&) { put(key, numbers_of(value)); }
   void direction(std::string_view key, Vec3 value) { put(key, numbers_of(value)); }
   void unit(std::string_view key, Vec3 value) { put(key, numbers_of(value)); }
-  void cells(std::string_view key, std::uint32_t x, std::uint32_t y, const Range&) { put(key, {x, y}); }
+  void cells(std::string_view key, std::uint32_t x, std::uint32_t y, const Range&) { put(key, json{x, y}); }
   void file(std::string_view key, const std::string& value, Names) {
     if (!value.empty()) put(key, value);
   }
@@ -76,9 +79,12 @@ struct SceneWriter {
   }
   template <class T>
   void list(std::string_view key, const std::vector<T>& value, std::size_t, std::size_t) {
-    json list = json::array();
-    for (const T& entry : value) list.push_back(written(entry));
-    put(key, list);
+    JsonTree list = json::array();
+    for (const T& entry : value) {
+      JsonTree one = written(entry);
+      list.root.push_back(std::move(one.root));
+    }
+    put(key, std::move(list));
   }
   void fabric(std::string_view key, const Fabric& value) { put(key, written(value)); }
   void tethers(std::string_view key, const Cloth& value) {

@@ -115,7 +115,7 @@ std::string fault_of(std::string_view file) {
 
 }  // namespace
 
-Result<Image> read_image(const std::filesystem::path& file) {
+Result<Image> read_image(const std::filesystem::path& file) try {
   std::error_code code;
   if (!std::filesystem::exists(file, code)) return fail("picture \"", file.string(), "\" does not exist");
   if (!std::filesystem::is_regular_file(file, code)) return fail("picture \"", file.string(), "\" is not a file");
@@ -136,9 +136,11 @@ Result<Image> read_image(const std::filesystem::path& file) {
   Image image{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), {}};
   image.rgba.assign(pixels.get(), pixels.get() + std::size_t{4} * image.width * image.height);
   return image;
+} catch (...) {
+  return caught("the picture");
 }
 
-Result<void> write_png(const std::filesystem::path& file, const Image& image) {
+Result<void> write_png(const std::filesystem::path& file, const Image& image) try {
   if (image.width == 0 || image.height == 0 || image.rgba.size() != std::size_t{4} * image.width * image.height)
     return fail("picture \"", file.string(), "\" of ", image.width, " x ", image.height, " pixels has ", image.rgba.size(),
                 " bytes; needed are 4 a pixel");
@@ -148,6 +150,8 @@ Result<void> write_png(const std::filesystem::path& file, const Image& image) {
     return fail("picture \"", file.string(), "\" could not be encoded");
 
   return write_file(file, std::as_bytes(std::span(bytes)));
+} catch (...) {
+  return caught("the picture");
 }
 
 }  // namespace weft

@@ -21,7 +21,8 @@ inline constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 26;   // 8192 x
 /// the picture it announces, a JPEG of more than 100 scans: no file takes more memory than a picture of its size needs, or much longer.
 Result<Image> read_image(const std::filesystem::path& file);
 
-/// Writes under a temporary name and renames, so that nobody ever sees half a picture.
+/// Writes under a temporary name and renames, so that nobody ever sees half a picture. Errors: a size of 0 or of other than 4 width height
+/// bytes; a file that cannot be written.
 Result<void> write_png(const std::filesystem::path& file, const Image& image);
 
 }  // namespace weft

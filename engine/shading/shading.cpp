@@ -56,7 +56,10 @@ Result<Drawn> drawn_of(const Scene& scene, std::size_t i, const ShadedCloth& sha
 
 Shading::State::~State() {
   // A draw that failed while waiting may still be on the GPU.
-  if (in_flight) (void)compute::wait_for(*device, fence.get());
+  try {
+    if (in_flight) (void)compute::wait_for(*device, fence.get());
+  } catch (const std::bad_alloc&) {   // it failed, and there is no memory to say so
+  }
 }
 
 Shading::Shading() = default;

@@ -92,22 +92,19 @@ void Simulation::State::move_collider_meshes() {
     const ColliderPose from = bodies.poses[mesh.collider];
     move_collider_on(mesh.collider);
     const ColliderPose& to = bodies.poses[mesh.collider];
-    if (!(from.centre == to.centre) || !(from.rotation == to.rotation)) {
-      const std::vector<Vec3> points = collider_points(fabric, mesh, to.centre, to.rotation);
-      for (std::size_t k = 0; k < points.size(); ++k) at[static_cast<std::ptrdiff_t>(k)].to = gpu_vector(points[k]);
-    }
+    if (!(from.centre == to.centre) || !(from.rotation == to.rotation))
+      for (std::uint32_t k = 0; k < mesh.particles; ++k)
+        at[static_cast<std::ptrdiff_t>(k)].to = gpu_vector(collider_point(fabric, mesh, k, to.centre, to.rotation));
     at += mesh.particles;
   }
 }
 
 void Simulation::State::move_scene(FrameInput& input) {
+  const std::vector<Vec3> keyed = kinematic.are_keyed ? anchor_targets(scene, fabric, now()) : std::vector<Vec3>();
   input.anchors_move = kinematic.are_dirty;
   for (gpu::Anchor& anchor : kinematic.targets) anchor.from = anchor.to;
-  if (kinematic.are_keyed) {
-    const std::vector<Vec3> keyed = anchor_targets(scene, fabric, now());
-    for (std::size_t k = 0; k < keyed.size(); ++k)
-      if (!kinematic.is_host_driven[k]) kinematic.targets[k].to = gpu_vector(keyed[k]);
-  }
+  for (std::size_t k = 0; k < keyed.size(); ++k)
+    if (!kinematic.is_host_driven[k]) kinematic.targets[k].to = gpu_vector(keyed[k]);
   for (std::size_t k = 0; k < kinematic.pending.size(); ++k) {
     if (kinematic.pending[k]) kinematic.targets[k].to = gpu_vector(*kinematic.pending[k]);
     kinematic.pending[k].reset();
@@ -136,6 +133,7 @@ void Simulation::State::move_scene(FrameInput& input) {
 void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool save,
                                      std::size_t place) {
   using compute::Use;
+  const auto steps = solver->frame(input);   // all that takes memory comes before the first command
   compute::Recorder recorder(*device, commands, timestamps);
   constexpr Use kOwn = Use::compute | Use::transfer | Use::indirect;
   // Earlier frames, and the renderer that still reads them.
@@ -145,7 +143,6 @@ void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput&
     recorder.barrier(Use::transfer, kOwn);
   }
   if (save) copy_saved(commands, false);
-  const auto steps = solver->frame(input);
   if (!steps.empty()) {
     solver->record_input(recorder, input);   // writes nothing that is saved, and its barrier to the steps is that of the copies, too
     for (const Solver::Step& step : steps) solver->record_step(recorder, step);
@@ -176,7 +173,12 @@ Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<
     solver->set_phase(phase);
     return why;
   };
-  record_frame(slot.commands, input, timestamps, save, slot_of(value));
+  try {
+    record_frame(slot.commands, input, timestamps, save, slot_of(value));
+  } catch (...) {
+    (void)device->vk().vkEndCommandBuffer(slot.commands);   // one that is being recorded cannot be begun again
+    return give_up(caught("the frame"));
+  }
   if (const VkResult ended = device->vk().vkEndCommandBuffer(slot.commands); ended != VK_SUCCESS)
     return give_up(fail("a frame's command buffer could not be ended: ", compute::result_name(ended)));
   if (timestamps != nullptr) timestamps->reset();
@@ -197,7 +199,7 @@ Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<
 }
 
 // For devices without timestamps: every dispatch is submitted alone and timed on the CPU, waking and waiting included.
-Result<void> Simulation::State::run_pass_by_pass(const FrameInput& input, bool save) {
+Result<void> Simulation::State::run_pass_by_pass(const FrameInput& input, bool save) try {
   queue.cpu_times.clear();
   if (save)
     if (auto done = compute::run_once(*device, "weft saved frame", [&](VkCommandBuffer commands) { copy_saved(commands, false); }); !done)
@@ -222,6 +224,8 @@ Result<void> Simulation::State::run_pass_by_pass(const FrameInput& input, bool s
   }
   rollback.frame_is_torn = false;
   return {};
+} catch (...) {
+  return caught("the frame");
 }
 
 Result<Advance> Simulation::advance(double seconds) try {
@@ -270,7 +274,7 @@ bool Simulation::State::timed_on_cpu() const {
 
 bool Simulation::timed_on_cpu() const { return state_->timed_on_cpu(); }
 
-std::vector<DispatchTime> Simulation::dispatch_times() const {
+std::vector<DispatchTime> Simulation::dispatch_times() const try {
   if (timed_on_cpu()) return state_->queue.cpu_times;
   if (state_->queue.last_timed == nullptr) return {};
   auto times = state_->queue.last_timed->timestamps.read();
@@ -279,9 +283,11 @@ std::vector<DispatchTime> Simulation::dispatch_times() const {
   for (const compute::PassTime& time : *times)
     dispatches.push_back({state_->queue.last_timed->timestamps.names()[time.name], time.begin_ms, time.end_ms});
   return dispatches;
+} catch (const std::bad_alloc&) {
+  return {};
 }
 
-std::vector<PassTiming> Simulation::timings() const {
+std::vector<PassTiming> Simulation::timings() const try {
   std::vector<PassTiming> timings;
   for (const DispatchTime& time : dispatch_times()) {
     auto at = std::find_if(timings.begin(), timings.end(), [&](const PassTiming& t) { return t.name == time.name; });
@@ -290,6 +296,8 @@ std::vector<PassTiming> Simulation::timings() const {
     at->milliseconds += time.end_ms - time.begin_ms;
   }
   return timings;
+} catch (const std::bad_alloc&) {
+  return {};
 }
 
 double Simulation::gpu_milliseconds() const {

@@ -66,8 +66,10 @@ std::string label_of(const Part& part, const Needs& needs) {
   std::string label = part.pass->name;
   if (needs.has(EffectId::contact)) label += part.pass->with_contacts;
   if (part.pass->collides && needs.has(EffectId::collide)) label += "+collide";
-  for (std::size_t k = 0; k < kEffects; ++k)
-    if (needs.effects[k] && (EffectId(k) == EffectId::tether ? part.holds_tethers : part.finalizes)) label += all_effects()[k]->part_of_finalize;
+  for (std::size_t k = 0; k < kEffects; ++k) {
+    const bool is_part = EffectId(k) == EffectId::tether ? part.holds_tethers : part.finalizes;
+    if (needs.effects[k] && is_part) label += all_effects()[k]->part_of_finalize;
+  }
   if (part.finalizes && !needs.has(EffectId::contact) && !is_own_finalizer(*part.pass)) label += "+finalize";
   return label;
 }

@@ -209,9 +209,11 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
     const compute::Buffer& buffer = solver->buffer(*row);
     uploads.push_back({&buffer, *find(snapshot, buffer.name)});
   }
+  std::vector<gpu::Anchor> targets = anchors_of(snapshot);
   if (auto done = compute::upload_all(*device, uploads); !done) return done;
 
-  kinematic.targets = anchors_of(snapshot);
+  // From here on nothing asks for memory, up to the surface.
+  kinematic.targets = std::move(targets);
   kinematic.are_dirty = true;
   // What the frame has reported at its end.
   std::memcpy(&heard.counters, find(snapshot, "counters")->data(), sizeof heard.counters);

@@ -23,7 +23,10 @@ Simulation::Simulation(std::unique_ptr<State> state) : state_(std::move(state)) 
 Simulation::~Simulation() {
   // Frames that Weft submitted must be done before their buffers go; a host that recorded frames waits for them itself.
   if (!state_ || state_->queue.submitted == 0) return;
-  (void)state_->wait();
+  try {
+    (void)state_->wait();
+  } catch (const std::bad_alloc&) {   // it failed, and there is no memory to say so
+  }
   state_->device->wait_idle();   // the software driver (Mesa 22.3) looks at semaphores for a moment after they are signalled
 }
 
@@ -149,6 +152,8 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
     if (scene.colliders[k].shape != ColliderShape::mesh) state->bodies.order.push_back(k);
   std::stable_sort(state->bodies.order.begin(), state->bodies.order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return scene.colliders[a].shape < scene.colliders[b].shape; });
+  state->bodies.colliders.reserve(state->bodies.order.size());   // a frame that has begun to move them needs no memory
+  state->bodies.in_world.reserve(colliders);
   std::unique_ptr<Simulation> simulation(new Simulation(std::move(state)));
   // The surface is drawable before the first frame.
   if (auto drawn = simulation->state_->draw_surface(); !drawn) return drawn.take_error();
@@ -232,8 +237,10 @@ Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPo
   if (const ColliderMesh* mesh = state_->mesh_of(collider)) {
     auto positions = read_positions();
     if (!positions) return positions.take_error();
-    const std::vector<Vec3> points = collider_points(state_->fabric, *mesh, there->centre, there->rotation);
-    for (std::size_t k = 0; k < points.size(); ++k) (*positions)[mesh->first_particle + k] = {points[k].x, points[k].y, points[k].z, 0};
+    for (std::uint32_t k = 0; k < mesh->particles; ++k) {
+      const Vec3 at = collider_point(state_->fabric, *mesh, k, there->centre, there->rotation);
+      (*positions)[mesh->first_particle + k] = {at.x, at.y, at.z, 0};
+    }
     // put() makes written positions the targets, too. Anchors that cloth holds back must keep theirs.
     const std::vector<gpu::Anchor> before = state_->kinematic.targets;
     if (auto done = state_->put(*positions); !done) return done;
@@ -249,10 +256,12 @@ Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPo
   return caught("the collider");
 }
 
-Result<void> Simulation::set_gravity(Vec3 gravity) {
+Result<void> Simulation::set_gravity(Vec3 gravity) try {
   if (!is_finite(gravity)) return fail("the gravity is not finite, or ", kTooLarge, " m/s^2 or more");
   state_->gravity = gravity;
   return {};
+} catch (...) {
+  return caught("the gravity");
 }
 
 VkSemaphore Simulation::ready_semaphore() const { return state_->queue.ready.get(); }
@@ -280,7 +289,7 @@ double Simulation::State::dispatches_of(double substeps) const {
   return sum;
 }
 
-std::vector<PassUse> Simulation::passes() const {
+std::vector<PassUse> Simulation::passes() const try {
   const State& s = *state_;
   // More than the scene's where springs need shorter ones.
   const auto substeps = static_cast<std::uint32_t>(std::lround(1 / (s.scene.solver.rate * s.fabric.h)));
@@ -292,12 +301,16 @@ std::vector<PassUse> Simulation::passes() const {
     uses.push_back({planned.label, runs * static_cast<std::uint32_t>(s.solver->rounds(k))});
   }
   return uses;
+} catch (const std::bad_alloc&) {
+  return {};
 }
 
-std::vector<BufferUse> Simulation::buffers() const {
+std::vector<BufferUse> Simulation::buffers() const try {
   std::vector<BufferUse> uses;
   for (const compute::Buffer* buffer : state_->solver->buffers()) uses.push_back({buffer->name, buffer->bytes});
   return uses;
+} catch (const std::bad_alloc&) {
+  return {};
 }
 
 Counts Simulation::counts() const {

@@ -194,7 +194,7 @@ Result<void> save_snapshot(const std::filesystem::path& file, const Snapshot& sn
 }
 
 Result<Snapshot> load_snapshot(const std::filesystem::path& file) try {
-  const auto refused = [&](const std::string& why) { return fail(file.string(), ": ", why); };
+  const auto refused = [&](const auto& why) { return fail(file.string(), ": ", why); };
   std::error_code code;
   const std::uintmax_t size = std::filesystem::file_size(file, code);
   if (code) return refused("cannot be read: " + code.message());
@@ -205,12 +205,12 @@ Result<Snapshot> load_snapshot(const std::filesystem::path& file) try {
     return stream && static_cast<std::size_t>(stream.gcount()) == bytes.size() - from;
   };
   if (!read(0)) return refused("cannot be read");
-  if (auto good = check_head(bytes, size); !good) return refused(good.error());
+  if (auto good = check_head(bytes, size); !good) return refused(good.why());
   const std::size_t head = bytes.size();
   bytes.resize(static_cast<std::size_t>(size));
   if (!read(head)) return refused("cannot be read");
   auto snapshot = parse_snapshot(bytes);
-  if (!snapshot) return refused(snapshot.error());
+  if (!snapshot) return refused(snapshot.why());
   return snapshot;
 } catch (...) {
   return caught("the snapshot");

@@ -8,6 +8,7 @@
 #include "engine/effects/collide/collide.h"
 #include "engine/effects/contact/contact.h"
 #include "engine/effects/motion/motion.h"
+#include "engine/solve/sizes.h"
 
 namespace weft {
 namespace {
@@ -80,6 +81,8 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   auto plan = make_plan(needs_of(subject, solver.workgroup_, !options.gather_storage), device.specializer());
   if (!plan) return plan.take_error();
   solver.plan_ = std::move(*plan);
+  const SizeLimits limits{device.limits().max_storage_buffer_bytes, device.limits().max_workgroups_x, solver.workgroup_};
+  if (std::string fault = beyond(limits, device.name(), solver.plan_, subject); !fault.empty()) return Error{std::move(fault)};
   if (auto made = solver.create_buffers(subject); !made) return made.take_error();
   if (auto made = solver.create_runs(subject, cache); !made) return made.take_error();
   solver.motion_.origin = {options.origin.x, options.origin.y, options.origin.z};
@@ -127,11 +130,11 @@ Result<void> Solver::create_buffers(const Cooked& subject) {
     if (slice->name == "motion") std::memcpy(&motion_, first.bytes().data(), sizeof motion_);
   }
   auto arena = create_arena(false);
-  if (!arena) return arena.take_error();
+  if (!arena) return fail(cause_of_size(false, subject), ": ", arena.why());
   arena_ = std::move(*arena);
   if (counts[1] > 0) {
     auto growing = create_arena(true);
-    if (!growing) return growing.take_error();
+    if (!growing) return fail(cause_of_size(true, subject), ": ", growing.why());
     growing_arena_ = std::move(*growing);
   }
   std::vector<std::vector<std::byte>> made;   // until they are uploaded
@@ -150,10 +153,6 @@ Result<void> Solver::create_runs(const Cooked& subject, const compute::PipelineC
     Run run;
     run.ranges = ranges_of(*planned.pass, subject);
     if (planned.pass->threads.groups != nullptr) run.groups = static_cast<std::uint32_t>(planned.pass->threads.groups(subject));
-    for (const Range& range : run.ranges)
-      if ((std::uint64_t(range.count) + workgroup_ - 1) / workgroup_ > device_->limits().max_workgroups_x)
-        return fail("pass ", planned.label, ": ", range.count, " threads need more workgroups than the device's ",
-                    device_->limits().max_workgroups_x);
     for (const std::uint32_t parity : {0u, 1u}) run.touches[parity] = touches_of(planned, parity);
     if (auto made = create_pipeline(planned, cache, run); !made) return made;
     runs_.push_back(std::move(run));
@@ -226,12 +225,20 @@ Result<void> Solver::grow(std::uint32_t candidates) {
     contacts_.capacity = capacity;
     set_uniforms("contact_settings", contacts_);
   };
+  // As errors: after an exception the capacity would stay.
+  const auto made_by = [](auto make) -> decltype(make()) {
+    try {
+      return make();
+    } catch (...) {
+      return caught("contact candidates");
+    }
+  };
   const std::uint32_t before = contacts_.capacity;
   set_capacity(candidates);
-  auto arena = create_arena(true);
+  auto arena = made_by([&] { return create_arena(true); });
   if (arena) {
     std::swap(growing_arena_, *arena);
-    auto sets = write_sets();
+    auto sets = made_by([&] { return write_sets(); });
     if (sets) {
       sets_ = std::move(*sets);
       return {};
@@ -246,6 +253,18 @@ Result<void> Solver::grow(std::uint32_t candidates) {
 std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
   steps_.clear();
   if (input.substeps == 0) return {};
+  const std::uint32_t parity = parity_, phase = phase_;
+  try {
+    list_frame(input);
+  } catch (...) {   // no memory for the steps: as if it had not been asked for
+    parity_ = parity;
+    phase_ = phase;
+    throw;
+  }
+  return steps_;
+}
+
+void Solver::list_frame(const FrameInput& input) {
   gpu::Push push{};
   walk_frame(shape_, input.substeps, [&](const Moment& moment) {
     const std::uint32_t substep_flags = moment.substep + 1 == input.substeps ? WEFT_LAST_SUBSTEP : 0;
@@ -270,7 +289,6 @@ std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
     list(moment.stage, input, push);
     if (moment.stage == Stage::detect) phase_ = (phase_ + 1) % 3;
   });
-  return steps_;
 }
 
 std::span<const Solver::Step> Solver::surface() {

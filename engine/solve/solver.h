@@ -101,6 +101,7 @@ class Solver {
   Result<void> create_runs(const Cooked& subject, const compute::PipelineCache& cache);
   Result<void> create_pipeline(const PlannedPass& planned, const compute::PipelineCache& cache, Run& run) const;
   Result<std::vector<Sets>> write_sets() const;
+  void list_frame(const FrameInput& input);
   void list(Stage stage, const FrameInput& input, const gpu::Push& push);
   /// From the next recorded frame on. `value` is the struct of the slice.
   template <class T>

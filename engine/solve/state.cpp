@@ -48,9 +48,9 @@ void Simulation::State::hear(std::uint64_t frame) {
 // which that is.
 Report Simulation::State::newest_report() const {
   if (has_recorded) return reported(place_of_recorded());
-  for (std::uint64_t frame = queue.submitted; frame > queue.heard; --frame)
-    if (compute::wait_for(*device, queue.ready.get(), frame, 0)) return reported(slot_of(frame));
-  return heard;
+  std::uint64_t done = 0;
+  if (device->heard(device->vk().vkGetSemaphoreCounterValue(device->handle(), queue.ready.get(), &done)) != VK_SUCCESS) return heard;
+  return done > queue.heard ? reported(slot_of(done)) : heard;
 }
 
 // The surface of the pose at hand, outside a frame.

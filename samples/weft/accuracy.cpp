@@ -219,7 +219,7 @@ void print_budget(const Curve& curve, bool tethers, double budget) {
 }  // namespace
 
 Exit accuracy(const AccuracyOptions& options) {
-  Result<Scene> scene = load_subject(options.file, options.assignments);
+  Result<Scene> scene = load_subject(options.file, options.assignments, options.buffer_files);
   if (!scene) {
     complain(scene.error());
     return kBadInput;

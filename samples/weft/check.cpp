@@ -3,6 +3,7 @@
 
 #include "engine/fabric.h"
 #include "engine/figures.h"
+#include "engine/solve/sizes.h"
 #include "samples/weft/commands.h"
 #include "samples/weft/console.h"
 #include "samples/weft/subject.h"
@@ -11,8 +12,17 @@ namespace weft::command {
 
 namespace {
 
-Exit check_scene(const std::filesystem::path& file) {
-  const Result<Scene> scene = load_subject(file, {});
+// What is too large for some devices; which one a run will have is not known here.
+std::string size_note(const Scene& scene, const CookedFabric& fabric) {
+  const Cooked subject = cooked_of(scene, fabric);
+  const SizeLimits anywhere;
+  compute::Specializer specializer;
+  const auto plan = make_plan(needs_of(subject, anywhere.workgroup, true), specializer);
+  return plan ? beyond(anywhere, "a device with no more than Vulkan asks for", *plan, subject) : plan.error();
+}
+
+Exit check_scene(const std::filesystem::path& file, BufferFiles buffer_files) {
+  const Result<Scene> scene = load_subject(file, {}, buffer_files);
   if (!scene) {
     complain(scene.error());
     return kBadInput;
@@ -38,13 +48,14 @@ Exit check_scene(const std::filesystem::path& file) {
   }
   for (const std::string& note : fabric->notes) std::printf("note: %s\n", note.c_str());
   if (const std::string note = crossing_note(*scene, *fabric); !note.empty()) std::printf("note: %s\n", note.c_str());
+  if (const std::string note = size_note(*scene, *fabric); !note.empty()) std::printf("note: %s\n", note.c_str());
   std::printf("%s: nothing is wrong: %s, %zu colliders\n", file.string().c_str(), summary_of(*scene, *fabric).c_str(),
               scene->colliders.size());
   return kDone;
 }
 
-Exit check_mesh(const std::filesystem::path& file) {
-  const Result<Mesh> mesh = load_mesh(file);
+Exit check_mesh(const std::filesystem::path& file, BufferFiles buffer_files) {
+  const Result<Mesh> mesh = load_mesh(file, buffer_files);
   if (!mesh) {
     complain(mesh.error());
     return kBadInput;
@@ -61,6 +72,8 @@ Exit check_mesh(const std::filesystem::path& file) {
 
 }  // namespace
 
-Exit check(const std::filesystem::path& file) { return is_mesh(file) ? check_mesh(file) : check_scene(file); }
+Exit check(const std::filesystem::path& file, BufferFiles buffer_files) {
+  return is_mesh(file) ? check_mesh(file, buffer_files) : check_scene(file, buffer_files);
+}
 
 }  // namespace weft::command

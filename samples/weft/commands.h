@@ -32,6 +32,7 @@ struct RunOptions {
   std::uint32_t checkpoint = 0; // frames between snapshots that the run can go on from; 0: none
   bool fresh = false;           // do not go on with what is in `out`
   std::string device;           // as compute::DeviceChoice::name
+  BufferFiles buffer_files = BufferFiles::below_its_folder;
   std::vector<Assignment> assignments;
 };
 Exit run(const RunOptions& options);
@@ -42,6 +43,7 @@ struct TimeOptions {
   std::uint32_t frames = 120;
   std::uint32_t warm_up = 30;
   std::string device;
+  BufferFiles buffer_files = BufferFiles::below_its_folder;
   std::vector<Assignment> assignments;
 };
 Exit time(const TimeOptions& options);
@@ -56,6 +58,7 @@ struct AccuracyOptions {
   bool fresh = false;           // do not go on with what is in `out`
   bool save = false;            // save the curve for scenes whose solver is "auto"
   std::string device;
+  BufferFiles buffer_files = BufferFiles::below_its_folder;
   std::vector<Assignment> assignments;
 };
 Exit accuracy(const AccuracyOptions& options);
@@ -86,11 +89,12 @@ struct HardenOptions {
   std::string only;             // of the hard cases those whose name has this part
   std::filesystem::path readme; // whose table of hard cases is replaced; empty: none
   std::string device;
+  BufferFiles buffer_files = BufferFiles::below_its_folder;
   std::vector<Assignment> assignments;
 };
 Exit harden(const HardenOptions& options);
 
 Exit info();
-Exit check(const std::filesystem::path& file);
+Exit check(const std::filesystem::path& file, BufferFiles buffer_files);
 
 }  // namespace weft::command

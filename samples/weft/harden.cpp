@@ -129,7 +129,7 @@ Result<std::vector<Input>> check_suite(const HardenOptions& options) {
 // What a scene, or the hard cases, read.
 Result<std::vector<Input>> find_inputs(const HardenOptions& options, bool suite, Scene& scene) {
   if (suite) return check_suite(options);
-  auto loaded = load_subject(options.file, options.assignments);
+  auto loaded = load_subject(options.file, options.assignments, options.buffer_files);
   if (!loaded) return loaded.take_error();
   scene = std::move(*loaded);
   return inputs_of(options.file, scene);

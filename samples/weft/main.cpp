@@ -43,6 +43,10 @@ void add_set(CLI::App& command, std::vector<std::string>& texts) {
       ->allow_extra_args(false);
 }
 
+void add_outside(CLI::App& command, bool& allow_outside) {
+  command.add_flag("--allow-outside", allow_outside, "Read a glTF's buffers wherever it says they are, not only below its own folder");
+}
+
 // A command or an option that is not there, with the nearest that is; empty where something else is wrong.
 std::string mistyped(const CLI::App& app) {
   const auto chosen = app.get_subcommands();
@@ -68,6 +72,7 @@ Exit obey(int count, char** arguments) {
   app.set_version_flag("--version", "weft 0.1.0");
   std::vector<std::string> sets;
   std::string file;
+  bool allow_outside = false;
 
   constexpr unsigned kMostFrames = 1'000'000;
   RunOptions run_options;
@@ -79,6 +84,7 @@ Exit obey(int count, char** arguments) {
   frames_option->check(CLI::Range(0u, kMostFrames));
   run_command->add_option("--out", run_options.out, "Where files go")->type_name("DIR")->capture_default_str();
   add_set(*run_command, sets);
+  add_outside(*run_command, allow_outside);
   CLI::Option* every_option = run_command->add_option("--every", run_options.every, "Draw every K-th frame too, as frame_0000.png");
   every_option->type_name("K")->check(CLI::Range(1u, kMostFrames));
   run_command->add_flag("--no-picture", no_picture, "Draw nothing: needs no graphics queue")->excludes(every_option);
@@ -101,6 +107,7 @@ Exit obey(int count, char** arguments) {
       ->capture_default_str();
   time_command->add_option("--out", time_options.out, "Where files go")->type_name("DIR")->capture_default_str();
   add_set(*time_command, sets);
+  add_outside(*time_command, allow_outside);
   time_command->add_option("--device", time_options.device, "Index or part of the name; weft info lists them");
 
   ContactOptions contact_options;
@@ -137,6 +144,7 @@ Exit obey(int count, char** arguments) {
       ->type_name("DIR")
       ->capture_default_str();
   add_set(*accuracy_command, sets);
+  add_outside(*accuracy_command, allow_outside);
   accuracy_command->add_option("--device", accuracy_options.device, "Index or part of the name; weft info lists them");
 
   ImplicitOptions implicit_options;
@@ -171,11 +179,13 @@ Exit obey(int count, char** arguments) {
       ->type_name("DIR")
       ->capture_default_str();
   add_set(*harden_command, sets);
+  add_outside(*harden_command, allow_outside);
   harden_command->add_option("--device", harden_options.device, "Index or part of the name; weft info lists them");
 
   CLI::App* info_command = app.add_subcommand("info", "List Vulkan devices and what they support");
   CLI::App* check_command = app.add_subcommand("check", "Name everything that is wrong with a scene or a mesh");
   check_command->add_option("file", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ)")->required()->type_name("FILE");
+  add_outside(*check_command, allow_outside);
 
   try {
     app.parse(count, arguments);
@@ -191,11 +201,13 @@ Exit obey(int count, char** arguments) {
     complain(fault);
     return kBadInput;
   }
+  const BufferFiles buffer_files = allow_outside ? BufferFiles::anywhere : BufferFiles::below_its_folder;
   if (*info_command) return info();
   if (*implicit_command) return implicit(implicit_options);
-  if (*check_command) return check(file);
+  if (*check_command) return check(file, buffer_files);
   if (*time_command) {
     time_options.file = file;
+    time_options.buffer_files = buffer_files;
     time_options.assignments = std::move(assignments);
     return time(time_options);
   }
@@ -206,6 +218,7 @@ Exit obey(int count, char** arguments) {
   }
   if (*harden_command) {
     harden_options.file = file;
+    harden_options.buffer_files = buffer_files;
     harden_options.assignments = std::move(assignments);
     harden_options.band = band / 100;
     if (*harden_frames_option) harden_options.frames = harden_frames;
@@ -213,6 +226,7 @@ Exit obey(int count, char** arguments) {
   }
   if (*accuracy_command) {
     accuracy_options.file = file;
+    accuracy_options.buffer_files = buffer_files;
     accuracy_options.assignments = std::move(assignments);
     if (*accuracy_frames_option) accuracy_options.frames = accuracy_frames;
     if (*reference_option) accuracy_options.reference_cells = reference_cells;
@@ -226,6 +240,7 @@ Exit obey(int count, char** arguments) {
     return accuracy(accuracy_options);
   }
   run_options.file = file;
+  run_options.buffer_files = buffer_files;
   run_options.assignments = std::move(assignments);
   run_options.picture = !no_picture;
   if (*frames_option) run_options.frames = frames;

@@ -267,7 +267,7 @@ Exit time_passes(const Scene& scene, const RunOptions& options, const RunState& 
 }  // namespace
 
 Exit run(const RunOptions& options) {
-  Result<Scene> scene = load_subject(options.file, options.assignments);
+  Result<Scene> scene = load_subject(options.file, options.assignments, options.buffer_files);
   if (!scene) {
     complain(scene.error());
     return kBadInput;

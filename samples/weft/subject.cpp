@@ -23,9 +23,11 @@ bool is_mesh(const std::filesystem::path& file) {
   return std::ranges::find(kMeshes, ending) != std::end(kMeshes);
 }
 
-Result<Scene> load_subject(const std::filesystem::path& file, std::span<const Assignment> assignments) {
+namespace {
+
+Result<Scene> load_any(const std::filesystem::path& file, std::span<const Assignment> assignments, BufferFiles buffer_files) {
   if (!is_mesh(file)) return load_scene(file, assignments);
-  Result<Mesh> mesh = load_mesh(file);
+  Result<Mesh> mesh = load_mesh(file, buffer_files);
   if (!mesh) return mesh.take_error();
   Vec3 low = mesh->points.front(), high = low;
   for (const Vec3& p : mesh->points) {
@@ -35,6 +37,14 @@ Result<Scene> load_subject(const std::filesystem::path& file, std::span<const As
   const Scene scene = default_scene(file, low, high);
   if (assignments.empty()) return scene;
   return parse_scene(scene_text(scene), scene.folder, assignments);
+}
+
+}  // namespace
+
+Result<Scene> load_subject(const std::filesystem::path& file, std::span<const Assignment> assignments, BufferFiles buffer_files) {
+  Result<Scene> scene = load_any(file, assignments, buffer_files);
+  if (scene) scene->buffer_files = buffer_files;
+  return scene;
 }
 
 std::vector<std::pair<std::string, std::string>> maps_of(const Appearance& looks) {
@@ -50,13 +60,14 @@ std::vector<std::string> file_faults(const Scene& scene) {
     const Cloth& cloth = scene.cloths[i];
     const std::string path = "cloths[" + std::to_string(i) + "].";
     if (!cloth.mesh.empty())
-      if (const Result<Mesh> mesh = load_mesh(scene.folder / cloth.mesh); !mesh) faults.push_back(path + "mesh: " + mesh.error());
+      if (const Result<Mesh> mesh = load_mesh(scene.folder / cloth.mesh, scene.buffer_files); !mesh)
+        faults.push_back(path + "mesh: " + mesh.error());
     for (const auto& [key, map] : maps_of(cloth.appearance))
       if (const Result<Image> image = read_image(scene.folder / map); !image)
         faults.push_back(path + "appearance." + key + ": " + image.error());
   }
   for (const std::uint32_t i : mesh_colliders(scene))
-    if (const Result<Mesh> mesh = load_mesh(scene.folder / scene.colliders[i].mesh); !mesh)
+    if (const Result<Mesh> mesh = load_mesh(scene.folder / scene.colliders[i].mesh, scene.buffer_files); !mesh)
       faults.push_back("colliders[" + std::to_string(i) + "].mesh: " + mesh.error());
   return faults;
 }

@@ -19,7 +19,8 @@ namespace weft::command {
 bool is_mesh(const std::filesystem::path& file);
 
 /// Loads a scene, or the default scene of a mesh, and applies assignments. Every error is the input's.
-Result<Scene> load_subject(const std::filesystem::path& file, std::span<const Assignment> assignments);
+Result<Scene> load_subject(const std::filesystem::path& file, std::span<const Assignment> assignments,
+                           BufferFiles buffer_files = BufferFiles::below_its_folder);
 
 /// The keys of an appearance that name a texture, and the textures.
 std::vector<std::pair<std::string, std::string>> maps_of(const Appearance& looks);

@@ -67,7 +67,7 @@ void print_frame(const Figures& figures, const Spread& frame, double create_seco
 }  // namespace
 
 Exit time(const TimeOptions& options) {
-  const Result<Scene> scene = load_subject(options.file, options.assignments);
+  const Result<Scene> scene = load_subject(options.file, options.assignments, options.buffer_files);
   if (!scene) {
     complain(scene.error());
     return kBadInput;

@@ -35,8 +35,8 @@ float support_of(Body body, vec3 n) {
 vec3 direction_to(Body body, vec3 p) {
   const vec3 d = from_axis(body, p), q = abs(p) - body.half_size;
   const float len = length(d), most = max(q.x, max(q.y, q.z));
-  const vec3 across = (most == q.y ? vec3(0, 1, 0) : most == q.x ? vec3(1, 0, 0) : vec3(0, 0, 1)) * vec3(p.x < 0 ? -1 : 1, p.y < 0 ? -1 : 1, p.z < 0 ? -1 : 1);
-  return body.radius == 0 ? across : len > 1e-9 ? d / len : vec3(1, 0, 0);
+  const vec3 axis = most == q.y ? vec3(0, 1, 0) : most == q.x ? vec3(1, 0, 0) : vec3(0, 0, 1);
+  return body.radius == 0 ? (dot(axis, p) < 0 ? -axis : axis) : len > 1e-9 ? d / len : vec3(1, 0, 0);
 }
 
 // Of a point outside (m); of one inside a box at most 0.

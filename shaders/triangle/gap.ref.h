@@ -136,7 +136,8 @@ inline std::vector<Asked> ask_triangles(std::span<const Body> bodies, std::span<
         const std::uint32_t i = t[static_cast<std::size_t>(k)];
         const double depth = missing * way.gap.weights[k] / way.gap.weights.squaredNorm();
         if (inverse_masses[i] == 0 || depth <= 0) continue;
-        const Vector motion = p[i] - body.centre_after - body.rotation_after * body.rotation_before.conjugate() * (x[i] - body.centre_before);
+        const Vector carried = body.rotation_after * body.rotation_before.conjugate() * (x[i] - body.centre_before);
+        const Vector motion = p[i] - body.centre_after - carried;
         const Vector slip = motion - motion.dot(normal) * normal;
         const double weight = std::ceil(1024 * std::min(depth * depth / (0.02 * 0.02), 1.0));
         sums[i].out_of += weight * depth * normal;

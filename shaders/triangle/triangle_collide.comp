@@ -1,11 +1,11 @@
 // triangle_collide: keeps triangles out of spheres, capsules and boxes, so that nothing shows through between vertices and no edge hooks
 // on a box's. (A plane that no vertex passes no triangle passes.) Vertices are kept out after it, where the iteration ends (collide.glsl).
 //
-// A thread is a triangle that triangle_search has listed. One that is nearer to a body than its separation is put out along the gap's normal
-// n by its nearest point, c = sum b_j p_j: C = n . c - size >= 0 has the gradients b_j n, so corner j moves by b_j / (sum b^2) of what is
-// missing (Mueller et al. 2007; as for equal masses, so that an anchor beside it does not fling a particle away). finalize.glsl moves a
-// particle to the mean over its triangles, weighted by the square of how far each moves it: plain means left edges 2 mm deep in a box, where one triangle of six
-// carries the load. The sums are integers, so that the order of threads does not matter.
+// A thread is a triangle that triangle_search has listed. One that is nearer to a body than its separation is put out along the normal n
+// of its gap by its nearest point, c = sum b_j p_j: C = n . c - size >= 0 has the gradients b_j n, so corner j moves by b_j / (sum b^2) of
+// what is missing (Mueller et al. 2007; as for equal masses, so that an anchor beside it does not fling a particle away). finalize.glsl
+// moves a particle to the mean over its triangles, weighted by the square of how far each moves it: with plain means, where one triangle
+// of six carries the load, edges stayed 1 mm deep in a box. The sums are integers, so that the order of threads does not matter.
 //
 // The way out is the shortest, unless it leads to the other side of the body than where the triangle was when the substep began: then the
 // triangle goes back there, so that a fast body does not pass between vertices. A triangle with an anchor inside the body cannot be put
@@ -26,8 +26,8 @@ READ_WRITE(ivec4, collision_sums)
 #include "triangle/bodies.glsl"
 #include "triangle/gap.glsl"
 
-// Of what a gap is short when a substep begins, so much is made up for in it. All at once would turn it into speed, and cloth that lies over
-// an edge shiver at 4 cm/s.
+// Of what a gap is short when a substep begins, so much is made up for in it. All at once it would turn into speed, and cloth that lies
+// over an edge would shiver, at 4 cm/s.
 const float kRecovered = 0.5;
 
 // Where the triangle is (b), seen from the side on which it was (a), and the gap that is wanted.
@@ -57,7 +57,8 @@ void correct(Body body, uint particle, vec3 a, vec3 b, vec3 normal, float missin
   const vec3 motion = b - a, slip = motion - dot(motion, normal) * normal;
   const float len = length(slip);
   add(2 * particle, depth * rotate(body.pose.rotation_to, normal), weight / WEFT_WHOLE_WEIGHT);
-  if (len > 1e-12) add(2 * particle + 1, -min(1, body.friction * depth / len) * rotate(body.pose.rotation_to, slip), weight / WEFT_WHOLE_WEIGHT);
+  const vec3 rubbed = -min(1, body.friction * depth / max(len, 1e-12)) * slip;
+  add(2 * particle + 1, rotate(body.pose.rotation_to, rubbed), weight / WEFT_WHOLE_WEIGHT);
   atomicAdd(collision_sums[2 * particle].w, int(weight));
 }
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "compute/functions.h"
+#include "tests/support/elsewhere.h"
 
 namespace weft::faulty {
 
@@ -119,6 +120,7 @@ inline bool fails(Call call) {
 template <Call kCall, class R, class... A>
 VKAPI_ATTR R VKAPI_CALL Through<kCall, R(VKAPI_PTR*)(A...)>::call(A... arguments) {
   constexpr std::string_view kind = kind_of(kCall);
+  const test::Elsewhere elsewhere;
   const auto count = [&](long by) {
     const std::lock_guard lock(faults.mutex);
     faults.alive[kind] += by;

@@ -87,6 +87,11 @@ TEST(MeshFaults, a_buffer_outside_the_file_s_folder_is_not_read) {
         std::string("link.bin"), std::string("up/mesh.bin"), (folder / "mesh.bin").string(), std::string("/etc/passwd"),
         std::string("../../../../../../../../etc/passwd"), std::string("../no_such_file"), std::string("link.bin%00/../sub/mesh.bin")})
     expect_says(refusal(named(uri)), "lies outside the folder of the glTF");
+  for (const std::string& uri : {std::string("../mesh.bin"), std::string("link.bin"), (folder / "mesh.bin").string()}) {
+    const Result<Mesh> mesh = load_mesh(named(uri), BufferFiles::anywhere);
+    EXPECT_TRUE(mesh) << mesh.error();
+  }
+  EXPECT_FALSE(load_mesh(named("../no_such_file"), BufferFiles::anywhere));
   for (const char* uri : {"sub/mesh.bin", "sub/../sub/mesh.bin", "%73ub/mesh.bin", "near.bin"}) {
     const std::filesystem::path file = named(uri);
     for (const std::filesystem::path& path : {file, folder / "alias/mesh.gltf", folder / "own/sub/../mesh.gltf"}) {

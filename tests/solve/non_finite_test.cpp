@@ -21,7 +21,7 @@ using NonFinite = GpuTest;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
 bool same_bits(const gpu::vec4& a, const gpu::vec4& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
-void expect_same(const Simulation& a, const Simulation& b) {
+void expect_same_everywhere(const Simulation& a, const Simulation& b) {
   const auto x = must(a.read_positions()), y = must(b.read_positions()), u = must(a.read_velocities()), v = must(b.read_velocities());
   for (std::size_t i = 0; i < x.size(); ++i) ASSERT_TRUE(same_bits(x[i], y[i]) && same_bits(u[i], v[i])) << "particle " << i;
 }
@@ -47,9 +47,9 @@ TEST_F(NonFinite, positions_and_velocities_that_a_host_writes_are_sanitized_and_
     velocities[30].x = kNan;
     must(bad->write_velocities(velocities));
     EXPECT_EQ(bad->counts().non_finite, 5u);
-    expect_same(*good, *bad);
+    expect_same_everywhere(*good, *bad);
     for (Simulation* simulation : {good.get(), bad.get()}) run(*simulation, 4 * kFrame);
-    expect_same(*good, *bad);
+    expect_same_everywhere(*good, *bad);
     EXPECT_EQ(bad->counts().non_finite, 5u) << "and it is over";
     EXPECT_EQ(good->counts().non_finite, 0u);
   }
@@ -168,7 +168,7 @@ TEST_F(NonFinite, targets_poses_gravity_and_scenes_are_refused_with_a_sentence_a
   }
   const auto untouched = must(Simulation::create(device(), moving(6)));
   for (Simulation* s : {simulation.get(), untouched.get()}) run(*s, 4 * kFrame);
-  expect_same(*simulation, *untouched);
+  expect_same_everywhere(*simulation, *untouched);
 
   Scene scene = moving(6);
   scene.gravity.y = kNan;

@@ -16,7 +16,7 @@ namespace {
 using SimulationApi = GpuTest;
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNotANumber = std::numeric_limits<float>::quiet_NaN();
 
 // Every effect at once: anchors with keys, bending, tethers, a moving sphere and a floor.
 Scene everything() {
@@ -180,7 +180,7 @@ TEST_F(SimulationApi, seconds_that_are_not_a_length_of_time_are_refused_and_chan
 
 TEST_F(SimulationApi, bad_input_is_refused_with_a_sentence_that_names_it) {
   const auto simulation = must(Simulation::create(device(), everything()));
-  const Vec3 good{0, 1, 0}, bad{0, kNan, 0};
+  const Vec3 good{0, 1, 0}, bad{0, kNotANumber, 0};
   const Vec3 targets[] = {good, good, good};
   expect_refused(simulation->move_anchors(0, targets), "beyond the simulation's 2");
   expect_refused(simulation->move_anchors(3, {}), "beyond");
@@ -195,7 +195,7 @@ TEST_F(SimulationApi, bad_input_is_refused_with_a_sentence_that_names_it) {
   expect_refused(simulation->move_collider(0, {good, bad}), "collider 0");
   expect_refused(simulation->move_collider(0, {good, {0, 0, 0}}), "normal");
   expect_refused(simulation->move_collider(1, {good, good, {0, 0, 0, 0}}), "rotation of collider 1");
-  expect_refused(simulation->move_collider(1, {good, good, {0, 0, kNan, 1}}), "not finite");
+  expect_refused(simulation->move_collider(1, {good, good, {0, 0, kNotANumber, 1}}), "not finite");
   expect_refused(simulation->set_gravity(bad), "gravity");
   const std::vector<gpu::vec4> too_few(3);
   expect_refused(simulation->write_positions(too_few), "3");
@@ -337,6 +337,15 @@ TEST_F(SimulationApi, views_name_a_vertex_per_render_vertex) {
   EXPECT_EQ(simulation->normals().count, simulation->positions().count);
   EXPECT_NE(simulation->positions().buffer, simulation->normals().buffer);
   EXPECT_EQ(simulation->positions().stride, 16u);
+}
+
+TEST_F(SimulationApi, a_capacity_that_the_device_has_no_room_for_is_refused_by_its_key_and_value) {
+  Scene scene = sheet(4);
+  scene.contacts.enabled = true;
+  scene.contacts.capacity = kMostCandidates;
+  const auto made = Simulation::create(device(), scene);
+  if (made) GTEST_SKIP() << "this device has room for that many";
+  EXPECT_TRUE(made.error().starts_with("contacts.capacity: 67108864 candidate pairs")) << made.error();
 }
 
 TEST_F(SimulationApi, a_scene_that_cannot_be_cooked_is_refused) {

@@ -62,8 +62,8 @@ constexpr Threads kNearEdges{buffers::near_edges.length, nullptr, {&buffers::det
 constexpr Threads kCandidates{lengths::candidates, nullptr, {&buffers::detection, offsetof(gpu::Detection, contacts)}, true};
 constexpr Threads kTouchedParticles{lengths::particles, nullptr, {&buffers::detection, offsetof(gpu::Detection, touched)}};
 constexpr Threads kContacts{lengths::candidates, nullptr, {&buffers::detection, offsetof(gpu::Detection, listed)}, true};
-constexpr Threads kUnsafeCandidates{lengths::candidates, nullptr, {&buffers::detection, offsetof(gpu::Detection, listed) + WEFT_UNSAFE * sizeof(gpu::Groups)},
-                                    true};
+constexpr Threads kUnsafeCandidates{lengths::candidates, nullptr,
+                                    {&buffers::detection, offsetof(gpu::Detection, listed) + WEFT_UNSAFE * sizeof(gpu::Groups)}, true};
 
 constexpr Pass kPasses[] = {
     {.name = "detect_arguments", .stage = Stage::detect, .threads = threads::once},

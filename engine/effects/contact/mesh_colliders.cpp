@@ -54,7 +54,8 @@ Result<void> add_collider_mesh(const Scene& scene, std::uint32_t collider, const
   fabric.materials.push_back({1, static_cast<float>(described.friction), thickness, 0});
   const Key key = pose_at(described.keys, 0);
   const Rotation rotation = rotation_about(key.axis, key.degrees) * rest_rotation(described);
-  for (const Vec3 x : collider_points(fabric, added, described.centre + key.translate, rotation)) {
+  for (std::uint32_t k = 0; k < added.particles; ++k) {
+    const Vec3 x = collider_point(fabric, added, k, described.centre + key.translate, rotation);
     fabric.positions.push_back({x.x, x.y, x.z, 0});
     fabric.velocities.push_back({0, 0, 0, material});
   }
@@ -65,13 +66,14 @@ Result<void> add_collider_mesh(const Scene& scene, std::uint32_t collider, const
 
 }  // namespace cooking
 
+Vec3 collider_point(const CookedFabric& fabric, const ColliderMesh& mesh, std::uint32_t k, Vec3 centre, const Rotation& rotation) {
+  const gpu::vec4& rest = fabric.rest[mesh.first_particle + k];
+  return centre + rotated(rotation, {rest.x, rest.y, rest.z});
+}
+
 std::vector<Vec3> collider_points(const CookedFabric& fabric, const ColliderMesh& mesh, Vec3 centre, const Rotation& rotation) {
-  std::vector<Vec3> points;
-  points.reserve(mesh.particles);
-  for (std::uint32_t k = 0; k < mesh.particles; ++k) {
-    const gpu::vec4& rest = fabric.rest[mesh.first_particle + k];
-    points.push_back(centre + rotated(rotation, {rest.x, rest.y, rest.z}));
-  }
+  std::vector<Vec3> points(mesh.particles);
+  for (std::uint32_t k = 0; k < mesh.particles; ++k) points[k] = collider_point(fabric, mesh, k, centre, rotation);
   return points;
 }
 

@@ -96,12 +96,12 @@ reference::Corners corners(const std::vector<gpu::vec4>& p, std::size_t triangle
   return {vector(p[3 * triangle]), vector(p[3 * triangle + 1]), vector(p[3 * triangle + 2])};
 }
 
-// Ways out that are as short, or just met and just missed: rounding decides. Half the tolerance after a stir of a sixteenth.
+// Ways out that are as short, or just met and just missed: rounding decides. The stir is longer than what the shader takes for a better axis.
 bool is_undecided(const reference::Body& body, const reference::Corners& x, double tolerance) {
   const reference::Gap undisturbed = reference::gap_of(body, x);
   for (std::size_t k = 0; k < 18; ++k) {
     reference::Corners stirred = x;
-    stirred[k / 6] += (k % 2 == 0 ? tolerance : -tolerance) / 16 * Vector::Unit(static_cast<int>(k / 2 % 3));
+    stirred[k / 6] += (k % 2 == 0 ? tolerance : -tolerance) / 4 * Vector::Unit(static_cast<int>(k / 2 % 3));
     const reference::Gap gap = reference::gap_of(body, stirred);
     if ((gap.normal - undisturbed.normal).norm() > 1e-3 || std::abs(gap.size - undisturbed.size) > tolerance / 2) return true;
   }
