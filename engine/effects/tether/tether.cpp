@@ -1,10 +1,10 @@
 // How long tethers are. A tether as long as the way along the unstretched cloth makes cloth stiffer than its moduli say: between two
 // corners at their full distance it holds the top edge straight, and the sheet hangs as a board. So each is longer by the strain that
-// the fabric's own stiffness lets its weight cause. A line of stiffness Y and weight q a length (both per width), held at both ends,
-// gives way until its tension carries its weight: q L^2 / (8 f) = Y e with the sag f and e = 8 f^2 / (3 L^2), which is
-//     e = (3 / 64)^(2/3) 8 / 3 (q L / Y)^(2/3).
-// Its power is taken and not its factor, 1/3, because a sheet that hangs by points is loaded unevenly. L is the cloth's longest tether;
-// Y is that of the tether's direction (links.cpp), so that tethers across the threads, where woven cloth shears, give way most.
+// the fabric's own weight causes. A line held at both ends at its full length, of stiffness Y and weight q a length (both per width),
+// sags until its tension carries its weight: q L^2 / (8 f) = Y e with the sag f, and e = 8 f^2 / (3 L^2). So
+//     e = (q L / Y)^(2/3) / (24^(1/3)).
+// L is the cloth's longest way to an anchor; Y is that of the tether's direction (engine/effects/stretch/links.cpp), so that
+// tethers askew to the threads, where woven cloth shears, give way most.
 #include "engine/effects/tether/tether.h"
 
 #include <algorithm>
@@ -18,15 +18,16 @@ namespace {
 
 constexpr const Buffer* kBuffers[] = {&buffers::tethers};
 
-constexpr double kMostStrain = 1;
+constexpr double kMostSlack = 1;
 
-// By its own weight, of a tether whose way is askew to the threads (AnchorDistance). A rigid fabric has none; springs in place of the
-// fabric say nothing of directions.
-double own_strain(const Cloth& cloth, double gravity, double longest, double askew) {
+// Of a tether whose way is askew to the threads (AnchorDistance). A rigid fabric has none; springs in place of the fabric say nothing
+// of directions.
+double slack(const Cloth& cloth, double gravity, double longest, double askew) {
+  if (cloth.tether_slack) return *cloth.tether_slack;
   if (cloth.springs) return 0;
   const Fabric& fabric = cloth.fabric;
   const double compliance = (1 - 2 * askew) / fabric.stretch + askew / fabric.shear;
-  return std::min(kMostStrain, std::pow(fabric.area_density * gravity * longest * compliance, 2.0 / 3));
+  return std::min(kMostSlack, std::pow(fabric.area_density * gravity * longest * compliance, 2.0 / 3) / std::cbrt(24));
 }
 
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
@@ -45,10 +46,9 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   for (std::uint32_t point = 0; point < reaches.size(); ++point) {
     if (fabric.positions[particle_of[point]].w == 0) continue;
     unreached += reaches[point].empty();
-    for (const auto& [anchor, distance, askew] : reaches[point]) {
-      const double slack = input.cloth.tether_slack + own_strain(input.cloth, gravity, longest, askew);
-      state.tethers[particle_of[point]].push_back({particle_of[points[anchor]], static_cast<float>(distance * (1 + slack))});
-    }
+    for (const auto& [anchor, distance, askew] : reaches[point])
+      state.tethers[particle_of[point]].push_back(
+          {particle_of[points[anchor]], static_cast<float>(distance * (1 + slack(input.cloth, gravity, longest, askew)))});
   }
   if (unreached > 0) state.note(input.cloth, unreached, " particles are connected to no anchor and have no tether");
   return {};
