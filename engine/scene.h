@@ -123,7 +123,9 @@ struct Cloth {
   BendRest bend_rest = BendRest::flat;   // mesh: methods jacobi and gauss_seidel only
   bool tethers = true;          // takes effect when there are anchors
   std::uint32_t tethers_per_vertex = 4;   // 1 ... 8
-  double tether_slack = 0;      // fraction of the geodesic distance, 0 ... 1
+  /// How much longer than the geodesic distance tethers are, as a fraction of it, 0 ... 1. None: by direction as much as the fabric
+  /// stretches under the cloth's weight, so that it may sag and fold between anchors; not at all where it is rigid or of springs.
+  std::optional<double> tether_slack;
   std::optional<Springs> springs;   // methods implicit, mass_spring and verlet only, in place of the fabric's links and bends
   std::vector<Anchor> anchors;
   Appearance appearance;

@@ -36,6 +36,9 @@ struct Stiffness {
   double stretch, shear;   // N/m; infinity is rigid
 };
 
+/// The direction of the warp (growing u) in a triangle's plane; zero where the UVs say nothing.
+Eigen::Vector3d warp(const Mesh& mesh, std::uint32_t triangle);
+
 /// Edges of the mesh, the second diagonal of every quad, and far links along straight lines of edges. Stiffness by
 /// direction: see engine/effects/stretch/links.cpp.
 std::vector<Spring> springs(const Mesh& mesh, const Stiffness& stiffness);
@@ -85,6 +88,7 @@ void lay_out_hinges(Averaging averaging, CookedFabric& fabric);
 struct AnchorDistance {
   std::uint32_t anchor;    // index into `anchors`
   double distance;         // m
+  double askew;            // cos^2 sin^2 of the angle between the way, where it arrives, and the warp: 0 along threads and without UVs
 };
 std::vector<std::vector<AnchorDistance>> nearest_anchors(const Mesh& mesh, std::span<const std::uint32_t> anchors, std::uint32_t count);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <random>
 
@@ -246,6 +247,28 @@ TEST(Fabric, tethers_are_as_long_as_the_way_plus_slack_and_anchors_have_none) {
       EXPECT_EQ(a.w, 0);
       EXPECT_NEAR(tether.max_distance, 1.1 * std::hypot(double(a.x) - p.x, double(a.y) - p.y), 1e-6);
     }
+}
+
+// By the strain of a line that carries the cloth's weight, (q L / Y)^(2/3) / 24^(1/3), as stiff as the fabric is in that direction. As long as the
+// way, tethers held a sheet between two corners as a board.
+TEST(Fabric, tethers_give_way_as_the_fabric_does_along_its_threads_and_across_them) {
+  const auto angle = [](const gpu::vec4& a, const gpu::vec4& p) { return std::atan2(double(p.y) - a.y, double(p.x) - a.x); };
+  for (const double turned : {0.0, 30.0}) {   // degrees: the threads turn with the cloth
+    Scene scene = hung(16);
+    scene.cloths[0].transform.axis = {0, 0, 1};
+    scene.cloths[0].transform.degrees = turned;
+    const CookedFabric fabric = cooked(scene);
+    ASSERT_EQ(fabric.tethers_per_particle, 2u);
+    for (std::uint32_t k = 0; k < fabric.tethers.size(); ++k) {
+      const gpu::Tether& tether = fabric.tethers[k];
+      if (tether.anchor == WEFT_NONE) continue;
+      const gpu::vec4 &a = fabric.positions[tether.anchor], &p = fabric.positions[k / 2];
+      const double across = std::sin(2 * (angle(a, p) - turned * std::numbers::pi / 180)), askew = across * across / 4;
+      const double longest = std::sqrt(2.0), compliance = (1 - 2 * askew) / 10e3 + askew / 45;   // m, m/N: cotton
+      const double strain = std::pow(0.12 * 9.81 * longest * compliance, 2.0 / 3) / std::cbrt(24);
+      EXPECT_NEAR(tether.max_distance, (1 + strain) * std::hypot(double(p.x) - a.x, double(p.y) - a.y), 2e-6) << turned << " " << k;
+    }
+  }
 }
 
 TEST(Fabric, lists_of_tethers_are_even_and_padded) {

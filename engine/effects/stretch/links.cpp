@@ -40,23 +40,9 @@ class Weave {
     return 0.5 * (point(b) - point(a)).cross(point(c) - point(a)).norm();
   }
 
-  // The direction of the warp (growing u) in the triangle's plane; zero where the UVs say nothing.
-  Eigen::Vector3d warp(std::uint32_t triangle) const {
-    if (triangle == kNone || mesh_.render.triangles.size() != mesh_.triangles.size()) return Eigen::Vector3d::Zero();
-    const auto [a, b, c] = mesh_.render.triangles[triangle];
-    const Vec2 ua = mesh_.render.uvs[a], ub = mesh_.render.uvs[b], uc = mesh_.render.uvs[c];
-    const double u1 = double(ub.x) - ua.x, u2 = double(uc.x) - ua.x, v1 = double(ub.y) - ua.y, v2 = double(uc.y) - ua.y;
-    const double determinant = u1 * v2 - u2 * v1;
-    const Eigen::Vector3d e1 = vector(mesh_.render.positions[b] - mesh_.render.positions[a]);
-    const Eigen::Vector3d e2 = vector(mesh_.render.positions[c] - mesh_.render.positions[a]);
-    const Eigen::Vector3d along = determinant * (v2 * e1 - v1 * e2);
-    const double length = along.norm();
-    return length > 1e-30 ? Eigen::Vector3d(along / length) : Eigen::Vector3d::Zero();
-  }
-
   double compliance(const Eigen::Vector3d& direction, const WingedEdge& edge, bool diagonal) const {
-    Eigen::Vector3d along = warp(edge.triangle[0]);
-    if (along.isZero()) along = warp(edge.triangle[1]);
+    Eigen::Vector3d along = warp(mesh_, edge.triangle[0]);
+    if (along.isZero()) along = warp(mesh_, edge.triangle[1]);
     const double covered = (diagonal && along.isZero() ? 0.5 : 1) * (area(edge.triangle[0]) + area(edge.triangle[1]));
     const double squared = direction.squaredNorm();
     const double c2 = along.isZero() ? 1 : std::min(1.0, std::pow(along.dot(direction), 2) / squared);
@@ -81,6 +67,19 @@ class Weave {
 };
 
 }  // namespace
+
+Eigen::Vector3d warp(const Mesh& mesh, std::uint32_t triangle) {
+  if (triangle == kNone || mesh.render.triangles.size() != mesh.triangles.size()) return Eigen::Vector3d::Zero();
+  const auto [a, b, c] = mesh.render.triangles[triangle];
+  const Vec2 ua = mesh.render.uvs[a], ub = mesh.render.uvs[b], uc = mesh.render.uvs[c];
+  const double u1 = double(ub.x) - ua.x, u2 = double(uc.x) - ua.x, v1 = double(ub.y) - ua.y, v2 = double(uc.y) - ua.y;
+  const double determinant = u1 * v2 - u2 * v1;
+  const Eigen::Vector3d e1 = vector(mesh.render.positions[b] - mesh.render.positions[a]);
+  const Eigen::Vector3d e2 = vector(mesh.render.positions[c] - mesh.render.positions[a]);
+  const Eigen::Vector3d along = determinant * (v2 * e1 - v1 * e2);
+  const double length = along.norm();
+  return length > 1e-30 ? Eigen::Vector3d(along / length) : Eigen::Vector3d::Zero();
+}
 
 std::vector<Spring> springs(const Mesh& mesh, const Stiffness& stiffness) {
   const Weave weave(mesh, stiffness);

@@ -24,8 +24,12 @@ namespace {
 // places a vertex move the border away from the anchors that are used.
 constexpr std::uint32_t kSpare = 1;
 
-// Length of the line from the source to c, if it crosses ab.
-std::optional<double> across_triangle(double ab, double ac, double bc, double to_a, double to_b) {
+struct Line {
+  double along, off;   // ab, and towards c (m)
+};
+
+// The line from the source to c, if it crosses ab.
+std::optional<Line> across_triangle(double ab, double ac, double bc, double to_a, double to_b) {
   const double cx = (ab * ab + ac * ac - bc * bc) / (2 * ab);
   const double cy = std::sqrt(std::max(0.0, ac * ac - cx * cx));
   const double sx = (ab * ab + to_a * to_a - to_b * to_b) / (2 * ab);
@@ -33,7 +37,7 @@ std::optional<double> across_triangle(double ab, double ac, double bc, double to
   if (cy + sy <= 1e-12 * ab) return std::nullopt;
   const double crossing = sx + (cx - sx) * sy / (cy + sy);
   if (crossing < -1e-9 * ab || crossing > (1 + 1e-9) * ab) return std::nullopt;
-  return std::hypot(cx - sx, cy + sy);
+  return Line{cx - sx, cy + sy};
 }
 
 class Waves {
@@ -51,26 +55,26 @@ class Waves {
 
   std::vector<std::vector<AnchorDistance>> run(std::span<const std::uint32_t> anchors, std::uint32_t count) {
     anchors_ = anchors;
-    for (std::uint32_t k = 0; k < anchors.size(); ++k) offer(anchors[k], k, 0);
+    for (std::uint32_t k = 0; k < anchors.size(); ++k) offer(anchors[k], k, 0, 0);
     while (!front_.empty()) {
       const Arrival arrival = front_.top();
       front_.pop();
       Known* known = find(arrival.point, arrival.anchor);
       if (known == nullptr || known->distance != arrival.distance) continue;   // improved or crowded out since
       known->spread = true;
-      for (std::uint32_t k = first_[arrival.point]; k < first_[arrival.point + 1]; ++k) spread(arrival, mesh_.triangles[around_[k]]);
+      for (std::uint32_t k = first_[arrival.point]; k < first_[arrival.point + 1]; ++k) spread(arrival, around_[k]);
     }
     std::vector<std::vector<AnchorDistance>> nearest(reached_.size());
     for (std::size_t p = 0; p < reached_.size(); ++p)
       for (std::size_t k = 0; k < std::min<std::size_t>(count, reached_[p].size()); ++k)
-        nearest[p].push_back({reached_[p][k].anchor, reached_[p][k].distance});
+        nearest[p].push_back({reached_[p][k].anchor, reached_[p][k].distance, reached_[p][k].askew});
     return nearest;
   }
 
  private:
   struct Known {
     std::uint32_t anchor;
-    double distance;
+    double distance, askew;
     bool spread;   // it has been propagated at this distance
   };
 
@@ -82,7 +86,15 @@ class Waves {
     }
   };
 
-  double between(std::uint32_t a, std::uint32_t b) const { return (vector(mesh_.points[a]) - vector(mesh_.points[b])).norm(); }
+  Eigen::Vector3d step(std::uint32_t a, std::uint32_t b) const { return vector(mesh_.points[b]) - vector(mesh_.points[a]); }
+  double between(std::uint32_t a, std::uint32_t b) const { return step(a, b).norm(); }
+
+  double askew(std::uint32_t triangle, const Eigen::Vector3d& way) const {
+    const Eigen::Vector3d along = warp(mesh_, triangle);
+    if (along.isZero() || way.isZero()) return 0;
+    const double c2 = std::min(1.0, std::pow(along.dot(way), 2) / way.squaredNorm());
+    return c2 * (1 - c2);
+  }
 
   Known* find(std::uint32_t point, std::uint32_t anchor) {
     for (Known& known : reached_[point])
@@ -91,7 +103,7 @@ class Waves {
   }
 
   // Keeps the nearest `kept_` anchors of a point, sorted; a better distance replaces a worse one.
-  void offer(std::uint32_t point, std::uint32_t anchor, double distance) {
+  void offer(std::uint32_t point, std::uint32_t anchor, double distance, double askew) {
     auto& list = reached_[point];
     const auto known = std::find_if(list.begin(), list.end(), [&](const Known& k) { return k.anchor == anchor; });
     if (known != list.end()) {
@@ -102,25 +114,29 @@ class Waves {
       list.pop_back();
     }
     const auto place = std::find_if(list.begin(), list.end(), [&](const Known& k) { return k.distance > distance; });
-    list.insert(place, {anchor, distance, false});
+    list.insert(place, {anchor, distance, askew, false});
     front_.push({distance, point, anchor});
   }
 
-  void spread(const Arrival& from, const Triangle& triangle) {
+  void spread(const Arrival& from, std::uint32_t number) {
+    const Triangle& triangle = mesh_.triangles[number];
     const auto at = std::find(triangle.begin(), triangle.end(), from.point) - triangle.begin();
     const std::uint32_t others[] = {triangle[(at + 1) % 3], triangle[(at + 2) % 3]};
     for (int side = 0; side < 2; ++side) {
       const std::uint32_t near = others[side], far = others[1 - side];
-      offer(near, from.anchor, from.distance + between(from.point, near));
+      const Eigen::Vector3d edge = step(from.point, near);
+      offer(near, from.anchor, from.distance + edge.norm(), askew(number, edge));
       // Two distances locate the source. The end of an edge that propagates later sees both, and so does one that propagates
       // again: in obtuse triangles the wave can arrive at a corner before it arrives at the ends of the edge that it has
       // crossed.
       const Known* known = find(near, from.anchor);
       if (known == nullptr || !known->spread) continue;
-      const auto straight =
-          across_triangle(between(from.point, near), between(from.point, far), between(near, far), from.distance, known->distance);
+      const auto line = across_triangle(edge.norm(), between(from.point, far), between(near, far), from.distance, known->distance);
+      if (!line) continue;
+      const Eigen::Vector3d other = step(from.point, far), across = other - other.dot(edge) / edge.squaredNorm() * edge;
+      const Eigen::Vector3d way = line->along * edge.normalized() + line->off * across.normalized();
       // No way along the surface is shorter than the straight line in space.
-      if (straight) offer(far, from.anchor, std::max(*straight, between(far, anchors_[from.anchor])));
+      offer(far, from.anchor, std::max(std::hypot(line->along, line->off), between(far, anchors_[from.anchor])), askew(number, way));
     }
   }
 

@@ -1,6 +1,14 @@
+// How long tethers are. A tether as long as the way along the unstretched cloth makes cloth stiffer than its moduli say: between two
+// corners at their full distance it holds the top edge straight, and the sheet hangs as a board. So each is longer by the strain that
+// the fabric's own weight causes. A line held at both ends at its full length, of stiffness Y and weight q a length (both per width),
+// sags until its tension carries its weight: q L^2 / (8 f) = Y e with the sag f, and e = 8 f^2 / (3 L^2). So
+//     e = (q L / Y)^(2/3) / (24^(1/3)).
+// L is the cloth's longest way to an anchor; Y is that of the tether's direction (engine/effects/stretch/links.cpp), so that
+// tethers askew to the threads, where woven cloth shears, give way most.
 #include "engine/effects/tether/tether.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/cook/cook_state.h"
 #include "engine/effects/effect.h"
@@ -10,6 +18,18 @@ namespace {
 
 constexpr const Buffer* kBuffers[] = {&buffers::tethers};
 
+constexpr double kMostSlack = 1;
+
+// Of a tether whose way is askew to the threads (AnchorDistance). A rigid fabric has none; springs in place of the fabric say nothing
+// of directions.
+double slack(const Cloth& cloth, double gravity, double longest, double askew) {
+  if (cloth.tether_slack) return *cloth.tether_slack;
+  if (cloth.springs) return 0;
+  const Fabric& fabric = cloth.fabric;
+  const double compliance = (1 - 2 * askew) / fabric.stretch + askew / fabric.shear;
+  return std::min(kMostSlack, std::pow(fabric.area_density * gravity * longest * compliance, 2.0 / 3) / std::cbrt(24));
+}
+
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   if (!input.cloth.tethers || input.anchors.empty()) return {};
   const CookedFabric& fabric = state.fabric();
@@ -17,14 +37,18 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   std::vector<std::uint32_t> points;
   for (const auto& anchor : input.anchors) points.push_back(anchor.point);
   const auto reaches = cooking::nearest_anchors(input.mesh, points, input.cloth.tethers_per_vertex);
+  const double gravity = length(state.scene().gravity);
+  double longest = 0;
+  for (const auto& list : reaches)
+    for (const auto& reach : list) longest = std::max(longest, reach.distance);
   std::uint32_t unreached = 0;
   state.tethers.resize(fabric.positions.size());
   for (std::uint32_t point = 0; point < reaches.size(); ++point) {
     if (fabric.positions[particle_of[point]].w == 0) continue;
     unreached += reaches[point].empty();
-    for (const auto& [anchor, distance] : reaches[point])
+    for (const auto& [anchor, distance, askew] : reaches[point])
       state.tethers[particle_of[point]].push_back(
-          {particle_of[points[anchor]], static_cast<float>(distance * (1 + input.cloth.tether_slack))});
+          {particle_of[points[anchor]], static_cast<float>(distance * (1 + slack(input.cloth, gravity, longest, askew)))});
   }
   if (unreached > 0) state.note(input.cloth, unreached, " particles are connected to no anchor and have no tether");
   return {};
