@@ -88,8 +88,8 @@ Result<std::vector<DeviceDescription>> list_devices();
 
 class Device {
  public:
-  /// Errors: no loader, no driver, no device that the choice names or that has what Weft needs; an extension or the validation layer that is
-  /// wanted and not there; memory; what Vulkan refuses.
+  /// Errors: no loader, no driver, no device that the choice names or that has what Weft needs; an extension or the validation layer that
+  /// is wanted and not there; memory; what Vulkan refuses.
   static Result<std::unique_ptr<Device>> create(const DeviceChoice& choice = {});
   /// Errors: a handle that is null; a device without Vulkan 1.3, the four features or compute on that queue family, or created without
   /// a feature (`created_with`); a Vulkan function that is missing; memory.

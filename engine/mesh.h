@@ -91,7 +91,8 @@ inline constexpr std::uint32_t kMostCorners = 1000;   // of a face: the time tha
 /// triangles, concave ones too. Lines, points, skins and morph targets are left out, with a sentence in `mended`. Where
 /// triangles share no vertices, those that agree in everything are joined. A glTF's buffers are read only below its own
 /// folder, links followed, or anywhere; nothing that an OBJ names is.
-/// Errors: missing, unreadable, cut short or foreign file, or one of more than 1 GiB; a buffer that is missing or not allowed; a glTF that needs an extension, or uses sparse, quantised or compressed accessors;
+/// Errors: missing, unreadable, cut short or foreign file, or one of more than 1 GiB; a buffer that is missing or not allowed;
+/// a glTF that needs an extension, or uses sparse, quantised or compressed accessors;
 /// indices that make no whole triangles; no triangle; a vertex that is not finite, or 1e10 m or more away; more than kMostVertices
 /// vertices; a scene of more than 100,000 nodes, or as many primitives that share no accessors; a face of more than kMostCorners corners.
 Result<Mesh> load_mesh(const std::filesystem::path& file, BufferFiles buffer_files = BufferFiles::below_its_folder);

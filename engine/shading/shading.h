@@ -44,8 +44,8 @@ class Shading {
  public:
   /// `cloths` are the scene's and, where they are to be seen, its mesh colliders after them: in the order of Simulation::meshes().
   /// Loads textures and allocates and compiles everything. `device` must outlive the result and needs a graphics queue.
-  /// Errors: what read_image refuses of a texture; a picture size outside 1 ... 8192; a mesh with no triangle, or with an index out of range;
-  /// a null appearance that is no mesh collider's; neither cloth nor collider; a light without a direction; a device that does not
+  /// Errors: what read_image refuses of a texture; a picture size outside 1 ... 8192; a mesh with no triangle, or with an index out of
+  /// range; a null appearance that is no mesh collider's; neither cloth nor collider; a light without a direction; a device that does not
   /// draw; memory; what Vulkan refuses.
   static Result<std::unique_ptr<Shading>> create(compute::Device& device, const Scene& scene, std::span<const ShadedCloth> cloths,
                                                  VkExtent2D size);
@@ -57,8 +57,8 @@ class Shading {
   void look_from(const Camera& camera);
 
   /// Draws, waits and reads back: sRGB, opaque.
-  /// Errors: views that are null, of a foreign format or too short; colliders that do not match the scene's; memory; what Vulkan refuses. The
-  /// next picture can be drawn all the same, but on a lost device.
+  /// Errors: views that are null, of a foreign format or too short; colliders that do not match the scene's; memory; what Vulkan refuses.
+  /// The next picture can be drawn all the same, but on a lost device.
   Result<Image> draw(const Poses& poses);
 
  private:

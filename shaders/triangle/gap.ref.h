@@ -69,8 +69,11 @@ inline Gap gap_to_box(const Body& body, const Corners& x) {
         const Vector across = edges[i].cross(edges[j]);
         if (across.norm() < 1e-9) continue;
         const Vector n = sign * across.normalized();
-        const double size = std::min({n.dot(x[0]), n.dot(x[1]), n.dot(x[2])}) - support_of(body, n);
-        if (size > best.size) best = {n, size, Vector::UnitX()};
+        const double lowest = std::min({n.dot(x[0]), n.dot(x[1]), n.dot(x[2])}), size = lowest - support_of(body, n);
+        // An edge of the triangle counts only where it is what is nearest along n.
+        const bool is_nearest = i < 3 || n.dot(x[i - 3]) < lowest + 1e-9;
+        const bool is_whole = i < 3 || n.dot(x[(i - 2) % 3]) < lowest + 1e-9;
+        if (is_nearest && is_whole && size > best.size) best = {n, size, Vector::UnitX()};
       }
   return best;
 }

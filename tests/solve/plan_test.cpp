@@ -28,7 +28,8 @@ TEST(Plan, exactly_one_pass_finalizes_and_it_is_the_last_of_its_iteration) {
     ASSERT_FALSE(iteration.empty());
     EXPECT_TRUE(iteration.back()->pass->can_finalize && iteration.back()->pass->changes == Changes::iterate);
     const bool alone = std::string(iteration.back()->pass->name) == "finalize";
-    const bool something = (calls.has(Id::tether) && !calls.has(Id::triangle)) || calls.has(Id::collide) || (!calls.has(Id::contact) && !alone);
+    const bool ends_in_tethers = calls.has(Id::tether) && !calls.has(Id::triangle);
+    const bool something = ends_in_tethers || calls.has(Id::collide) || (!calls.has(Id::contact) && !alone);
     // Tethers end the constraints, before triangles collide; nothing else is a part of another pass than the last.
     int with_tethers = 0;
     for (const PlannedPass* planned : iteration) {

@@ -96,7 +96,8 @@ reference::Corners corners(const std::vector<gpu::vec4>& p, std::size_t triangle
   return {vector(p[3 * triangle]), vector(p[3 * triangle + 1]), vector(p[3 * triangle + 2])};
 }
 
-// Ways out that are as short, or just met and just missed: rounding decides. The stir is longer than what the shader takes for a better axis.
+// Ways out that are as short, or just met and just missed: rounding decides. The stir is longer than what the shader takes for
+// a better axis.
 bool is_undecided(const reference::Body& body, const reference::Corners& x, double tolerance) {
   const reference::Gap undisturbed = reference::gap_of(body, x);
   for (std::size_t k = 0; k < 18; ++k) {
