@@ -23,17 +23,16 @@ constexpr Pass kPasses[] = {
      .after_tethers = true},
 };
 
-// Fine cloth stays out of round bodies by its vertices alone. Of a triangle whose corners are r + t from a core no point is nearer to it
-// than the root of (r + t)^2 - l^2 / 3, l its longest edge (gap.glsl): outside the body while l^2 <= 3 t (2 r + t). Edges may stretch
-// by this much before that is wrong.
-constexpr double kStretched = 1.5;
+// Fine cloth stays out of round bodies by its vertices alone, but for a little. Of a triangle whose corners are r + t from a core no point
+// is nearer to it than the root of (r + t)^2 - l^2 / 3, l its longest edge: outside (1 - kSag) r while l^2 <= 3 ((r + t)^2 - ((1 - kSag) r)^2).
+constexpr double kSag = 0.02;
 
 bool may_show_through(const Collider& collider, double edge, double thickness) {
   switch (collider.shape) {
     case ColliderShape::sphere:
     case ColliderShape::capsule: {
-      const double l = kStretched * edge;
-      return l * l > 3 * thickness * (2 * collider.radius + thickness);
+      const double from = collider.radius + thickness, to = (1 - kSag) * collider.radius;
+      return edge * edge > 3 * (from * from - to * to);
     }
     case ColliderShape::box: return true;
     case ColliderShape::plane:   // where no vertex passes no triangle does

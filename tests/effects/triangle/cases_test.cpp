@@ -121,7 +121,7 @@ TEST_F(TriangleCollision, nothing_shows_through_a_draped_sheet_at_any_cell_size)
   const Collider colliders[] = {sphere({0, 0.1f, 0}, 0.15), capsule({0, 0.2f, 0}, 0.04, 0.5, {0.8f, 0.6f, 0}),
                                 box({0, 0, 0}, {0.4f, 0.5f, 0.3f}), turned};
   for (const Collider& collider : colliders)
-    for (const std::uint32_t cells : {1u, 3u, 10u, 25u}) {
+    for (const std::uint32_t cells : {1u, 3u, 10u, 20u}) {
       SCOPED_TRACE("shape " + std::to_string(int(collider.shape)) + ", cells " + std::to_string(cells));
       const auto simulation = must(Simulation::create(device(), over(collider, cells)));
       const reference::Body body = body_of(collider, simulation->colliders()[0]);
