@@ -27,7 +27,7 @@
   X(12, uint, stretch_stride)   /* link pairs in every row; 0: stretch_rows tell */                                          \
   X(13, bool, has_damping)      /* 1: some spring is damped */                                                               \
   X(14, uint, linear_solver)    /* WEFT_LINEAR_..., of the method implicit */                                                \
-  X(15, bool, triangles_collide)   /* 1: with spheres, capsules and boxes (triangle_collide.comp) */
+  X(15, uint, triangles_collide)   /* 1: with boxes, 2: with spheres and capsules, too (triangle_collide.comp) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u

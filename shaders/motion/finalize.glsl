@@ -33,7 +33,7 @@ Asked asked_by_triangles(uint i) {
 // p is the particle's iterate after the pass that this is part of.
 void finalize(uint i, vec4 p) {
   const bool last = !has_contacts && (push.flags & WEFT_LAST_ITERATION) != 0;
-  if (triangles_collide && i == 0) collisions[0] = Collisions(Groups(0, 0, 0), 0);   // for the next iteration
+  if (triangles_collide > 0 && i == 0) collisions[0] = Collisions(Groups(0, 0, 0), 0);   // for the next iteration
   if (p.w == 0) {
     if (last) positions[i].xyz = p.xyz;
     next_iterate[i] = p;
@@ -43,7 +43,7 @@ void finalize(uint i, vec4 p) {
   const vec4 v = FETCH(velocities, i);
   const vec4 material = FETCH(materials, floatBitsToUint(v.w));
   vec3 start = x.xyz;
-  if (triangles_collide) {
+  if (triangles_collide > 0) {
     // The way round a box's edge is no way into the box, nor a slip: the particle begins where its triangles put it.
     const Asked asked = asked_by_triangles(i);
     start += asked.out_of;

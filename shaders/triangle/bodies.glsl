@@ -9,7 +9,8 @@ struct Body {
   float friction;   // of the pair
 };
 
-const uint bodies = spheres + capsules + boxes;
+// Those that triangles collide with: boxes, and round ones where some are too small for the cells of cloth.
+const uint first_body = triangles_collide == 2 ? 0 : spheres + capsules, last_body = spheres + capsules + boxes;
 
 Body body_at(uint k, Particle v) {
   const Collider collider = colliders[planes + k];

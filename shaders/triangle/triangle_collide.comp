@@ -85,7 +85,7 @@ void main() {
   const vec4 material = FETCH(materials, floatBitsToUint(FETCH(velocities, corner.x).w));
   const mat3 x = mat3(FETCH(positions, corner.x).xyz, FETCH(positions, corner.y).xyz, FETCH(positions, corner.z).xyz);
   const vec4 p = FETCH(predicted, corner.x), q = FETCH(predicted, corner.y), r = FETCH(predicted, corner.z);
-  for (uint k = 0; k < bodies; ++k)
+  for (uint k = first_body; k < last_body; ++k)
     collide(body_at(k, particle_of(material)), corner, x, mat3(p.xyz, q.xyz, r.xyz), equal(vec3(p.w, q.w, r.w), vec3(0)),
             separation_of(material));
 }

@@ -34,7 +34,7 @@ inline Needs setup_for(const Calls& calls, bool texels) {
   setup.constants[constant::is_accelerated] = calls.has(Id::chebyshev);
   setup.constants[constant::tether_pairs] = calls.has(Id::tether);
   setup.constants[constant::has_colliders] = setup.constants[constant::spheres] = calls.has(Id::collide);
-  setup.constants[constant::triangles_collide] = calls.has(Id::triangle);
+  setup.constants[constant::triangles_collide] = setup.constants[constant::boxes] = calls.has(Id::triangle);
   setup.constants[constant::has_contacts] = calls.has(Id::contact);
   for (const Id id : {Id::motion, Id::surface}) setup.effects.set(static_cast<std::size_t>(id));
   for (const Id id : calls.effects) setup.effects.set(static_cast<std::size_t>(id));

@@ -57,16 +57,19 @@ std::vector<double> longest_edges(const CookedFabric& fabric) {
 
 void lay_out(cooking::CookState& state) {
   CookedFabric& fabric = state.fabric();
-  bool any = false;
+  bool any = false, with_round = false;
   const std::vector<double> edges = longest_edges(fabric);
   for (const Collider& collider : state.scene().colliders)
     for (std::size_t k = 0; k < edges.size(); ++k)
-      any = any || (edges[k] > 0 && may_show_through(collider, edges[k], state.scene().cloths[k].fabric.thickness));
+      if (edges[k] > 0 && may_show_through(collider, edges[k], state.scene().cloths[k].fabric.thickness)) {
+        any = true;
+        with_round = with_round || collider.shape != ColliderShape::box;
+      }
   if (!any) return;
   std::vector<std::uint32_t> around(fabric.positions.size());
   for (std::uint32_t k = 0; k < fabric.cloth_triangles; ++k)
     for (const std::uint32_t i : fabric.triangles[k]) ++around[i];
-  fabric.own.of<TriangleLists>().most_around = *std::ranges::max_element(around);
+  fabric.own.of<TriangleLists>() = {*std::ranges::max_element(around), with_round};
 }
 
 Contents settings(const Cooked& s) {
@@ -75,7 +78,9 @@ Contents settings(const Cooked& s) {
   return made(std::vector{settings});
 }
 
-void specialize(const Cooked&, Constants& constants) { constants[gpu::constant::triangles_collide] = 1; }
+void specialize(const Cooked& s, Constants& constants) {
+  constants[gpu::constant::triangles_collide] = s.fabric.own.of<TriangleLists>().with_round ? 2 : 1;
+}
 
 }  // namespace
 

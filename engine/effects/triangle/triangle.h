@@ -7,6 +7,7 @@ namespace weft {
 
 struct TriangleLists {
   std::uint32_t most_around = 0;   // triangles around one particle; 0: vertices are enough
+  bool with_round = false;         // with spheres and capsules, not only with boxes
 };
 
 namespace buffers {

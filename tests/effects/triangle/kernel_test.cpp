@@ -24,7 +24,7 @@ struct Trial {
   Trial(Random& random, ColliderShape shape, double size, double speed, double friction, std::uint32_t triangles = 1200) {
     scene.colliders.emplace_back().shape = shape;
     fabric = loose_particles(random, 3 * triangles, scene.solver);
-    fabric.own.of<TriangleLists>().most_around = 1;
+    fabric.own.of<TriangleLists>() = {1, shape != ColliderShape::box};
     fabric.cloth_triangles = triangles;
     for (gpu::Material& material : fabric.materials) material.friction = static_cast<float>(friction);
     for (std::uint32_t t = 0; t < triangles; ++t) {
