@@ -11,6 +11,7 @@ READ(Detection, detection)
 READ_WRITE(ivec4, contact_sums)
 READ_WRITE(uint, contact_penetrations)
 READ_WRITE(Counters, counters)
+READ(vec4, ways_out)
 
 GATHER(velocities)
 GATHER(materials)
@@ -31,7 +32,10 @@ void main() {
   const vec4 before = FETCH(predicted, i);
   if (before.w == 0) return;
   vec3 p = moved_by_contacts(i, before.xyz);
-  if (has_colliders) p = out_of_colliders(FETCH(positions, i).xyz, p, FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)));
+  if (has_colliders) {
+    const vec3 start = FETCH(positions, i).xyz + (triangles_collide > 0 ? ways_out[i].xyz : vec3(0));   // as in finalize.glsl
+    p = out_of_colliders(start, p, FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)));
+  }
   if ((push.flags & WEFT_LAST_ITERATION) != 0) {
     const vec3 end = keep_within_bound(i, FETCH(positions, i).xyz, p, detection[0].steps);
     if (end != p) atomicAdd(counters[0].truncated, 1);

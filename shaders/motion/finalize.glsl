@@ -14,6 +14,7 @@
 READ_WRITE(vec4, chebyshev_iterates)
 READ_WRITE(ivec4, collision_sums)
 READ_WRITE(Collisions, collisions)
+WRITE(vec4, ways_out)
 
 // The mean of what a particle's triangles ask for (triangle_collide): out of the collider, and friction (m).
 struct Asked {
@@ -48,6 +49,7 @@ void finalize(uint i, vec4 p) {
     const Asked asked = asked_by_triangles(i);
     start += asked.out_of;
     p.xyz += asked.out_of + asked.friction;
+    if (has_contacts) ways_out[i] = vec4(asked.out_of, 0);   // contact_apply puts the particle out once more
   }
   if (has_colliders) p.xyz = out_of_colliders(start, p.xyz, material);
   if (is_accelerated) chebyshev_iterates[3 * i + 1] = vec4(p.xyz, 0);

@@ -249,8 +249,8 @@ TEST(Fabric, tethers_are_as_long_as_the_way_plus_slack_and_anchors_have_none) {
     }
 }
 
-// By the strain of a line that carries the cloth's weight, (q L / Y)^(2/3) / 24^(1/3), as stiff as the fabric is in that direction. As long as
-// the way, tethers held a sheet between two corners as a board.
+// By the strain of a line that carries the cloth's weight, (q L / Y)^(2/3) / 24^(1/3), as stiff as the fabric is in that direction.
+// As long as the way, tethers held a sheet between two corners as a board.
 TEST(Fabric, tethers_give_way_as_the_fabric_does_along_its_threads_and_across_them) {
   const auto angle = [](const gpu::vec4& a, const gpu::vec4& p) { return std::atan2(double(p.y) - a.y, double(p.x) - a.x); };
   for (const double turned : {0.0, 30.0}) {   // degrees: the threads turn with the cloth

@@ -183,6 +183,7 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(implicit && calls.has(Id::collide), {&b::collider_filters});
     expect(calls.has(Id::contact) || calls.has(Id::triangle), {&b::triangles});
     expect(calls.has(Id::triangle), {&b::collisions, &b::collision_list, &b::collision_sums});
+    expect(calls.has(Id::triangle) && calls.has(Id::contact), {&b::ways_out});
     expect(calls.has(Id::contact),
            {&b::edges, &b::rest, &b::detected_positions, &b::trajectories, &b::displacement_bounds, &b::grid_counts,
             &b::grid_starts, &b::grid_totals, &b::grid_entries, &b::detection, &b::candidates, &b::contact_normals, &b::contact_weights,

@@ -11,7 +11,7 @@
 namespace weft::effects {
 namespace {
 
-constexpr const Buffer* kBuffers[] = {&buffers::collisions, &buffers::collision_list, &buffers::collision_sums};
+constexpr const Buffer* kBuffers[] = {&buffers::collisions, &buffers::collision_list, &buffers::collision_sums, &buffers::ways_out};
 
 constexpr Length kTriangles = [](const Cooked& s) { return std::uint64_t(s.fabric.cloth_triangles); };
 
@@ -24,7 +24,8 @@ constexpr Pass kPasses[] = {
 };
 
 // Fine cloth stays out of round bodies by its vertices alone, but for a little. Of a triangle whose corners are r + t from a core no point
-// is nearer to it than the root of (r + t)^2 - l^2 / 3, l its longest edge: outside (1 - kSag) r while l^2 <= 3 ((r + t)^2 - ((1 - kSag) r)^2).
+// is nearer to it than the root of (r + t)^2 - l^2 / 3, l its longest edge: outside (1 - kSag) r while
+// l^2 <= 3 ((r + t)^2 - ((1 - kSag) r)^2).
 constexpr double kSag = 0.02;
 
 bool may_show_through(const Collider& collider, double edge, double thickness) {
@@ -56,6 +57,7 @@ std::vector<double> longest_edges(const CookedFabric& fabric) {
 }
 
 void lay_out(cooking::CookState& state) {
+  if (state.scene().colliders.empty()) return;
   CookedFabric& fabric = state.fabric();
   bool any = false, with_round = false;
   const std::vector<double> edges = longest_edges(fabric);

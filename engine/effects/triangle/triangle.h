@@ -24,5 +24,8 @@ inline constexpr Buffer collision_list =
 inline constexpr Buffer collision_sums =
     cleared<gpu::ivec4>("collision_sums", [](const Cooked& s) { return std::uint64_t(2 * s.fabric.positions.size()); });
 
+/// Of each particle, with contacts: the way out that its triangles asked for in this iteration (m).
+inline constexpr Buffer ways_out = scratch<gpu::vec4>("ways_out", lengths::particles);
+
 }  // namespace buffers
 }  // namespace weft
