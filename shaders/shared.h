@@ -202,7 +202,7 @@ struct Collisions {
 #define WEFT_LEVELS 16
 
 #define WEFT_LONGEST_LIFETIME 10u   // substeps: the longest candidate lifetime
-#define WEFT_LIMIT_PASSES 16u       // of contact_limit, a multiple of four: a particle has a step fraction for each
+#define WEFT_LIMIT_PASSES 4u        // of contact_limit: the components of a particle's step_fractions
 
 // State of contact detection. A detection finds the candidate pairs: those whose sides can come within their separation while every
 // particle stays within its displacement bound about its predicted trajectory, a straight one (detect_trajectory.comp says why no contact
@@ -287,7 +287,7 @@ SLICE(CollisionSettings, collision_settings)
 
 static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 44 && sizeof(Push) == 28 && sizeof(Motion) == 40);
-static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 348 && sizeof(Acceleration) == 48);
+static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 300 && sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);
 
 namespace constant {

@@ -33,7 +33,7 @@ inline constexpr std::size_t kEffects = 0 WEFT_EFFECTS(WEFT_COUNT);
 #undef WEFT_COUNT
 
 /// When a pass runs; engine/solve/frame_program.h says how often.
-enum class Stage { frame_begin, substep_begin, force, detect, assemble, linear, iteration, contact, substep_end, frame_end };
+enum class Stage { frame_begin, substep_begin, force, detect, assemble, linear, iteration, contact, slide, substep_end, frame_end };
 
 /// Where the GPU writes how many workgroups an indirect dispatch has.
 struct Arguments {

@@ -146,18 +146,28 @@ class Layers {
   }
 
   /// The fractions to which a pass lowers them: only those of a side that approaches.
-  std::array<double, 4> yield(const std::array<double, 4>& fractions) const {
-    const auto end = ends(fractions);
-    const double a = std::max(0.0, half_gap_ - lowest_of_a(end)), b = std::max(0.0, highest_of_b(end) + half_gap_);
-    if ((a > 0) == (b > 0)) return divide(a, b);
-    return a > 0 ? stop(highest_of_b(end) + margin_, -margin_ / 2) : stop(margin_ / 2, lowest_of_a(end) - margin_);
+  std::array<double, 4> yield(const std::array<double, 4>& fractions) const { return stop(planes(fractions)); }
+
+  /// The heights by which the ends of whole steps are to be raised to their planes, along the normal; 0 of kinematic particles (m).
+  std::array<double, 4> slide() const {
+    const Four whole{1, 1, 1, 1}, end = ends(whole);
+    Four by{};
+    if (!crosses(whole)) return by;
+    const auto [a, b] = planes(whole);
+    for (int j = 0; j < 4; ++j) {
+      const auto k = static_cast<std::size_t>(j);
+      if (kinematic_[k]) continue;
+      by[k] = pair_.on_a(j) ? std::max(0.0, a + 2 * rounding_ - end[k]) : std::min(0.0, b - 2 * rounding_ - end[k]);
+    }
+    return by;
   }
 
   /// The fallback: fractions with which each side keeps to its half of the slack, whatever the other does.
-  std::array<double, 4> keep_apart() const { return divide(1, 1); }
+  std::array<double, 4> keep_apart() const { return stop(divide(1, 1)); }
 
  private:
   using Four = std::array<double, 4>;
+  using Planes = std::array<double, 2>;   // heights below which no particle of A may end, and above which none of B
 
   double lowest_of_a(const Four& h) const { return pair_.edges ? std::min(h[0], h[1]) : h[0]; }
   double highest_of_b(const Four& h) const { return pair_.edges ? std::max(h[2], h[3]) : std::max({h[1], h[2], h[3]}); }
@@ -166,11 +176,17 @@ class Layers {
     for (std::size_t j = 0; j < 4; ++j) end[j] = start_[j] + fractions[j] * displacement_[j];
     return end;
   }
+  Planes planes(const Four& fractions) const {
+    const auto end = ends(fractions);
+    const double a = std::max(0.0, half_gap_ - lowest_of_a(end)), b = std::max(0.0, highest_of_b(end) + half_gap_);
+    if ((a > 0) == (b > 0)) return divide(a, b);
+    return a > 0 ? Planes{highest_of_b(end) + margin_, -margin_ / 2} : Planes{margin_ / 2, lowest_of_a(end) - margin_};
+  }
   /// Divides the slack, the gap less the margin, in proportion to a and b. Kinematic particles get what they need to reach their
   /// targets, and before that what they need to stay within their lag limit.
-  Four divide(double a, double b) const {
+  Planes divide(double a, double b) const {
     const double slack = 2 * half_gap_ - margin_;
-    if (slack <= 0) return stop(margin_ / 2, -margin_ / 2);
+    if (slack <= 0) return {margin_ / 2, -margin_ / 2};
     double share = a + b > 0 ? slack * a / (a + b) : slack / 2;
     for (const Four& fractions : {Four{1, 1, 1, 1}, least_}) {
       double taken_by_a = 0, taken_by_b = 0;
@@ -182,14 +198,14 @@ class Layers {
       }
       share = std::min(std::max(share, taken_by_a), slack - taken_by_b);
     }
-    return stop(half_gap_ - share, slack - share - half_gap_);
+    return {half_gap_ - share, slack - share - half_gap_};
   }
-  /// Truncates steps: no particle of A ends below `a`, none of B above `b`, except kinematic ones that must.
-  Four stop(double a, double b) const {
+  /// Truncates steps at these planes, except those of kinematic particles that must go on.
+  Four stop(const Planes& planes) const {
     Four fractions{1, 1, 1, 1};
     for (int j = 0; j < 4; ++j) {
       const auto k = static_cast<std::size_t>(j);
-      const double towards = pair_.on_a(j) ? 1 : -1, slack = towards * (start_[k] - (pair_.on_a(j) ? a : b));
+      const double towards = pair_.on_a(j) ? 1 : -1, slack = towards * (start_[k] - planes[pair_.on_a(j) ? 0 : 1]);
       const double displacement = towards * displacement_[k];
       if (slack + displacement >= 0 || displacement >= rounding_) continue;
       fractions[k] = displacement < 0 ? std::clamp(-slack / displacement, least_[k], 1.0) : 0;
@@ -203,6 +219,24 @@ class Layers {
   std::array<bool, 4> kinematic_{};
   double half_gap_ = 0, margin_ = 0, rounding_ = 0, least_gap_ = 0;   // m
 };
+
+/// One round of contact_slide: each particle takes the largest way asked of it, of each sign of each coordinate.
+inline Points slide(std::span<const Pair> pairs, std::span<const Contact> contacts, const Points& x, const Points& p,
+                    std::span<const double> inverse_masses) {
+  Points up(p.size(), Vector::Zero()), down = up, slid = p;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    if (!contacts[k].directed || !contacts[k].touches) continue;
+    const auto by = Layers(pairs[k], contacts[k].normal, x, p, inverse_masses).slide();
+    for (std::size_t j = 0; j < 4; ++j) {
+      const Vector way = by[j] * contacts[k].normal;
+      const std::uint32_t i = pairs[k].particle[j];
+      up[i] = up[i].cwiseMax(way);
+      down[i] = down[i].cwiseMin(way);
+    }
+  }
+  for (std::size_t i = 0; i < p.size(); ++i) slid[i] += up[i] + down[i];
+  return slid;
+}
 
 struct Limit {
   std::vector<double> fractions;   // of each particle's step

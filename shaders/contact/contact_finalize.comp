@@ -20,21 +20,12 @@ const uint kOne = 0x3f800000u;   // 1.0
 
 // The step fraction of particle i: the least of all passes', and the fallback's where it applies. Resets its entries for the next substep.
 float fraction_of(uint i) {
-  const uint fours = WEFT_LIMIT_PASSES / 4;
-  uint least = kOne, fallback = kOne;
-  for (uint k = 0; k < fours; ++k) {
-    uvec4 fractions = step_fractions[fours * i + k];
-    if (fractions == uvec4(kOne)) continue;
-    step_fractions[fours * i + k] = uvec4(kOne);
-    if (k + 1 == fours) {
-      fallback = fractions.w;
-      fractions.w = kOne;
-    }
-    least = min(least, min(min(fractions.x, fractions.y), min(fractions.z, fractions.w)));
-  }
-  if (detection[0].falls_back != 0) least = min(least, fallback);
   if (contact_counts[i] != 0) contact_counts[i] = 0;
-  return uintBitsToFloat(least);
+  const uvec4 fractions = step_fractions[i];
+  if (fractions == uvec4(kOne)) return 1;
+  step_fractions[i] = uvec4(kOne);
+  const uint least = min(min(fractions.x, fractions.y), fractions.z);
+  return uintBitsToFloat(detection[0].falls_back != 0 ? min(least, fractions.w) : least);
 }
 
 // Where the substep's step from x to p, the last iterate, ends.

@@ -187,7 +187,7 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(calls.has(Id::contact),
            {&b::edges, &b::rest, &b::detected_positions, &b::trajectories, &b::displacement_bounds, &b::grid_counts,
             &b::grid_starts, &b::grid_totals, &b::grid_entries, &b::detection, &b::candidates, &b::contact_normals, &b::contact_weights,
-            &b::contact_counts, &b::contact_sums, &b::contact_penetrations, &b::step_fractions, &b::contact_list});
+            &b::contact_counts, &b::contact_sums, &b::contact_penetrations, &b::slides, &b::step_fractions, &b::contact_list});
     expect(true, {&b::positions, &b::velocities, &b::predicted, &b::next_iterate, &b::materials, &b::surface_rows, &b::corners,
                   &b::vertex_positions, &b::vertex_normals, &b::counters});
   });
@@ -238,13 +238,13 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
             (Labels{"predict+watch", "detect_arguments", "detect_trajectory", "grid_count", "grid_total", "grid_scan",
                     "grid_fill", "search_faces", "search_edges", "search_arguments", "pair_faces", "pair_edges",
                     "contact_arguments", "contact_prepare", "stretch", "contact_penetration", "contact_solve",
-                    "contact_apply", "contact_unsafe", "contact_limit", "contact_finalize", "surface"}));
+                    "contact_apply", "contact_slide", "contact_slide_apply", "contact_unsafe", "contact_limit", "contact_finalize", "surface"}));
   EXPECT_EQ(labels(with(all, {Id::contact})),
             (Labels{"predict+watch", "anchor+watch", "detect_arguments", "detect_trajectory", "grid_count", "grid_total",
                     "grid_scan", "grid_fill", "search_faces", "search_edges", "search_arguments", "pair_faces", "pair_edges",
                     "contact_arguments", "contact_prepare", "stretch", "bend+tether+collide", "contact_penetration",
-                    "contact_solve", "contact_apply+collide", "contact_unsafe", "contact_limit", "contact_finalize",
-                    "surface"}));
+                    "contact_solve", "contact_apply+collide", "contact_slide", "contact_slide_apply",
+                    "contact_unsafe", "contact_limit", "contact_finalize", "surface"}));
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ class CommandLine : public testing::Test {
     redirect("stdout", STDOUT_FILENO);
     redirect("stderr", STDERR_FILENO);
     for (std::string& variable : environment) putenv(variable.data());
-    if (deaf) std::signal(SIGINT, SIG_IGN);
+    std::signal(SIGINT, deaf ? SIG_IGN : SIG_DFL);   // the tests themselves may run where it is ignored
     if (const rlimit full{disk_bytes, disk_bytes}; disk_bytes > 0) setrlimit(RLIMIT_FSIZE, &full);
     std::vector<char*> pointers;
     std::string program = WEFT_BINARIES "/weft";

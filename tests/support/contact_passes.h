@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "engine/solve/frame_program.h"
 #include "tests/support/single_pass.h"
 #include "tests/support/tufts.h"
 
@@ -84,6 +85,10 @@ class Passes : public SinglePass {
       contacts.push_back({vector(n).norm() > 0, n.w >= 0, vector(n), reference::Weights(w.x, w.y, w.z, w.w), n.w});
     }
     return contacts;
+  }
+  void slide() {
+    for (std::uint32_t round = 0; round < kSlides; ++round)
+      for (const char* pass : {"contact_slide", "contact_slide_apply"}) run(pass);
   }
   void limit() {
     run("contact_unsafe");

@@ -49,7 +49,7 @@ constexpr const Buffer* kBuffers[] = {
     &buffers::trajectories, &buffers::displacement_bounds, &buffers::candidates, &buffers::grid_counts,
     &buffers::grid_starts, &buffers::grid_totals, &buffers::grid_entries, &buffers::contact_normals,
     &buffers::contact_weights, &buffers::near_edges, &buffers::near_faces, &buffers::contact_list,
-    &buffers::contact_counts, &buffers::contact_sums, &buffers::contact_penetrations, &buffers::step_fractions,
+    &buffers::contact_counts, &buffers::contact_sums, &buffers::contact_penetrations, &buffers::slides, &buffers::step_fractions,
 };
 
 // Indirect dispatches, in the order of the passes: a detection, where one is needed; the pairs of its broad phase; its
@@ -82,6 +82,8 @@ constexpr Pass kPasses[] = {
     {.name = "contact_penetration", .stage = Stage::contact, .threads = kContacts},
     {.name = "contact_solve", .stage = Stage::contact, .threads = kContacts},
     {.name = "contact_apply", .stage = Stage::contact, .threads = kTouchedParticles, .collides = true},
+    {.name = "contact_slide", .stage = Stage::slide, .threads = kContacts},
+    {.name = "contact_slide_apply", .stage = Stage::slide, .threads = kTouchedParticles},
     {.name = "contact_unsafe", .stage = Stage::substep_end, .threads = kCandidates},
     {.name = "contact_limit", .stage = Stage::substep_end, .threads = kUnsafeCandidates, .rounds = WEFT_LIMIT_PASSES},
     {.name = "contact_finalize", .stage = Stage::substep_end, .threads = threads::particles},

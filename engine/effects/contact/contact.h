@@ -87,9 +87,12 @@ inline constexpr Buffer contact_counts = cleared<gpu::uint>("contact_counts", le
 inline constexpr Buffer contact_sums = cleared<gpu::ivec4>("contact_sums", lengths::particles);
 /// Sum of the penetrations of a particle's contacts, each times its weight (contact_share.glsl); 0 between iterations.
 inline constexpr Buffer contact_penetrations = cleared<gpu::uint>("contact_penetrations", lengths::particles);
+/// Two a particle: the largest way that contact_slide asks for along each coordinate, upwards and downwards (m, bits of floats); 0 between
+/// its rounds.
+inline constexpr Buffer slides = cleared<gpu::uvec4>("slides", [](const Cooked& s) { return 2 * lengths::particles(s); });
 /// Step fractions (times of impact): the part of its step that a particle may take, bits of a float, one a pass of contact_limit.
-inline constexpr Buffer step_fractions = cleared<gpu::uvec4>(
-    "step_fractions", [](const Cooked& s) { return WEFT_LIMIT_PASSES / 4 * lengths::particles(s); }, std::bit_cast<std::uint32_t>(1.0f));
+inline constexpr Buffer step_fractions =
+    cleared<gpu::uvec4>("step_fractions", lengths::particles, std::bit_cast<std::uint32_t>(1.0f));
 
 }  // namespace buffers
 }  // namespace weft

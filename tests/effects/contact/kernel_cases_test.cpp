@@ -180,6 +180,7 @@ void run_degenerate(const compute::Device& device, const reference::Quad& x, boo
   const CookedFabric fabric = fabric_of(t, scene.solver);
   Passes passes(device, scene, fabric, t, false);
   for (const char* pass : {"contact_prepare", "contact_penetration", "contact_solve", "contact_apply"}) passes.run(pass);
+  passes.slide();
   passes.limit();
   passes.run("contact_finalize");
   const auto got = passes.particles(buffers::positions);
@@ -218,6 +219,7 @@ TEST_F(ContactEdgeCase, a_prediction_that_is_not_finite_takes_nobody_along) {
   const CookedFabric fabric = fabric_of(t, scene.solver);
   Passes passes(device(), scene, fabric, t, false);
   for (const char* pass : {"contact_prepare", "contact_penetration", "contact_solve", "contact_apply"}) passes.run(pass);
+  passes.slide();
   passes.limit();
   passes.run("contact_finalize");
   const auto got = points(passes.particles(buffers::positions));
@@ -246,6 +248,7 @@ TEST_F(ContactEdgeCase, nothing_crosses_where_kinematic_particles_can_wait) {
     const CookedFabric fabric = fabric_of(t, scene.solver);
     Passes passes(device(), scene, fabric, t, false);
     for (const char* pass : {"contact_prepare", "contact_penetration", "contact_solve", "contact_apply"}) passes.run(pass);
+    passes.slide();
     passes.limit();
     const auto fractions = passes.step_fractions();
     int waiting = 0;
@@ -258,6 +261,35 @@ TEST_F(ContactEdgeCase, nothing_crosses_where_kinematic_particles_can_wait) {
       if (t.inverse_masses[i] > 0) continue;
       EXPECT_EQ(vector(next[i]), t.p[i]) << "where it goes on to";
     }
+  }
+}
+
+// A vertex that has no room left above a triangle that stands still, or in the corner of two. A step fraction alone would hold it.
+TEST_F(ContactEdgeCase, a_step_into_a_plane_or_a_corner_goes_on_along_it) {
+  using reference::Vector;
+  for (const bool corner : {false, true}) {
+    Tufts t;
+    const double gap = 0.0001;
+    t.x = {Vector(0, gap, gap), Vector(-0.1, 0, -0.1), Vector(0.1, 0, -0.1), Vector(0, 0, 0.1)};
+    t.inverse_masses = {10, 0, 0, 0};
+    t.pairs.push_back({{0, 1, 2, 3}, 0.005, false});
+    if (corner) {
+      for (const Vector& at : {Vector(-0.1, -0.1, 0), Vector(0.1, -0.1, 0), Vector(0, 0.1, 0)}) t.x.push_back(at);
+      t.inverse_masses.resize(7, 0);
+      t.pairs.push_back({{0, 4, 5, 6}, 0.005, false});
+    }
+    for (Vector& at : t.x) at = at.cast<float>().cast<double>();
+    t.p = t.x;
+    t.p[0] = (t.x[0] + Vector(0.01, -0.03, corner ? -0.02 : 0.02)).cast<float>().cast<double>();
+    const Scene scene = scene_of(t);
+    const CookedFabric fabric = fabric_of(t, scene.solver);
+    Passes passes(device(), scene, fabric, t, false);
+    passes.run("contact_prepare");
+    passes.slide();
+    passes.limit();
+    passes.run("contact_finalize");
+    const Vector end = points(passes.particles(buffers::positions))[0];
+    EXPECT_NEAR((end - Vector(0.01, gap, corner ? gap : gap + 0.02)).norm(), 0, 1e-5) << corner << ": " << end.transpose();
   }
 }
 

@@ -142,27 +142,58 @@ TEST_F(ContactKernel, the_order_of_candidates_does_not_matter) {
   const Scene scene = scene_of(t);
   const CookedFabric fabric = fabric_of(t, scene.solver);
   auto pairs = t.pairs;
-  std::vector<gpu::vec4> iterate, positions;
+  std::vector<gpu::vec4> iterate, slides, positions;
   std::vector<gpu::uvec4> step_fractions;
   for (int order = 0; order < 3; ++order) {
     Passes passes(device(), scene, fabric, t, false);
     passes.put_pairs(pairs);
     for (const char* pass : {"contact_prepare", "contact_penetration", "contact_solve", "contact_apply"}) passes.run(pass);
     const auto solved = passes.iterate();
+    passes.slide();
+    const auto slid = passes.iterate();
     passes.limit();
-    const auto limited = passes.get<gpu::uvec4>(buffers::step_fractions, WEFT_LIMIT_PASSES / 4 * t.x.size());
+    const auto limited = passes.get<gpu::uvec4>(buffers::step_fractions, t.x.size());
     passes.run("contact_finalize");
     if (order > 0) {
       EXPECT_TRUE(same_bits(solved, iterate));
+      EXPECT_TRUE(same_bits(slid, slides));
       EXPECT_TRUE(same_bits(limited, step_fractions));
       EXPECT_TRUE(same_bits(passes.particles(buffers::positions), positions));
     }
     iterate = solved;
+    slides = slid;
     step_fractions = limited;
     positions = passes.particles(buffers::positions);
     std::shuffle(pairs.begin(), pairs.end(), random);
   }
 }
+
+void compare_slid(const compute::Device& device, double violence, bool gather_storage) {
+  const Tufts t = violent_tufts(16, violence);
+  const Scene scene = scene_of(t);
+  const CookedFabric fabric = fabric_of(t, scene.solver);
+  Passes passes(device, scene, fabric, t, gather_storage);
+  passes.run("contact_prepare");
+  reference::Points p = t.p;
+  int slid = 0;
+  for (std::uint32_t round = 0; round < kSlides; ++round) {
+    for (const char* pass : {"contact_slide", "contact_slide_apply"}) passes.run(pass);
+    const auto wanted = reference::slide(t.pairs, passes.contacts(), t.x, p, t.inverse_masses);
+    const auto got = points(passes.iterate());
+    for (std::size_t i = 0; i < t.x.size(); ++i) {
+      slid += (got[i] - p[i]).norm() > 1e-5;
+      EXPECT_LT((got[i] - wanted[i]).norm(), 100 * kRounding * (1 + violence)) << i << " of " << violence;
+      EXPECT_TRUE(t.inverse_masses[i] > 0 || got[i] == t.p[i]) << i;
+    }
+    p = got;
+  }
+  EXPECT_GT(slid, violence > 0.002 ? 30 : 0);
+}
+
+TEST_F(ContactKernel, slides_as_its_twin) {
+  for (const double violence : {0.001, 0.005, 0.02, 0.2, 2.0}) compare_slid(device(), violence, false);
+}
+TEST_F(ContactKernel, slides_as_its_twin_through_storage) { compare_slid(device(), 0.02, true); }
 
 void compare_limited(const compute::Device& device, double violence, bool gather_storage) {
   const Tufts t = violent_tufts(15, violence);

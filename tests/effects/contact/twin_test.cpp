@@ -166,7 +166,7 @@ TEST(ContactLimit, layers_that_fall_together_stop_over_one_that_is_stopped) {
     EXPECT_EQ(meetings(p.pairs, p.x, end), 0u) << layers;
     for (std::size_t i = 3; i < end.size(); ++i) EXPECT_GE(end[i].y() - end[i - 3].y(), 0.00009) << layers << " layers, particle " << i;
     // Every pass stops a layer. Where there are more layers, those above keep to their half of the gap.
-    EXPECT_EQ(limit.unsafe, layers > 16) << layers;
+    EXPECT_EQ(limit.unsafe, layers > WEFT_LIMIT_PASSES) << layers;
   }
 }
 
