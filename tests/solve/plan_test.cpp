@@ -238,7 +238,8 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
             (Labels{"predict+watch", "detect_arguments", "detect_trajectory", "grid_count", "grid_total", "grid_scan",
                     "grid_fill", "search_faces", "search_edges", "search_arguments", "pair_faces", "pair_edges",
                     "contact_arguments", "contact_prepare", "stretch", "contact_penetration", "contact_solve",
-                    "contact_apply", "contact_slide", "contact_slide_apply", "contact_unsafe", "contact_limit", "contact_finalize", "surface"}));
+                    "contact_apply", "contact_slide", "contact_slide_apply", "contact_unsafe", "contact_limit",
+                    "contact_finalize", "surface"}));
   EXPECT_EQ(labels(with(all, {Id::contact})),
             (Labels{"predict+watch", "anchor+watch", "detect_arguments", "detect_trajectory", "grid_count", "grid_total",
                     "grid_scan", "grid_fill", "search_faces", "search_edges", "search_arguments", "pair_faces", "pair_edges",

@@ -91,8 +91,7 @@ inline constexpr Buffer contact_penetrations = cleared<gpu::uint>("contact_penet
 /// its rounds.
 inline constexpr Buffer slides = cleared<gpu::uvec4>("slides", [](const Cooked& s) { return 2 * lengths::particles(s); });
 /// Step fractions (times of impact): the part of its step that a particle may take, bits of a float, one a pass of contact_limit.
-inline constexpr Buffer step_fractions =
-    cleared<gpu::uvec4>("step_fractions", lengths::particles, std::bit_cast<std::uint32_t>(1.0f));
+inline constexpr Buffer step_fractions = cleared<gpu::uvec4>("step_fractions", lengths::particles, std::bit_cast<std::uint32_t>(1.0f));
 
 }  // namespace buffers
 }  // namespace weft
