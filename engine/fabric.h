@@ -108,9 +108,6 @@ struct CookedFabric {
   std::vector<float> iterate_weights;        // particles: weight of the sum over a particle's links, see stretch.comp
   std::vector<StretchLink> links;
   PairRows stretch;                          // entries: gpu::pack_link with the gain, or the compliance with several iterations
-  std::vector<gpu::uvec4> coloured_links;    // gpu::pack_coloured, colour after colour: no two of a colour share a particle; without
-                                             // those between anchors; Gauss-Seidel only
-  std::vector<std::uint32_t> colour_ends;    // how many of them the colours up to this one have
   std::vector<gpu::Bend> bends;
   PairRows bend;                             // entries: (particle, coefficient bits); one iteration a substep only
   PairRows bend_uses;                        // entries: (bend, K w bits); several iterations only

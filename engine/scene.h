@@ -169,6 +169,7 @@ struct SolverSettings {
   Averaging averaging = Averaging::mass_split;
   double relaxation = 0;        // over-relaxation omega, below most_relaxation; 0: relaxation_of
   double rho = 0;               // Chebyshev only: the spectral radius it takes Jacobi's iteration to have, below 1; 0: rho_of
+  bool levels = false;          // jacobi and gauss_seidel: coarse levels before each iteration (engine/README.md, "Levels")
   double longest_advance = 0.1; // s: a longer advance() is clamped to this, and the surplus reported
 };
 

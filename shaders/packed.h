@@ -33,22 +33,44 @@ WEFT_INLINE Link unpack_link(uint x, uint y) {
   return link;
 }
 
-// A link of Gauss-Seidel in 16 bytes: two particles, rest length, and the compliance, whose sign bit marks one that only pulls.
-struct ColouredLink {
+// A link of a patch in eight bytes: both ends as members of the patch, and all that the link of the stretch pass keeps of a rest length
+// and of a compliance.
+//
+//   x: [31..16] compliance, the upper half of a float   [15..8] b   [7..0] a
+//   y: rest length, a float whose lowest bit marks a link that only pulls
+struct PatchLink {
   uint a, b;
   float rest;         // m
   float compliance;   // m/N
   bool only_pulls;
 };
 
-WEFT_INLINE ColouredLink unpack_coloured(uvec4 packed) {
-  ColouredLink link;
-  link.a = packed.x;
-  link.b = packed.y;
-  link.rest = WEFT_FLOAT(packed.z);
-  link.compliance = WEFT_FLOAT(packed.w & 0x7fffffffu);
-  link.only_pulls = (packed.w & 0x80000000u) != 0u;
+WEFT_INLINE PatchLink unpack_patch_link(uvec2 packed) {
+  PatchLink link;
+  link.a = packed.x & 0xffu;
+  link.b = (packed.x >> 8) & 0xffu;
+  link.rest = WEFT_FLOAT(packed.y & 0xfffffffeu);
+  link.compliance = WEFT_FLOAT(packed.x & 0xffff0000u);
+  link.only_pulls = (packed.y & 1u) != 0u;
   return link;
+}
+
+// What three nodes of a level have in a displacement, in 16 bytes; their parts sum to one. Those of the second and third are told, in
+// units of 1/65535.
+struct LevelShare {
+  uint node0, node1, node2;
+  float part0, part1, part2;
+};
+
+WEFT_INLINE LevelShare unpack_level_share(uvec4 packed) {
+  LevelShare share;
+  share.node0 = packed.x;
+  share.node1 = packed.y;
+  share.node2 = packed.z;
+  share.part1 = float(packed.w & 0xffffu) / 65535.0f;
+  share.part2 = float(packed.w >> 16) / 65535.0f;
+  share.part0 = 1.0f - share.part1 - share.part2;
+  return share;
 }
 
 // A candidate in 16 bytes: four particles of 24 bits, and in their top bytes, first to last, the bits of the separation
@@ -83,8 +105,14 @@ WEFT_INLINE uvec4 pack_candidate(uint a, uint b, uint c, uint d, float separatio
 
 #ifdef __cplusplus
 
-inline uvec4 pack_coloured(const ColouredLink& link) {
-  return {link.a, link.b, WEFT_BITS(link.rest), WEFT_BITS(link.compliance) | (link.only_pulls ? 0x80000000u : 0u)};
+/// Rest length and compliance are those of an unpacked Link.
+inline uvec2 pack_patch_link(const PatchLink& link) {
+  return {link.a | link.b << 8 | (WEFT_BITS(link.compliance) & 0xffff0000u), (WEFT_BITS(link.rest) & 0xfffffffeu) | (link.only_pulls ? 1u : 0u)};
+}
+
+inline uvec4 pack_level_share(const uint (&nodes)[3], double part1, double part2) {
+  const auto whole = [](double part) { return static_cast<uint>(part * 65535 + 0.5); };
+  return {nodes[0], nodes[1], nodes[2], whole(part1) | whole(part2) << 16};
 }
 
 inline uvec2 pack_link(const Link& link) {

@@ -27,7 +27,8 @@
   X(12, uint, stretch_stride)   /* link pairs in every row; 0: stretch_rows tell */                                          \
   X(13, bool, has_damping)      /* 1: some spring is damped */                                                               \
   X(14, uint, linear_solver)    /* WEFT_LINEAR_..., of the method implicit */                                                \
-  X(15, uint, triangles_collide)   /* 1: with boxes, 2: with spheres and capsules, too (triangle_collide.comp) */
+  X(15, uint, triangles_collide)   /* 1: with boxes, 2: with spheres and capsules, too (triangle_collide.comp) */             \
+  X(16, bool, has_wide_levels)  /* 1: of more than WEFT_LOW_LEVEL nodes (level_wide.comp) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
@@ -106,6 +107,29 @@ struct Hinge {
   float rest_cosine, rest_sine;   // of the angle at rest, 0 where flat
   float compliance;   // rad^2/J
 };
+
+/// Particles that lie together, and the links among them, which one workgroup solves (gauss_seidel.comp).
+struct Patch {
+  uint first_member, members;   // of patch_members, at most WEFT_PATCH
+  uint first_colour, colours;   // of patch_colour_ends: the entry before its first colour's, and how many follow
+};
+#define WEFT_PATCH 256u
+#define WEFT_SWEEPS 2u
+
+/// A node of a coarse level (level/level.glsl).
+struct LevelNode {
+  uvec4 share;          // in the nodes of the next coarser level: LevelShare; x == WEFT_NONE: there is none
+  uint particle;        // where it is
+  float inverse_mass;   // 1/kg; 0: its particle is held
+  uint first_link, links;
+};
+
+struct LevelLink {
+  uint other;           // node
+  float rest;           // m, along the cloth
+  float compliance;     // m/N
+};
+#define WEFT_LOW_LEVEL 1024u   // nodes, at most, of a level that one workgroup does
 
 /// One-sided link to an anchor; anchor == WEFT_NONE ends a particle's list. Lists are padded to an even length.
 struct Tether {
@@ -238,7 +262,7 @@ struct Push {
   float fraction_from, fraction_to;   // of the frame, at this substep's start and end
   uint iteration;     // of an implicit substep's solve; after it, how many there were
   float omega;        // Chebyshev's weight of this iteration (chebyshev/chebyshev.glsl)
-  uint first;         // of `coloured_links`: where this dispatch's colour begins
+  uint first;         // of a pass with ranges: where this dispatch's begins
 };
 
 /// Slices of one uniform buffer, written where a frame begins.
@@ -285,7 +309,7 @@ SLICE(CollisionSettings, collision_settings)
 
 #ifdef __cplusplus
 
-static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
+static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(LevelNode) == 32 && sizeof(LevelLink) == 12 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 44 && sizeof(Push) == 28 && sizeof(Motion) == 40);
 static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 300 && sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);

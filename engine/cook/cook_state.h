@@ -36,6 +36,8 @@ class CookState {
     fabric_.notes.push_back(fail(cloth.name, ": ", parts..., ".").message);
   }
 
+  /// Whether the current cloth has coarse levels, which carry half of its stiffness and serve for far links.
+  bool has_levels = false;
   /// The tethers of each particle, until they are laid out.
   std::vector<std::vector<gpu::Tether>> tethers;
 

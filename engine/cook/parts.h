@@ -39,9 +39,9 @@ struct Stiffness {
 /// The direction of the warp (growing u) in a triangle's plane; zero where the UVs say nothing.
 Eigen::Vector3d warp(const Mesh& mesh, std::uint32_t triangle);
 
-/// Edges of the mesh, the second diagonal of every quad, and far links along straight lines of edges. Stiffness by
+/// Edges of the mesh, the second diagonal of every quad, and, if `far`, far links along straight lines of edges. Stiffness by
 /// direction: see engine/effects/stretch/links.cpp.
-std::vector<Spring> springs(const Mesh& mesh, const Stiffness& stiffness);
+std::vector<Spring> springs(const Mesh& mesh, const Stiffness& stiffness, bool far = true);
 
 /// Appends to `near` links that only pull, between points `steps` edges apart on a straight line of edges: see
 /// engine/effects/stretch/far_links.cpp. Up to half of the stiffness of those edges (the first of `near`, in the mesh's
@@ -70,9 +70,6 @@ SpringRows spring_rows(std::span<const ParticleSpring> springs, std::size_t part
 
 /// The weight of damped Jacobi, with which it converges in every pose.
 double jacobi_weight(std::span<const ParticleSpring> springs);
-
-/// Colours the links so that no two of a colour share a particle: see engine/effects/gauss_seidel/colours.cpp.
-void colour_links(CookedFabric& fabric);
 
 /// Bending stencils over points; split_weight is left at 0. `clamped` counts slivers whose cotangents were limited.
 std::vector<gpu::Bend> bend_stencils(const Mesh& mesh, double rigidity, std::uint32_t& clamped);

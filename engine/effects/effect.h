@@ -73,6 +73,7 @@ using Constants = std::array<std::uint32_t, gpu::constant::kCount>;
 struct Needs {
   std::bitset<kEffects> effects;
   Constants constants{};
+  std::uint32_t narrow = 0;                      // threads of a workgroup in passes with many small ones
   bool has(EffectId effect) const { return effects[static_cast<std::size_t>(effect)]; }
 };
 
@@ -89,6 +90,7 @@ struct Pass {
   bool only_towards_targets = false;             // without contacts, skipped in frames in which no target moves
   std::uint32_t rounds = 1;                      // dispatches one after another; the round is in push.flags
   std::vector<Range> (*ranges)(const Cooked&) = nullptr;   // instead: a dispatch for each
+  bool a_workgroup_each = false;                 // not a thread: a workgroup, of Needs::narrow threads
 };
 
 /// A slice of the uniform buffer, updated each frame, for all passes that read SLICE(..., name). The solver sets what changes while
@@ -152,8 +154,8 @@ const Buffer* buffer_named(std::string_view name);
 
 Cooked cooked_of(const Scene& scene, const CookedFabric& fabric);
 
-/// What a cooked scene calls for. `workgroup` and `through_texels` are the device's.
-Needs needs_of(const Cooked& subject, std::uint32_t workgroup, bool through_texels);
+/// What a cooked scene calls for. `workgroup`, `through_texels` and `narrow` are the device's.
+Needs needs_of(const Cooked& subject, std::uint32_t workgroup, bool through_texels, std::uint32_t narrow = 64);
 
 /// Why the reference cannot follow the scene, as a sentence that begins with the key; empty if it can.
 std::string reference_fault(const Scene& scene, const CookedFabric& fabric);

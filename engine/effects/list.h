@@ -7,6 +7,7 @@
 
 #define WEFT_EFFECTS(EFFECT) \
   EFFECT(anchor) \
+  EFFECT(level) \
   EFFECT(stretch) \
   EFFECT(gauss_seidel) \
   EFFECT(bend) \

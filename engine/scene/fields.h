@@ -86,6 +86,7 @@ void fields(V& v, SolverSettings& solver) {
   v.choice("averaging", solver.averaging, kAveragings);
   v.number("relaxation", solver.relaxation, below(0, 2));
   v.number("rho", solver.rho, below(0, 1));
+  v.flag("levels", solver.levels);
   v.number("longest_advance", solver.longest_advance, above(0, 10, "s"));
 }
 

@@ -108,13 +108,15 @@ Result<PlannedPass> planned(const Part& part, const Needs& needs, compute::Speci
   std::vector<compute::SpecializationConstant> constants;
   for (std::uint32_t id = 0; id < needs.constants.size(); ++id) constants.push_back({id, needs.constants[id]});
   constants[gpu::constant::finalizes].value = part.finalizes;
+  std::uint32_t& width = constants[gpu::constant::workgroup].value;
+  if (pass.a_workgroup_each) width = needs.narrow;
   if (!part.holds_tethers) constants[gpu::constant::tether_pairs].value = 0;
   const auto spirv = specializer.specialize(module, constants);
   if (!spirv) return refuse(spirv.error());
   made.spirv.assign(spirv->begin(), spirv->end());
   const auto touched = compute::reflect(made.spirv);
   if (!touched) return refuse(touched.error());
-  if (touched->local_size[0] != needs.constants[gpu::constant::workgroup] || touched->push_constant_bytes > sizeof(gpu::Push))
+  if (touched->local_size[0] != width || touched->push_constant_bytes > sizeof(gpu::Push))
     return refuse("its workgroup's width is its own or its push block is longer than " + std::to_string(sizeof(gpu::Push)) + " bytes");
   for (const compute::Binding& binding : touched->bindings) {
     auto resource = resource_of(binding, plan);

@@ -46,9 +46,13 @@ std::string beyond(const SizeLimits& limits, std::string_view device, const Plan
            " bytes, above its maxStorageBufferRange of ", limits.storage_bytes);
   }
   for (const PlannedPass& planned : plan.passes)
-    for (const Range& range : ranges_of(*planned.pass, subject))
-      look(planned.pass->threads.grows, range.count, threads, "pass ", planned.label, " takes ", range.count, " threads, and its ",
-           limits.workgroups, " workgroups have ", threads);
+    for (const Range& range : ranges_of(*planned.pass, subject)) {
+      if (planned.pass->a_workgroup_each)
+        look(false, range.count, limits.workgroups, "pass ", planned.label, " takes ", range.count, " workgroups of its ", limits.workgroups);
+      else
+        look(planned.pass->threads.grows, range.count, threads, "pass ", planned.label, " takes ", range.count, " threads, and its ",
+             limits.workgroups, " workgroups have ", threads);
+    }
   return fault;
 }
 

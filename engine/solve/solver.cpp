@@ -78,7 +78,8 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   solver.workgroup_ = options.workgroup != 0 ? options.workgroup : device.is_software() ? 512 : 64;
   if (solver.workgroup_ > device.limits().max_workgroup_invocations)
     return fail("a workgroup of ", solver.workgroup_, " threads is larger than the device's ", device.limits().max_workgroup_invocations);
-  auto plan = make_plan(needs_of(subject, solver.workgroup_, !options.gather_storage), device.specializer());
+  const std::uint32_t narrow = device.is_software() ? 8 : 64;   // there eight threads are one, and wait for nobody at a barrier
+  auto plan = make_plan(needs_of(subject, solver.workgroup_, !options.gather_storage, narrow), device.specializer());
   if (!plan) return plan.take_error();
   solver.plan_ = std::move(*plan);
   const SizeLimits limits{device.limits().max_storage_buffer_bytes, device.limits().max_workgroups_x, solver.workgroup_};
@@ -346,6 +347,7 @@ void Solver::record_step(compute::Recorder& recorder, const Step& step) const {
   recorder.push(run.layout.get(), std::as_bytes(std::span(&step.push, 1)));
   const Arguments& arguments = planned.pass->threads.arguments;
   if (arguments.buffer != nullptr) recorder.dispatch_indirect(buffer(*arguments.buffer).handle, arguments.offset);
+  else if (planned.pass->a_workgroup_each) recorder.dispatch(step.push.count);
   else recorder.dispatch(run.groups > 0 ? run.groups : (step.push.count + workgroup_ - 1) / workgroup_);
 }
 

@@ -1,26 +1,19 @@
 #include "engine/effects/gauss_seidel/gauss_seidel.h"
 
 #include "engine/cook/cook_state.h"
-#include "engine/effects/effect.h"
 
 namespace weft::effects {
 namespace {
 
-constexpr const Buffer* kBuffers[] = {&buffers::coloured_links, &buffers::coloured_lambda};
-
-// A dispatch a colour.
-std::vector<Range> colours(const Cooked& s) {
-  std::vector<Range> ranges;
-  std::uint32_t first = 0;
-  for (const std::uint32_t end : s.fabric.colour_ends) {
-    ranges.push_back({first, end - first});
-    first = end;
-  }
-  return ranges;
-}
+constexpr const Buffer* kBuffers[] = {&buffers::patches, &buffers::patch_members, &buffers::patch_colour_ends, &buffers::patch_links,
+                                      &buffers::patch_lambda};
 
 constexpr Pass kPasses[] = {
-    {.name = "gauss_seidel", .stage = Stage::iteration, .threads = {lengths::coloured_links}, .ranges = colours},
+    {.name = "gauss_seidel",
+     .stage = Stage::iteration,
+     .threads = {[](const Cooked& s) { return std::uint64_t(s.fabric.own.of<PatchLists>().patches.size()); }},
+     .ranges = [](const Cooked& s) { return s.fabric.own.of<PatchLists>().rounds; },
+     .a_workgroup_each = true},
 };
 
 }  // namespace
@@ -33,7 +26,7 @@ constinit const Effect gauss_seidel{
     .reference = Reference::a_way_to,
     .lay_out =
         [](cooking::CookState& state) {
-          if (state.scene().solver.method == Method::gauss_seidel) cooking::colour_links(state.fabric());
+          if (state.scene().solver.method == Method::gauss_seidel) cooking::make_patches(state.fabric());
         },
 };
 

@@ -81,7 +81,7 @@ Eigen::Vector3d warp(const Mesh& mesh, std::uint32_t triangle) {
   return length > 1e-30 ? Eigen::Vector3d(along / length) : Eigen::Vector3d::Zero();
 }
 
-std::vector<Spring> springs(const Mesh& mesh, const Stiffness& stiffness) {
+std::vector<Spring> springs(const Mesh& mesh, const Stiffness& stiffness, bool far) {
   const Weave weave(mesh, stiffness);
   std::vector<Spring> springs, second_diagonals;
   std::vector<bool> is_diagonal;
@@ -100,7 +100,7 @@ std::vector<Spring> springs(const Mesh& mesh, const Stiffness& stiffness) {
     second_diagonals.push_back(
         {edge.across[0], edge.across[1], other.norm(), weave.compliance(other, edge, true), true, Spring::Kind::diagonal});
   }
-  add_far_links(mesh, is_diagonal, kFarSteps, springs);
+  if (far) add_far_links(mesh, is_diagonal, kFarSteps, springs);
   springs.insert(springs.end(), second_diagonals.begin(), second_diagonals.end());
   return springs;
 }

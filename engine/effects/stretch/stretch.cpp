@@ -19,7 +19,9 @@ constexpr Pass kPasses[] = {
 
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   const auto particle_of = state.particle_of();
-  for (const cooking::Spring& s : cooking::springs(input.mesh, {input.cloth.fabric.stretch, input.cloth.fabric.shear})) {
+  const cooking::Stiffness stiffness{input.cloth.fabric.stretch, input.cloth.fabric.shear};
+  for (cooking::Spring s : cooking::springs(input.mesh, stiffness, !state.has_levels)) {
+    if (state.has_levels) s.compliance *= 2;
     // What the GPU will read, so that strain and reference see the same link.
     const gpu::uvec2 packed =
         gpu::pack_link({0, static_cast<float>(s.rest), static_cast<float>(std::min(s.compliance, cooking::kSoftest)), s.only_pulls});

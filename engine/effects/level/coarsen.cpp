@@ -1,0 +1,209 @@
+// Coarsening a surface by its own geodesics, so that it works on any mesh: over holes, seams and gaps there is no way, and no link.
+//
+// Nodes are chosen farthest point first (Gonzalez 1985; on surfaces Peyre and Cohen 2006), in units of the local length of edges, so that
+// they are as dense as the mesh is. A point's share in the nodes comes from the smallest triangle of its nearest nodes that it lies in,
+// laid flat by geodesic distances: barycentric coordinates, which carry a linear displacement exactly. Where the surface unrolls flat these
+// triangles are Delaunay's. Their sides are the links of the level.
+#include "engine/effects/level/coarsen.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <queue>
+#include <set>
+
+namespace weft::cooking {
+namespace {
+
+// Lengths of local edges: nodes are chosen until every point is nearer to one. On a grid a node has 14 particles.
+constexpr double kReach = 3.1;
+
+// Nearest nodes of a point that are looked at, and a spare one (geodesic.cpp).
+constexpr std::uint32_t kNearest = 8, kSpare = 1;
+
+// A point this far outside a triangle, in barycentric coordinates, still counts as inside: rounding, and surfaces that do not unroll.
+constexpr double kInside = -1e-3;
+
+// Height over longest side: flatter triangles have no say.
+constexpr double kFlattest = 0.05;
+
+// The mean length of the edges at each point.
+std::vector<double> local_lengths(const IntrinsicSurface& surface, std::size_t points) {
+  std::vector<double> sum(points);
+  std::vector<std::uint32_t> count(points);
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const double length = (surface.flat[t].corners[(k + 1) % 3] - surface.flat[t].corners[k]).norm();
+      for (const std::uint32_t p : {surface.triangles[t][k], surface.triangles[t][(k + 1) % 3]}) sum[p] += length, ++count[p];
+    }
+  for (std::size_t p = 0; p < points; ++p) sum[p] = count[p] > 0 ? sum[p] / count[p] : 1;
+  return sum;
+}
+
+// The surface in units of its local edges.
+IntrinsicSurface in_edges(const IntrinsicSurface& surface, std::size_t points) {
+  const std::vector<double> length = local_lengths(surface, points);
+  IntrinsicSurface scaled{{}, surface.triangles, {}};
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const auto side = [&](int from, int to) {
+      const double unit = (length[surface.triangles[t][from]] + length[surface.triangles[t][to]]) / 2;
+      return (surface.flat[t].corners[to] - surface.flat[t].corners[from]).norm() / std::max(unit, 1e-30);
+    };
+    scaled.flat.push_back({flat_triangle(side(0, 1), side(0, 2), side(1, 2)), Eigen::Vector2d::Zero()});
+  }
+  return scaled;
+}
+
+// Farthest point first: of the points that are held, then of all.
+std::vector<std::uint32_t> choose_nodes(const IntrinsicSurface& surface, const std::vector<bool>& held) {
+  const auto points = static_cast<std::uint32_t>(held.size());
+  const IntrinsicSurface scaled = in_edges(surface, points);
+  Waves waves(scaled, 1);
+  const auto distance = [&](std::uint32_t p) {
+    return p < points && !waves.at(p).empty() ? waves.at(p).front().distance : INFINITY;
+  };
+  std::vector<std::uint32_t> nodes;
+  for (const bool only_held : {true, false}) {
+    std::priority_queue<std::pair<double, std::uint32_t>> farthest;   // with distances as they once were: they only shrink
+    for (std::uint32_t p = points; p-- > 0;)
+      if (!only_held || held[p]) farthest.emplace(INFINITY, p);
+    while (!farthest.empty()) {
+      const auto [then, p] = farthest.top();
+      farthest.pop();
+      const double now = distance(p);
+      if (now <= kReach) continue;
+      if (now < then) {
+        farthest.emplace(now, p);
+        continue;
+      }
+      nodes.push_back(p);
+      waves.add(p);
+      waves.run();
+    }
+  }
+  return nodes;
+}
+
+class Coarsening {
+ public:
+  Coarsening(const IntrinsicSurface& fine, std::vector<std::uint32_t> nodes, std::size_t points) : waves_(fine, kNearest + kSpare) {
+    coarse_.points = std::move(nodes);
+    for (const std::uint32_t p : coarse_.points) waves_.add(p);
+    waves_.run();
+    for (std::uint32_t p = 0; p < points; ++p) coarse_.shares.push_back(share_of(p));
+  }
+
+  Coarse finish(const IntrinsicSurface& fine, std::span<const Vec2> uvs) {
+    for (const auto& [ends, link] : sides_) coarse_.links.push_back(link);
+    IntrinsicSurface& surface = coarse_.surface;
+    for (const std::uint32_t p : coarse_.points)
+      if (!fine.points.empty()) surface.points.push_back(fine.points[p]);
+    for (const auto& nodes : triangles_) {
+      const auto side = [&](int i, int j) { return between(nodes[i], nodes[j])->distance; };
+      const auto corners = flat_triangle(side(0, 1), side(0, 2), side(1, 2));
+      surface.triangles.push_back({nodes[0], nodes[1], nodes[2]});
+      surface.flat.push_back({corners, warp_in(corners, nodes, uvs)});
+    }
+    return std::move(coarse_);
+  }
+
+ private:
+  using Three = std::array<std::uint32_t, 3>;
+
+  std::span<const Waves::Arrived> near(std::uint32_t p) const {
+    return p == kNone ? std::span<const Waves::Arrived>() : waves_.at(p).first(std::min<std::size_t>(kNearest, waves_.at(p).size()));
+  }
+
+  // How far two nodes are apart, if either knows.
+  std::optional<Waves::Arrived> between(std::uint32_t a, std::uint32_t b) const {
+    for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
+      for (const Waves::Arrived& arrived : near(coarse_.points[from]))
+        if (arrived.source == to) return arrived;
+    return std::nullopt;
+  }
+
+  Share share_of(std::uint32_t p) {
+    const auto nodes = near(p);
+    if (nodes.empty()) return {};
+    Share best{{nodes[0].source, 0, 0}, {1, 0, 0}};
+    if (nodes[0].distance == 0) return best;
+    double smallest = INFINITY, least_outside = INFINITY;
+    for (std::size_t i = 1; i < nodes.size(); ++i)
+      for (std::size_t j = i + 1; j < nodes.size(); ++j) try_triangle({nodes[0], nodes[i], nodes[j]}, best, smallest, least_outside);
+    if (smallest == INFINITY && nodes.size() > 1) try_side(nodes[0], nodes[1], best, least_outside);
+    keep(best);
+    return best;
+  }
+
+  // The triangle of three nodes, if the point, with these distances from them, lies in it and it is the smallest so far; or outside of all
+  // the one that it is least outside of.
+  void try_triangle(const std::array<Waves::Arrived, 3>& to, Share& best, double& smallest, double& least_outside) const {
+    const auto ab = between(to[0].source, to[1].source), ac = between(to[0].source, to[2].source), bc = between(to[1].source, to[2].source);
+    if (!ab || !ac || !bc) return;
+    const double longest = std::max({ab->distance, ac->distance, bc->distance});
+    const auto corners = flat_triangle(ab->distance, ac->distance, bc->distance);
+    const double width = corners[1].x(), height = corners[2].y();
+    if (!(width * height > kFlattest * longest * longest)) return;
+    const double x = (to[0].distance * to[0].distance + width * width - to[1].distance * to[1].distance) / (2 * width);
+    double y = std::sqrt(std::max(0.0, to[0].distance * to[0].distance - x * x));
+    // On the side that the third distance says.
+    const double above = std::abs(std::hypot(x - corners[2].x(), y - height) - to[2].distance);
+    if (std::abs(std::hypot(x - corners[2].x(), -y - height) - to[2].distance) < above) y = -y;
+    const double c = y / height, b = (x - c * corners[2].x()) / width, a = 1 - b - c;
+    const double outside = -std::min({a, b, c}), radius = ab->distance * ac->distance * bc->distance / (2 * width * height);
+    const bool inside = outside < -kInside;
+    if (inside ? radius >= smallest * (1 - 1e-9) : smallest < INFINITY || outside >= least_outside * (1 - 1e-9)) return;
+    inside ? smallest = radius : least_outside = outside;
+    std::array<double, 3> parts{std::max(0.0, a), std::max(0.0, b), std::max(0.0, c)};
+    const double sum = parts[0] + parts[1] + parts[2];
+    for (double& part : parts) part /= sum;
+    best = {{to[0].source, to[1].source, to[2].source}, parts};
+  }
+
+  // The same of a line between two nodes, where there is no triangle at all.
+  void try_side(const Waves::Arrived& a, const Waves::Arrived& b, Share& best, double least_outside) const {
+    const auto side = between(a.source, b.source);
+    if (least_outside < INFINITY || !side) return;
+    const double squared = side->distance * side->distance;
+    const double part = std::clamp((a.distance * a.distance + squared - b.distance * b.distance) / (2 * squared), 0.0, 1.0);
+    best = {{a.source, b.source, 0}, {1 - part, part, 0}};
+  }
+
+  // Remembers the sides and the triangle of a share.
+  void keep(const Share& share) {
+    for (int i = 0; i < 3; ++i)
+      for (int j = i + 1; j < 3; ++j) {
+        if (share.part[i] == 0 || share.part[j] == 0) continue;
+        const std::uint32_t a = std::min(share.node[i], share.node[j]), b = std::max(share.node[i], share.node[j]);
+        const auto apart = between(a, b);
+        sides_.try_emplace({a, b}, CoarseLink{a, b, apart->distance, apart->askew});
+      }
+    if (share.part[0] == 0 || share.part[1] == 0 || share.part[2] == 0) return;
+    Three nodes = share.node;
+    std::sort(nodes.begin(), nodes.end());
+    triangles_.insert(nodes);
+  }
+
+  Eigen::Vector2d warp_in(const std::array<Eigen::Vector2d, 3>& corners, const Three& nodes, std::span<const Vec2> uvs) const {
+    if (uvs.empty()) return Eigen::Vector2d::Zero();
+    const Vec2 a = uvs[coarse_.points[nodes[0]]], b = uvs[coarse_.points[nodes[1]]], c = uvs[coarse_.points[nodes[2]]];
+    const double u1 = double(b.x) - a.x, u2 = double(c.x) - a.x, v1 = double(b.y) - a.y, v2 = double(c.y) - a.y;
+    const Eigen::Vector2d along = (u1 * v2 - u2 * v1) * (v2 * corners[1] - v1 * corners[2]);
+    const double length = along.norm();
+    return length > 1e-30 && std::isfinite(length) ? Eigen::Vector2d(along / length) : Eigen::Vector2d::Zero();
+  }
+
+  Waves waves_;
+  Coarse coarse_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, CoarseLink> sides_;
+  std::set<Three> triangles_;
+};
+
+}  // namespace
+
+Coarse coarsen(const IntrinsicSurface& fine, const std::vector<bool>& held, std::span<const Vec2> uvs) {
+  return Coarsening(fine, choose_nodes(fine, held), held.size()).finish(fine, uvs);
+}
+
+}  // namespace weft::cooking

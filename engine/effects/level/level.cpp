@@ -1,0 +1,268 @@
+// Which levels a cloth has, what their nodes weigh and how stiff their links are.
+//
+// A link of a level stands for the strip of cloth between its nodes, and only pulls, for cloth can always be nearer in space than along
+// itself. Stretched evenly, cloth must pull as hard as without levels: half of the stiffness stays with the links of the mesh, and
+// the levels have the other half in equal parts. Three families of links, each of which covers the cloth once, carry a level's part; so a
+// link has three times its share of the area (engine/effects/stretch/links.cpp for the modulus of its direction).
+//
+// A node weighs what the particles weigh that it carries, by their shares: then a step of all nodes moves the cloth's momentum by what the
+// links gave, and they give none.
+#include "engine/effects/level/level.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/cook/cook_state.h"
+#include "engine/effects/effect.h"
+#include "engine/effects/level/coarsen.h"
+
+namespace weft::effects {
+namespace {
+
+constexpr const Buffer* kBuffers[] = {&buffers::level_nodes, &buffers::level_ends,  &buffers::level_links,
+                                      &buffers::level_shares, &buffers::level_steps, &buffers::level_lambda};
+
+bool has_levels(const SolverSettings& solver) {
+  return solver.levels && (solver.method == Method::jacobi || solver.method == Method::gauss_seidel);
+}
+
+// Nodes: coarser levels carry nothing further.
+constexpr std::size_t kFewest = 6;
+
+struct Level {
+  cooking::Coarse coarse;
+  std::vector<double> areas;          // m^2, of each node
+};
+
+struct ClothLevels {
+  std::vector<std::uint32_t> particle_of;   // of each point
+  std::vector<Level> levels;          // finest first
+  cooking::Stiffness stiffness;
+};
+
+// Until they are laid out.
+struct AllLevels {
+  std::vector<ClothLevels> cloths;
+};
+
+// Of each point; not finite at seams, where it has several.
+std::vector<Vec2> point_uvs(const Mesh& mesh) {
+  std::vector<Vec2> uvs(mesh.points.size(), {-INFINITY, 0});
+  if (mesh.render.triangles.size() != mesh.triangles.size()) return {};
+  for (std::size_t v = 0; v < mesh.point_of.size(); ++v) {
+    const Vec2 uv = mesh.render.uvs[v];
+    Vec2& known = uvs[mesh.point_of[v]];
+    const bool first = known.x == -INFINITY;
+    if (first) known = uv;
+    else if (known.x != uv.x || known.y != uv.y) known = {NAN, NAN};
+  }
+  return uvs;
+}
+
+Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
+  state.has_levels = false;
+  if (!has_levels(state.scene().solver)) return {};
+  auto& all = state.fabric().own.of<AllLevels>().cloths;
+  all.resize(state.fabric().cloths.size());
+  ClothLevels& cloth = all.back();
+  cloth.particle_of.assign(state.particle_of().begin(), state.particle_of().end());
+  cloth.stiffness = {input.cloth.fabric.stretch, input.cloth.fabric.shear};
+  cooking::IntrinsicSurface surface = cooking::surface_of(input.mesh);
+  std::vector<bool> held(input.mesh.points.size());
+  for (const auto& anchor : input.anchors) held[anchor.point] = true;
+  std::vector<Vec2> uvs = point_uvs(input.mesh);
+  std::vector<double> areas(held.size());
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const auto& c = surface.flat[t].corners;
+    for (const std::uint32_t p : surface.triangles[t]) areas[p] += 0.5 * c[1].x() * c[2].y() / 3;
+  }
+  while (held.size() > 2 * kFewest) {
+    Level level{cooking::coarsen(surface, held, uvs), {}};
+    const std::vector<std::uint32_t>& points = level.coarse.points;
+    if (2 * points.size() > held.size()) break;   // many small pieces
+    level.areas.resize(points.size());
+    for (std::size_t p = 0; p < areas.size(); ++p)
+      for (int k = 0; k < 3; ++k) level.areas[level.coarse.shares[p].node[k]] += level.coarse.shares[p].part[k] * areas[p];
+    const auto at_nodes = [&](auto& of_points) {
+      std::remove_reference_t<decltype(of_points)> of_nodes;
+      for (const std::uint32_t p : points) of_nodes.push_back(of_points[p]);
+      of_points = std::move(of_nodes);
+    };
+    at_nodes(held);
+    if (!uvs.empty()) at_nodes(uvs);
+    areas = level.areas;
+    surface = level.coarse.surface;
+    cloth.levels.push_back(std::move(level));
+  }
+  state.has_levels = !cloth.levels.empty();
+  return {};
+}
+
+// The links of a level by their nodes.
+struct Ends {
+  std::vector<std::vector<gpu::LevelLink>> of_node;
+};
+
+Ends links_of(const Level& level, const cooking::Stiffness& stiffness, std::size_t levels, std::uint32_t first) {
+  Ends ends{std::vector<std::vector<gpu::LevelLink>>(level.coarse.points.size())};
+  std::vector<std::uint32_t> count(level.coarse.points.size());
+  for (const auto& link : level.coarse.links) ++count[link.a], ++count[link.b];
+  for (const auto& [a, b, rest, askew] : level.coarse.links) {
+    const double covered = 3 * (level.areas[a] / count[a] + level.areas[b] / count[b]);
+    const double inverse_modulus = (1 - 2 * askew) / stiffness.stretch + (askew == 0 ? 0 : 2 * askew / stiffness.shear);
+    const double parts = 2 * static_cast<double>(levels);
+    const double compliance = covered > 0 ? std::min(parts * inverse_modulus * rest * rest / covered, cooking::kSoftest) : 0;
+    for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
+      ends.of_node[from].push_back({first + to, static_cast<float>(rest), static_cast<float>(compliance)});
+  }
+  return ends;
+}
+
+class Layout {
+ public:
+  Layout(CookedFabric& fabric, const std::vector<ClothLevels>& cloths)
+      : fabric_(fabric), cloths_(cloths), lists_(fabric.own.of<LevelLists>()), first_(cloths.size()), masses_(cloths.size()) {}
+
+  void lay_out() {
+    std::size_t deepest = 0;
+    for (std::size_t c = 0; c < cloths_.size(); ++c) {
+      deepest = std::max(deepest, cloths_[c].levels.size());
+      weigh(c);
+    }
+    if (deepest == 0) return;
+    for (std::size_t g = deepest; g-- > 0;) {
+      for (std::size_t c = 0; c < cloths_.size(); ++c)
+        if (g < cloths_[c].levels.size()) add_level(c, g);
+      lists_.ends.push_back(static_cast<std::uint32_t>(lists_.nodes.size()));
+    }
+    for (std::uint32_t k = 0, first = 0; k < lists_.ends.size() && lists_.ends[k] - first <= WEFT_LOW_LEVEL; first = lists_.ends[k++])
+      lists_.low = k + 1;
+    add_shares();
+  }
+
+ private:
+  static gpu::uvec4 packed(const cooking::Share& share, std::uint32_t first) {
+    return gpu::pack_level_share({first + share.node[0], first + share.node[1], first + share.node[2]}, share.part[1], share.part[2]);
+  }
+
+  bool is_held(std::size_t c, std::uint32_t point) const { return fabric_.positions[cloths_[c].particle_of[point]].w == 0; }
+
+  // Points of a cloth that are a level's nodes.
+  std::vector<std::uint32_t> points_of(std::size_t c, std::size_t g) const {
+    std::vector<std::uint32_t> points = cloths_[c].levels[g].coarse.points;
+    while (g-- > 0)
+      for (std::uint32_t& p : points) p = cloths_[c].levels[g].coarse.points[p];
+    return points;
+  }
+
+  void weigh(std::size_t c) {
+    const ClothLevels& cloth = cloths_[c];
+    std::vector<double> finer;   // kg, of what moves
+    for (std::uint32_t p = 0; p < cloth.particle_of.size(); ++p) {
+      const float w = fabric_.positions[cloth.particle_of[p]].w;
+      finer.push_back(w > 0 ? 1 / double(w) : 0);
+    }
+    for (std::size_t g = 0; g < cloth.levels.size(); ++g) {
+      const cooking::Coarse& coarse = cloth.levels[g].coarse;
+      std::vector<double> masses(coarse.points.size());
+      for (std::size_t p = 0; p < finer.size(); ++p) {
+        const auto share = gpu::unpack_level_share(packed(coarse.shares[p], 0));
+        const double parts[] = {share.part0, share.part1, share.part2};
+        const std::uint32_t nodes[] = {share.node0, share.node1, share.node2};
+        for (int k = 0; k < 3; ++k) masses[nodes[k]] += parts[k] * finer[p];
+      }
+      const auto points = points_of(c, g);
+      for (std::size_t k = 0; k < points.size(); ++k)
+        if (is_held(c, points[k])) masses[k] = 0;
+      masses_[c].push_back(masses);
+      finer = std::move(masses);
+    }
+  }
+
+  void add_level(std::size_t c, std::size_t g) {
+    const Level& level = cloths_[c].levels[g];
+    const bool has_coarser = g + 1 < cloths_[c].levels.size();
+    const std::uint32_t first_of_coarser = first_[c];
+    first_[c] = static_cast<std::uint32_t>(lists_.nodes.size());
+    const Ends ends = links_of(level, cloths_[c].stiffness, cloths_[c].levels.size(), first_[c]);
+    const auto points = points_of(c, g);
+    for (std::uint32_t k = 0; k < points.size(); ++k) {
+      const double mass = masses_[c][g][k];
+      gpu::LevelNode node{{WEFT_NONE, 0, 0, 0}, cloths_[c].particle_of[points[k]], mass > 0 ? static_cast<float>(1 / mass) : 0,
+                          static_cast<std::uint32_t>(lists_.links.size()), static_cast<std::uint32_t>(ends.of_node[k].size())};
+      if (has_coarser) node.share = packed(cloths_[c].levels[g + 1].coarse.shares[k], first_of_coarser);
+      lists_.links.insert(lists_.links.end(), ends.of_node[k].begin(), ends.of_node[k].end());
+      lists_.nodes.push_back(node);
+    }
+  }
+
+  void add_shares() {
+    lists_.shares.assign(fabric_.positions.size(), {WEFT_NONE, 0, 0, 0});
+    for (std::size_t c = 0; c < cloths_.size(); ++c) {
+      if (cloths_[c].levels.empty()) continue;
+      for (std::uint32_t p = 0; p < cloths_[c].particle_of.size(); ++p)
+        if (!is_held(c, p)) lists_.shares[cloths_[c].particle_of[p]] = packed(cloths_[c].levels[0].coarse.shares[p], first_[c]);
+    }
+  }
+
+  CookedFabric& fabric_;
+  const std::vector<ClothLevels>& cloths_;
+  LevelLists& lists_;
+  std::vector<std::uint32_t> first_;   // node of each cloth's level that was added last
+  std::vector<std::vector<std::vector<double>>> masses_;   // kg, by cloth, level and node; 0 where it is held
+};
+
+void lay_out(cooking::CookState& state) {
+  auto& all = state.fabric().own.of<AllLevels>();
+  Layout(state.fabric(), all.cloths).lay_out();
+  all = {};
+}
+
+std::uint32_t levels_of(const Cooked& s) { return static_cast<std::uint32_t>(s.fabric.own.of<LevelLists>().ends.size()); }
+
+// A dispatch a level that is not low.
+std::vector<Range> wide_levels(const Cooked& s) {
+  const LevelLists& lists = s.fabric.own.of<LevelLists>();
+  std::vector<Range> ranges;
+  for (std::uint32_t k = lists.low; k < lists.ends.size(); ++k) {
+    const std::uint32_t first = k == 0 ? 0 : lists.ends[k - 1];
+    ranges.push_back({first, lists.ends[k] - first});
+  }
+  return ranges;
+}
+
+constexpr Pass kPasses[] = {
+    {.name = "level_low",
+     .stage = Stage::iteration,
+     .threads = {[](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().low); }, lengths::one}},
+    {.name = "level_wide",
+     .stage = Stage::iteration,
+     .threads = {[](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); }},
+     .when = [](const Needs& needs) { return needs.constants[gpu::constant::has_wide_levels] != 0; },
+     .ranges = wide_levels},
+    {.name = "level_spread", .stage = Stage::iteration, .threads = threads::particles},
+};
+
+constexpr Figure kFigures[] = {
+    {.name = "levels.count", .cooked = [](const CookedFabric& f) { return std::uint64_t(f.own.of<LevelLists>().ends.size()); }},
+    {.name = "levels.nodes", .cooked = [](const CookedFabric& f) { return std::uint64_t(f.own.of<LevelLists>().nodes.size()); }}};
+
+}  // namespace
+
+constinit const Effect level{
+    .name = "level",
+    .key = "solver.levels",
+    .called_for = [](const Scene&, const CookedFabric& fabric) { return !fabric.own.of<LevelLists>().nodes.empty(); },
+    .buffers = kBuffers,
+    .passes = kPasses,
+    .specialize =
+        [](const Cooked& s, Constants& constants) {
+          constants[gpu::constant::has_wide_levels] = s.fabric.own.of<LevelLists>().low < levels_of(s);
+        },
+    .reference = Reference::a_way_to,
+    .figures = kFigures,
+    .cook = cook,
+    .lay_out = lay_out,
+};
+
+}  // namespace weft::effects

@@ -1,0 +1,30 @@
+// Coarse levels: what is long in a pull is carried over nodes that are far apart, level by level, before the links of the cloth.
+#pragma once
+
+#include <vector>
+
+#include "engine/effects/buffer.h"
+
+namespace weft {
+
+struct LevelLists {
+  std::vector<gpu::LevelNode> nodes;       // coarsest level first
+  std::vector<std::uint32_t> ends;         // of each level, into `nodes`
+  std::vector<gpu::LevelLink> links;       // of each node, one after another: each link from both of its ends
+  std::vector<gpu::uvec4> shares;          // of each particle in the finest level's nodes: gpu::pack_level_share
+  std::uint32_t low = 0;                   // how many levels one workgroup does
+};
+
+namespace buffers {
+inline constexpr Buffer level_nodes = own<gpu::LevelNode, &LevelLists::nodes>("level_nodes");
+inline constexpr Buffer level_ends = own<gpu::uint, &LevelLists::ends>("level_ends");
+inline constexpr Buffer level_links = own<gpu::LevelLink, &LevelLists::links>("level_links");
+inline constexpr Buffer level_shares = own<gpu::uvec4, &LevelLists::shares>("level_shares");
+/// How far each node goes in this iteration, with what it was carried (m).
+inline constexpr Buffer level_steps =
+    scratch<gpu::vec4>("level_steps", [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); });
+/// Multipliers of `level_links` (kg m).
+inline constexpr Buffer level_lambda =
+    scratch<float>("level_lambda", [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().links.size()); });
+}  // namespace buffers
+}  // namespace weft

@@ -1,0 +1,49 @@
+// A level's iteration: every node evaluates its links at the iterate that the coarser levels leave, as in stretch.comp: XPBD by Jacobi with
+// masses split. Links only pull: no two places of a cloth are farther apart than along it.
+//
+// A node is where its particle is, and goes first where the next coarser level carries it; what it has gone in the end, level_steps, it hands
+// on to the finer level and at last to the particles, by their shares.
+
+READ(LevelNode, level_nodes)
+READ(LevelLink, level_links)
+READ_WRITE(float, level_lambda)
+
+struct LevelIterate {
+  vec3 p;        // m
+  float weight;  // 1/kg, inverse mass times links
+};
+
+vec3 carried(uvec4 packed) {
+  if (packed.x == WEFT_NONE) return vec3(0);
+  const LevelShare share = unpack_level_share(packed);
+  return share.part0 * level_steps[share.node0].xyz + share.part1 * level_steps[share.node1].xyz +
+         share.part2 * level_steps[share.node2].xyz;
+}
+
+LevelIterate iterate_of(LevelNode node) {
+  vec3 p = FETCH(predicted, node.particle).xyz;
+  if (node.inverse_mass > 0) p += carried(node.share);
+  return LevelIterate(p, node.inverse_mass * float(node.links));
+}
+
+// How far node k goes.
+vec3 step_of(uint k) {
+  const LevelNode node = level_nodes[k];
+  if (node.inverse_mass == 0) return vec3(0);
+  const LevelIterate here = iterate_of(node);
+  const bool first = (push.flags & WEFT_FIRST_ITERATION) != 0;
+  vec3 sum = vec3(0);
+  for (uint l = node.first_link; l < node.first_link + node.links; ++l) {
+    const LevelLink link = level_links[l];
+    const LevelIterate there = iterate_of(level_nodes[link.other]);
+    const vec3 d = here.p - there.p;
+    const float len = sqrt(dot(d, d) + 1e-20), alpha = link.compliance * motion.inverse_h2;
+    const float lambda = is_iterated && !first ? level_lambda[l] : 0;
+    const float change = min(motion.relaxation * (link.rest - len - alpha * lambda) /
+                                 max(here.weight + there.weight + motion.relaxation * alpha, 1e-20), -lambda);
+    if (is_iterated) level_lambda[l] = lambda + change;
+    sum += (change / len) * d;
+  }
+  const vec3 gone = here.p - FETCH(predicted, node.particle).xyz + node.inverse_mass * sum;
+  return dot(gone, gone) < 1e20 ? gone : vec3(0);   // a neighbour that is not finite must not spoil this node
+}

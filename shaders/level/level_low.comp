@@ -1,0 +1,20 @@
+// level_low: the levels of few nodes, coarsest first, by one workgroup.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+GATHER(predicted)
+READ(uint, level_ends)
+SHARE(vec4, level_steps)
+#include "level/level.glsl"
+
+void main() {
+  uint first = 0;
+  for (uint level = 0; level < push.count; ++level) {
+    const uint end = level_ends[level];
+    for (uint k = first + gl_LocalInvocationID.x; k < end; k += workgroup) level_steps[k] = vec4(step_of(k), 0);
+    memoryBarrierBuffer();
+    barrier();
+    first = end;
+  }
+}

@@ -1,0 +1,1 @@
+weft_passes(level_low level_spread level_wide)
