@@ -55,8 +55,8 @@ WEFT_INLINE PatchLink unpack_patch_link(uvec2 packed) {
   return link;
 }
 
-// What three nodes of a level have in a displacement, in 16 bytes; their parts sum to one. Those of the second and third are told, in
-// units of 1/65535.
+// What three nodes of a level have in a displacement, in 16 bytes; their parts, from -2 to 2, sum to one. Those of the second and third are
+// told, in units of 1/16384.
 struct LevelShare {
   uint node0, node1, node2;
   float part0, part1, part2;
@@ -67,8 +67,8 @@ WEFT_INLINE LevelShare unpack_level_share(uvec4 packed) {
   share.node0 = packed.x;
   share.node1 = packed.y;
   share.node2 = packed.z;
-  share.part1 = float(packed.w & 0xffffu) / 65535.0f;
-  share.part2 = float(packed.w >> 16) / 65535.0f;
+  share.part1 = float(packed.w & 0xffffu) / 16384.0f - 2.0f;
+  share.part2 = float(packed.w >> 16) / 16384.0f - 2.0f;
   share.part0 = 1.0f - share.part1 - share.part2;
   return share;
 }
@@ -111,7 +111,7 @@ inline uvec2 pack_patch_link(const PatchLink& link) {
 }
 
 inline uvec4 pack_level_share(const uint (&nodes)[3], double part1, double part2) {
-  const auto whole = [](double part) { return static_cast<uint>(part * 65535 + 0.5); };
+  const auto whole = [](double part) { return static_cast<uint>((part + 2) * 16384 + 0.5); };
   return {nodes[0], nodes[1], nodes[2], whole(part1) | whole(part2) << 16};
 }
 

@@ -28,7 +28,8 @@
   X(13, bool, has_damping)      /* 1: some spring is damped */                                                               \
   X(14, uint, linear_solver)    /* WEFT_LINEAR_..., of the method implicit */                                                \
   X(15, uint, triangles_collide)   /* 1: with boxes, 2: with spheres and capsules, too (triangle_collide.comp) */             \
-  X(16, bool, has_wide_levels)  /* 1: of more than WEFT_LOW_LEVEL nodes (level_wide.comp) */
+  X(16, bool, has_levels)       /* 1: coarse ones (level/level.glsl) */                                                      \
+  X(17, bool, has_wide_levels)  /* 1: of more than WEFT_LOW_LEVEL nodes (level_wide.comp) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
@@ -129,6 +130,7 @@ struct LevelLink {
   float rest;           // m, along the cloth
   float compliance;     // m/N
 };
+#define WEFT_STRAND_LINKS 16u   // of a strand, at most (strand.comp)
 #define WEFT_LOW_LEVEL 1024u   // nodes, at most, of a level that one workgroup does
 
 /// One-sided link to an anchor; anchor == WEFT_NONE ends a particle's list. Lists are padded to an even length.

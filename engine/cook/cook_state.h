@@ -1,6 +1,7 @@
 // The state of cooking that effects share: the scene, the arrays as they grow, and the current cloth. Internal.
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <vector>
@@ -38,6 +39,15 @@ class CookState {
 
   /// Whether the current cloth has coarse levels, which carry half of its stiffness and serve for far links.
   bool has_levels = false;
+  /// Strands over particles, round by round, until they are laid out.
+  struct StrandOfParticles {
+    struct Link {
+      std::uint32_t link, next;   // of the fabric; the particle that it leads to
+    };
+    std::uint32_t start;
+    std::vector<Link> links;
+  };
+  std::array<std::vector<StrandOfParticles>, 2> strands;
   /// The tethers of each particle, until they are laid out.
   std::vector<std::vector<gpu::Tether>> tethers;
 

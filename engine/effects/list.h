@@ -8,6 +8,7 @@
 #define WEFT_EFFECTS(EFFECT) \
   EFFECT(anchor) \
   EFFECT(level) \
+  EFFECT(strand) \
   EFFECT(stretch) \
   EFFECT(gauss_seidel) \
   EFFECT(bend) \

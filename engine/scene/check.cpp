@@ -32,6 +32,7 @@ class SceneCheck {
   void note(std::string_view) {}
   void text(std::string_view, const std::string&) {}
   void flag(std::string_view, bool) {}
+  void optional_flag(std::string_view, const std::optional<bool>&) {}
   void number(std::string_view key, double value, const scene_fields::Range& range) { look(path_of(key), value, range); }
   void optional_number(std::string_view key, const std::optional<double>& value, const scene_fields::Range& range) {
     if (value) number(key, *value, range);

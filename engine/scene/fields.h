@@ -4,7 +4,7 @@
 // key by key. A key that is not here does not exist. Internal: not part of the public API.
 //
 // A visitor has these members, each called with the key and the value it stands for:
-//   text, flag, number, optional_number, stiffness (a number or "rigid"), whole, choice, choices, vector2, vector3, direction,
+//   text, flag, optional_flag, number, optional_number, stiffness (a number or "rigid"), whole, choice, choices, vector2, vector3, direction,
 //   unit (normalised), colour, file, cells, whole_list, object, optional_object, list, fabric, tethers, contacts, note (read by
 //   nobody)
 #pragma once
@@ -86,7 +86,7 @@ void fields(V& v, SolverSettings& solver) {
   v.choice("averaging", solver.averaging, kAveragings);
   v.number("relaxation", solver.relaxation, below(0, 2));
   v.number("rho", solver.rho, below(0, 1));
-  v.flag("levels", solver.levels);
+  v.optional_flag("levels", solver.levels);
   v.number("longest_advance", solver.longest_advance, above(0, 10, "s"));
 }
 

@@ -27,6 +27,10 @@ double most_relaxation(const SolverSettings& solver) {
   return solver.method == Method::chebyshev ? 1 + rho_of(solver) : 1 + std::pow(kLimit, -1.0 / std::max(1u, solver.iterations));
 }
 
+bool levels_of(const SolverSettings& solver) {
+  return solver.levels.value_or(solver.method == Method::strands);
+}
+
 double relaxation_of(const SolverSettings& solver) {
   if (solver.relaxation != 0) return solver.relaxation;
   if (solver.method == Method::chebyshev) return 1 + rho_of(solver);
@@ -53,6 +57,8 @@ std::string method_fault(const Scene& scene) {
     return named + " takes the time it takes, and solver.budget_ms is there: \"auto\" chooses by it";
   if (automatic && (scene.solver.substeps != 0 || scene.solver.iterations != 1))
     return named + " chooses substeps and iterations, and solver has some: leave them away";
+  if (levels_of(scene.solver) && method != Method::jacobi && method != Method::strands && method != Method::gauss_seidel)
+    return named + " has no levels, and solver.levels is true: \"jacobi\", \"strands\" and \"gauss_seidel\" may have them";
   for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
     const Cloth& cloth = scene.cloths[i];
     const std::string path = "cloths[" + std::to_string(i) + "].";

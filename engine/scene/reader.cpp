@@ -58,6 +58,11 @@ class Reader {
     out = value->get<bool>();
   }
 
+  void optional_flag(std::string_view key, std::optional<bool>& out) {
+    if (find(key) == nullptr) return;
+    flag(key, out.emplace());
+  }
+
   void number(std::string_view key, double& out, const Range& range) {
     if (const json* value = find(key)) read_number(*value, path_of(key), range, out);
   }

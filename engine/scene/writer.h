@@ -38,6 +38,9 @@ struct SceneWriter {
   void note(std::string_view) {}
   void text(std::string_view key, const std::string& value) { put(key, value); }
   void flag(std::string_view key, bool value) { put(key, value); }
+  void optional_flag(std::string_view key, const std::optional<bool>& value) {
+    if (value) put(key, *value);
+  }
   void number(std::string_view key, double value, const Range&) { put(key, value); }
   void optional_number(std::string_view key, const std::optional<double>& value, const Range&) {
     if (value) put(key, *value);

@@ -72,6 +72,7 @@ struct Lister {
     else
       put(key, {{"type", "string"}, {"maxLength", 1000}, {"default", value}});
   }
+  void optional_flag(std::string_view key, std::optional<bool>&) { put(key, {{"type", "boolean"}}); }
   void flag(std::string_view key, bool& value) { put(key, {{"type", "boolean"}, {"default", value}}); }
   void number(std::string_view key, double& value, const Range& range) { put(key, with_default(number_of(range), value)); }
   void optional_number(std::string_view key, std::optional<double>&, const Range& range) { put(key, number_of(range)); }

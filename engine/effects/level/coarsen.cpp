@@ -17,13 +17,16 @@ namespace weft::cooking {
 namespace {
 
 // Lengths of local edges: nodes are chosen until every point is nearer to one. On a grid a node has 14 particles.
-constexpr double kReach = 3.1;
+constexpr double kReach = 2.8;
 
 // Nearest nodes of a point that are looked at, and a spare one (geodesic.cpp).
-constexpr std::uint32_t kNearest = 8, kSpare = 1;
+constexpr std::uint32_t kNearest = 10, kSpare = 1;
 
 // A point this far outside a triangle, in barycentric coordinates, still counts as inside: rounding, and surfaces that do not unroll.
 constexpr double kInside = -1e-3;
+
+// As far outside of all triangles a displacement is carried on; farther out it is that of the nearest place inside.
+constexpr double kOutside = 0.3;
 
 // Height over longest side: flatter triangles have no say.
 constexpr double kFlattest = 0.05;
@@ -55,19 +58,19 @@ IntrinsicSurface in_edges(const IntrinsicSurface& surface, std::size_t points) {
   return scaled;
 }
 
-// Farthest point first: of the points that are held, then of all.
-std::vector<std::uint32_t> choose_nodes(const IntrinsicSurface& surface, const std::vector<bool>& held) {
-  const auto points = static_cast<std::uint32_t>(held.size());
+// Farthest point first: of the points that are held, of these and the rim's, then of all.
+std::vector<std::uint32_t> choose_nodes(const IntrinsicSurface& surface, std::span<const Rank> ranks) {
+  const auto points = static_cast<std::uint32_t>(ranks.size());
   const IntrinsicSurface scaled = in_edges(surface, points);
   Waves waves(scaled, 1);
   const auto distance = [&](std::uint32_t p) {
     return p < points && !waves.at(p).empty() ? waves.at(p).front().distance : INFINITY;
   };
   std::vector<std::uint32_t> nodes;
-  for (const bool only_held : {true, false}) {
+  for (const Rank least : {Rank::held, Rank::rim, Rank::inner}) {
     std::priority_queue<std::pair<double, std::uint32_t>> farthest;   // with distances as they once were: they only shrink
     for (std::uint32_t p = points; p-- > 0;)
-      if (!only_held || held[p]) farthest.emplace(INFINITY, p);
+      if (ranks[p] >= least) farthest.emplace(INFINITY, p);
     while (!farthest.empty()) {
       const auto [then, p] = farthest.top();
       farthest.pop();
@@ -129,8 +132,10 @@ class Coarsening {
     Share best{{nodes[0].source, 0, 0}, {1, 0, 0}};
     if (nodes[0].distance == 0) return best;
     double smallest = INFINITY, least_outside = INFINITY;
-    for (std::size_t i = 1; i < nodes.size(); ++i)
-      for (std::size_t j = i + 1; j < nodes.size(); ++j) try_triangle({nodes[0], nodes[i], nodes[j]}, best, smallest, least_outside);
+    // Nearly always the nearest node is a corner.
+    for (std::size_t h = 0; h < nodes.size() && smallest == INFINITY; ++h)
+      for (std::size_t i = h + 1; i < nodes.size(); ++i)
+        for (std::size_t j = i + 1; j < nodes.size(); ++j) try_triangle({nodes[h], nodes[i], nodes[j]}, best, smallest, least_outside);
     if (smallest == INFINITY && nodes.size() > 1) try_side(nodes[0], nodes[1], best, least_outside);
     keep(best);
     return best;
@@ -155,7 +160,8 @@ class Coarsening {
     const bool inside = outside < -kInside;
     if (inside ? radius >= smallest * (1 - 1e-9) : smallest < INFINITY || outside >= least_outside * (1 - 1e-9)) return;
     inside ? smallest = radius : least_outside = outside;
-    std::array<double, 3> parts{std::max(0.0, a), std::max(0.0, b), std::max(0.0, c)};
+    const double least = outside < kOutside ? -kOutside : 0;
+    std::array<double, 3> parts{std::max(least, a), std::max(least, b), std::max(least, c)};
     const double sum = parts[0] + parts[1] + parts[2];
     for (double& part : parts) part /= sum;
     best = {{to[0].source, to[1].source, to[2].source}, parts};
@@ -202,8 +208,8 @@ class Coarsening {
 
 }  // namespace
 
-Coarse coarsen(const IntrinsicSurface& fine, const std::vector<bool>& held, std::span<const Vec2> uvs) {
-  return Coarsening(fine, choose_nodes(fine, held), held.size()).finish(fine, uvs);
+Coarse coarsen(const IntrinsicSurface& fine, std::span<const Rank> ranks, std::span<const Vec2> uvs) {
+  return Coarsening(fine, choose_nodes(fine, ranks), ranks.size()).finish(fine, uvs);
 }
 
 }  // namespace weft::cooking

@@ -9,7 +9,8 @@
 
 namespace weft::cooking {
 
-/// Three nodes, by their numbers, and the parts of a point's displacement that are theirs, which sum to one; unused places have a part of 0.
+/// Three nodes, by their numbers, and the parts of a point's displacement that are theirs, which sum to one: below 0 where the point lies a
+/// little outside of them; unused places have a part of 0.
 struct Share {
   std::array<std::uint32_t, 3> node{};
   std::array<double, 3> part{};
@@ -28,8 +29,11 @@ struct Coarse {
   IntrinsicSurface surface;                     // over the nodes
 };
 
-/// Nodes about four edges apart. Points that are `held` have nodes among them as near to each other as all nodes are, so that what is held
-/// in one place is held there at every level. `uvs` are those of the points; empty or not finite where there is none.
-Coarse coarsen(const IntrinsicSurface& fine, const std::vector<bool>& held, std::span<const Vec2> uvs);
+/// What a point is to the choice of nodes: those of a higher rank have nodes among them, as near to each other as all nodes are, before
+/// others are chosen. So what is held is held at every level, and no level ends before the cloth does.
+enum class Rank : std::uint8_t { inner, rim, held };
+
+/// Nodes about four edges apart. `uvs` are those of the points; empty or not finite where there is none.
+Coarse coarsen(const IntrinsicSurface& fine, std::span<const Rank> ranks, std::span<const Vec2> uvs);
 
 }  // namespace weft::cooking

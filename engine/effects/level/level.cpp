@@ -22,10 +22,6 @@ namespace {
 constexpr const Buffer* kBuffers[] = {&buffers::level_nodes, &buffers::level_ends,  &buffers::level_links,
                                       &buffers::level_shares, &buffers::level_steps, &buffers::level_lambda};
 
-bool has_levels(const SolverSettings& solver) {
-  return solver.levels && (solver.method == Method::jacobi || solver.method == Method::gauss_seidel);
-}
-
 // Nodes: coarser levels carry nothing further.
 constexpr std::size_t kFewest = 6;
 
@@ -59,27 +55,34 @@ std::vector<Vec2> point_uvs(const Mesh& mesh) {
   return uvs;
 }
 
+std::vector<cooking::Rank> ranks_of(const cooking::ClothInput& input) {
+  std::vector<cooking::Rank> ranks(input.mesh.points.size(), cooking::Rank::inner);
+  for (const WingedEdge& edge : input.mesh.edges)
+    if (edge.triangle[0] == kNone || edge.triangle[1] == kNone) ranks[edge.a] = ranks[edge.b] = cooking::Rank::rim;
+  for (const auto& anchor : input.anchors) ranks[anchor.point] = cooking::Rank::held;
+  return ranks;
+}
+
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   state.has_levels = false;
-  if (!has_levels(state.scene().solver)) return {};
+  if (!levels_of(state.scene().solver)) return {};
   auto& all = state.fabric().own.of<AllLevels>().cloths;
   all.resize(state.fabric().cloths.size());
   ClothLevels& cloth = all.back();
   cloth.particle_of.assign(state.particle_of().begin(), state.particle_of().end());
   cloth.stiffness = {input.cloth.fabric.stretch, input.cloth.fabric.shear};
   cooking::IntrinsicSurface surface = cooking::surface_of(input.mesh);
-  std::vector<bool> held(input.mesh.points.size());
-  for (const auto& anchor : input.anchors) held[anchor.point] = true;
+  std::vector<cooking::Rank> ranks = ranks_of(input);
   std::vector<Vec2> uvs = point_uvs(input.mesh);
-  std::vector<double> areas(held.size());
+  std::vector<double> areas(ranks.size());
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     const auto& c = surface.flat[t].corners;
     for (const std::uint32_t p : surface.triangles[t]) areas[p] += 0.5 * c[1].x() * c[2].y() / 3;
   }
-  while (held.size() > 2 * kFewest) {
-    Level level{cooking::coarsen(surface, held, uvs), {}};
+  while (ranks.size() > kFewest) {
+    Level level{cooking::coarsen(surface, ranks, uvs), {}};
     const std::vector<std::uint32_t>& points = level.coarse.points;
-    if (2 * points.size() > held.size()) break;   // many small pieces
+    if (2 * points.size() > ranks.size() || points.size() < 3) break;   // small pieces
     level.areas.resize(points.size());
     for (std::size_t p = 0; p < areas.size(); ++p)
       for (int k = 0; k < 3; ++k) level.areas[level.coarse.shares[p].node[k]] += level.coarse.shares[p].part[k] * areas[p];
@@ -88,7 +91,7 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
       for (const std::uint32_t p : points) of_nodes.push_back(of_points[p]);
       of_points = std::move(of_nodes);
     };
-    at_nodes(held);
+    at_nodes(ranks);
     if (!uvs.empty()) at_nodes(uvs);
     areas = level.areas;
     surface = level.coarse.surface;
@@ -218,8 +221,6 @@ void lay_out(cooking::CookState& state) {
   all = {};
 }
 
-std::uint32_t levels_of(const Cooked& s) { return static_cast<std::uint32_t>(s.fabric.own.of<LevelLists>().ends.size()); }
-
 // A dispatch a level that is not low.
 std::vector<Range> wide_levels(const Cooked& s) {
   const LevelLists& lists = s.fabric.own.of<LevelLists>();
@@ -240,7 +241,10 @@ constexpr Pass kPasses[] = {
      .threads = {[](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); }},
      .when = [](const Needs& needs) { return needs.constants[gpu::constant::has_wide_levels] != 0; },
      .ranges = wide_levels},
-    {.name = "level_spread", .stage = Stage::iteration, .threads = threads::particles},
+    {.name = "level_spread",
+     .stage = Stage::iteration,
+     .threads = threads::particles,
+     .when = [](const Needs& needs) { return !needs.has(EffectId::strand); }},   // its first round does that
 };
 
 constexpr Figure kFigures[] = {
@@ -257,7 +261,9 @@ constinit const Effect level{
     .passes = kPasses,
     .specialize =
         [](const Cooked& s, Constants& constants) {
-          constants[gpu::constant::has_wide_levels] = s.fabric.own.of<LevelLists>().low < levels_of(s);
+          const LevelLists& lists = s.fabric.own.of<LevelLists>();
+          constants[gpu::constant::has_levels] = 1;
+          constants[gpu::constant::has_wide_levels] = lists.low < lists.ends.size();
         },
     .reference = Reference::a_way_to,
     .figures = kFigures,

@@ -1,9 +1,11 @@
 #include "engine/effects/stretch/stretch.h"
 
 #include <algorithm>
+#include <map>
 
 #include "engine/cook/cook_state.h"
 #include "engine/effects/effect.h"
+#include "engine/effects/strand/strand.h"
 
 namespace weft::effects {
 namespace {
@@ -17,17 +19,36 @@ constexpr Pass kPasses[] = {
     {.name = "stretch", .stage = Stage::iteration, .threads = threads::particles, .changes = Changes::iterate, .can_finalize = true},
 };
 
+// The strands of a cloth whose links begin at `first`, in the order of `springs`.
+void add_strands(cooking::CookState& state, const Mesh& mesh, const std::vector<cooking::Spring>& springs, std::size_t first) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> spring_of;
+  for (std::uint32_t k = 0; k < springs.size(); ++k) spring_of[std::minmax(springs[k].a, springs[k].b)] = k;
+  const auto rounds = cooking::choose_strands(mesh, springs);
+  for (std::size_t round = 0; round < rounds.size(); ++round)
+    for (const cooking::Strand& strand : rounds[round]) {
+      auto& made = state.strands[round].emplace_back();
+      made.start = state.particle_of()[strand.front()];
+      for (std::size_t k = 1; k < strand.size(); ++k) {
+        const auto link = static_cast<std::uint32_t>(first + spring_of.at(std::minmax(strand[k - 1], strand[k])));
+        state.fabric().links[link].in_strand = true;
+        made.links.push_back({link, state.particle_of()[strand[k]]});
+      }
+    }
+}
+
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   const auto particle_of = state.particle_of();
-  const cooking::Stiffness stiffness{input.cloth.fabric.stretch, input.cloth.fabric.shear};
-  for (cooking::Spring s : cooking::springs(input.mesh, stiffness, !state.has_levels)) {
+  const std::size_t first = state.fabric().links.size();
+  auto springs = cooking::springs(input.mesh, {input.cloth.fabric.stretch, input.cloth.fabric.shear}, !state.has_levels);
+  for (cooking::Spring& s : springs) {
     if (state.has_levels) s.compliance *= 2;
     // What the GPU will read, so that strain and reference see the same link.
     const gpu::uvec2 packed =
         gpu::pack_link({0, static_cast<float>(s.rest), static_cast<float>(std::min(s.compliance, cooking::kSoftest)), s.only_pulls});
     const gpu::Link link = gpu::unpack_link(packed.x, packed.y);
-    state.fabric().links.push_back({particle_of[s.a], particle_of[s.b], link.rest, link.response, s.only_pulls, 0});
+    state.fabric().links.push_back({particle_of[s.a], particle_of[s.b], link.rest, link.response, s.only_pulls});
   }
+  if (state.scene().solver.method == Method::strands) add_strands(state, input.mesh, springs, first);
   return {};
 }
 
@@ -36,13 +57,15 @@ void lay_out(cooking::CookState& state) {
   const SolverSettings& solver = state.scene().solver;
   CookedFabric& fabric = state.fabric();
   std::vector<std::uint32_t> uses(fabric.positions.size());
-  for (const StretchLink& link : fabric.links) ++uses[link.a], ++uses[link.b];
+  for (const StretchLink& link : fabric.links)
+    if (!link.in_strand) ++uses[link.a], ++uses[link.b];
   const bool split = solver.averaging == Averaging::mass_split, iterated = solver.iterations > 1;
   const bool alone = solver.method == Method::gauss_seidel || on_springs(solver.method);   // no masses are split
   for (std::size_t i = 0; i < uses.size(); ++i)
     fabric.split_weights.push_back((split ? std::max<float>(1, static_cast<float>(uses[i])) : 1) * fabric.positions[i].w);
   std::vector<std::vector<gpu::uvec2>> lists(fabric.positions.size());
   for (StretchLink& link : fabric.links) {
+    if (link.in_strand) continue;
     const double weight = double(fabric.split_weights[link.a]) + fabric.split_weights[link.b];
     const double gain = weight > 0 ? 1 / (weight + link.compliance * state.softening()) : 0;
     const float response = iterated ? link.compliance : static_cast<float>(gain);
@@ -64,7 +87,7 @@ constinit const Effect stretch{
     .name = "stretch",
     .called_for =
         [](const Scene& scene, const CookedFabric&) {
-          return scene.solver.method == Method::jacobi || scene.solver.method == Method::chebyshev;
+          return scene.solver.method == Method::jacobi || scene.solver.method == Method::strands || scene.solver.method == Method::chebyshev;
         },
     .buffers = kBuffers,
     .passes = kPasses,

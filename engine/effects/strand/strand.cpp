@@ -1,0 +1,57 @@
+#include "engine/effects/strand/strand.h"
+
+#include <algorithm>
+
+#include "engine/cook/cook_state.h"
+
+namespace weft::effects {
+namespace {
+
+constexpr const Buffer* kBuffers[] = {&buffers::strand_starts, &buffers::strand_links, &buffers::strand_lambda};
+
+constexpr Pass kPasses[] = {
+    {.name = "strand",
+     .stage = Stage::iteration,
+     .threads = {[](const Cooked& s) { return std::uint64_t(s.fabric.own.of<StrandLists>().starts.size()); }},
+     .ranges = [](const Cooked& s) { return s.fabric.own.of<StrandLists>().rounds; }},
+};
+
+// In rounds, over particles; longest first, so that neighbours among threads end together.
+void lay_out(cooking::CookState& state) {
+  CookedFabric& fabric = state.fabric();
+  StrandLists& lists = fabric.own.of<StrandLists>();
+  const bool iterated = state.scene().solver.iterations > 1;
+  for (auto& strands : state.strands) {
+    if (strands.empty()) continue;
+    std::stable_sort(strands.begin(), strands.end(), [](const auto& a, const auto& b) { return a.links.size() > b.links.size(); });
+    const std::size_t count = strands.size(), first = lists.links.size();
+    lists.rounds.push_back({static_cast<std::uint32_t>(lists.starts.size()), static_cast<std::uint32_t>(count)});
+    lists.links.resize(first + count * WEFT_STRAND_LINKS, gpu::uvec2{0, 0});
+    for (std::size_t s = 0; s < count; ++s) {
+      lists.starts.push_back(strands[s].start);
+      for (std::size_t k = 0; k < strands[s].links.size(); ++k) {
+        StretchLink& link = fabric.links[strands[s].links[k].link];
+        const std::uint32_t next = strands[s].links[k].next;
+        const double weight = double(fabric.positions[link.a].w) + fabric.positions[link.b].w;
+        const double gain = weight > 0 ? 1 / (weight + link.compliance / (fabric.h * fabric.h)) : 0;
+        const gpu::uvec2 packed = gpu::pack_link({next, link.rest, iterated ? link.compliance : static_cast<float>(gain), link.only_pulls});
+        if (!iterated) link.gain = gpu::unpack_link(packed.x, packed.y).response;
+        lists.links[first + k * count + s] = packed;
+      }
+    }
+  }
+  state.strands = {};
+}
+
+}  // namespace
+
+constinit const Effect strand{
+    .name = "strand",
+    .called_for = [](const Scene& scene, const CookedFabric&) { return scene.solver.method == Method::strands; },
+    .buffers = kBuffers,
+    .passes = kPasses,
+    .reference = Reference::a_way_to,
+    .lay_out = lay_out,
+};
+
+}  // namespace weft::effects

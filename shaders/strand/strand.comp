@@ -1,0 +1,62 @@
+// strand: distance constraints by XPBD (stretch.comp) and Gauss-Seidel, one thread a strand: it goes along a line of links and projects one
+// after another, each with the result of the one before. Strands of a dispatch share no particle (engine/effects/strand/strands.cpp). A link
+// moves both of its ends by opposite impulses along itself, so that momentum is conserved.
+//
+// With coarse levels the first round also carries its particles along with them, as level_spread would.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+GATHER(positions)
+GATHER_WRITE(predicted)
+GATHER_UINT(strand_starts)
+GATHER_UINT2(strand_links)
+READ_WRITE(float, strand_lambda)
+READ_WRITE(Counters, counters)
+#include "level/spread.glsl"
+
+// Particle i's iterate, and in w its inverse mass (1/kg).
+vec4 taken(uint i) {
+  vec4 p = FETCH(predicted, i);
+  if (has_levels && push.first == 0) p.xyz += spread(i);
+  return p;
+}
+
+float inverse_mass(uint i, vec4 p) { return is_iterated ? FETCH(positions, i).w : p.w; }
+
+void main() {
+  if (gl_GlobalInvocationID.x >= push.count) return;
+  const uint s = push.first + gl_GlobalInvocationID.x;
+  uint i = FETCH_UINT(strand_starts, s);
+  vec4 p = taken(i);
+  float w = inverse_mass(i, p);
+  uint k = WEFT_STRAND_LINKS * push.first + gl_GlobalInvocationID.x, coincident = 0;
+  for (uint passed = 0; passed < WEFT_STRAND_LINKS; ++passed, k += push.count) {
+    const uvec2 packed = FETCH_UINT2(strand_links, k);
+    const Link link = unpack_link(packed.x, packed.y);
+    if (link.rest == 0) break;
+    vec4 q = taken(link.other);
+    const float v = inverse_mass(link.other, q);
+    vec3 d = p.xyz - q.xyz;
+    const float squared = dot(d, d);
+    // Ends at one place have no direction: as in stretch.comp. An end that is not finite must not spoil the other.
+    if (squared < 1e-20) {
+      ++coincident;
+      d = 1e-10 * vec3(0.36, 0.48, 0.8);
+    }
+    const float len = sqrt(max(squared, 1e-20));
+    float change = (link.rest - len) * link.response;
+    if (is_iterated) {
+      const float alpha = link.response * motion.inverse_h2, lambda = (push.flags & WEFT_FIRST_ITERATION) != 0 ? 0 : strand_lambda[k];
+      change = (link.rest - len - alpha * lambda) / max(w + v + alpha, 1e-20);
+      strand_lambda[k] = lambda + change;
+    }
+    const vec3 impulse = squared < 1e20 ? (change / len) * d : vec3(0);
+    predicted[i].xyz = p.xyz + w * impulse;
+    i = link.other;
+    p = vec4(q.xyz - v * impulse, q.w);
+    w = v;
+  }
+  predicted[i].xyz = p.xyz;
+  if (coincident > 0) atomicAdd(counters[0].coincident, coincident);
+}
