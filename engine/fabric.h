@@ -25,9 +25,9 @@ struct StretchLink {
   float rest;        // m, as the GPU has it
   float compliance;  // m/N
   bool only_pulls;
-  bool in_strand = false;   // solved with its strand and not by Jacobi
   float gain = 0;    // kg: 1 / (W_a + W_b + omega compliance / h^2) as the GPU has it, with one Jacobi iteration a substep; 0 if both ends
                      // are kinematic
+  bool in_strand = false;   // solved with its strand and not by Jacobi
 };
 
 /// A spring of the methods on springs, once a pair: a link with its stiffness, a spring of Cloth::springs, or, linear with rest 0 and of

@@ -73,6 +73,36 @@ WEFT_INLINE LevelShare unpack_level_share(uvec4 packed) {
   return share;
 }
 
+// A node of a coarse level in 16 bytes (level/level.glsl), and a link of its.
+struct LevelNode {
+  uint particle;        // where it is
+  float inverse_mass;   // 1/kg; 0: its particle is held
+  uint first_link, links;
+};
+
+struct LevelLink {
+  uint other;           // node
+  float rest;           // m, along the cloth
+  float compliance;     // m/N
+};
+
+WEFT_INLINE LevelNode unpack_level_node(uvec4 packed) {
+  LevelNode node;
+  node.particle = packed.x;
+  node.inverse_mass = WEFT_FLOAT(packed.y);
+  node.first_link = packed.z;
+  node.links = packed.w;
+  return node;
+}
+
+WEFT_INLINE LevelLink unpack_level_link(uvec4 packed) {
+  LevelLink link;
+  link.other = packed.x;
+  link.rest = WEFT_FLOAT(packed.y);
+  link.compliance = WEFT_FLOAT(packed.z);
+  return link;
+}
+
 // A candidate in 16 bytes: four particles of 24 bits, and in their top bytes, first to last, the bits of the separation
 // (m), whose sign tells the kind. Vertex-triangle: the vertex is side A, the triangle side B. Edge-edge: two and two.
 struct Candidate {
@@ -109,6 +139,9 @@ WEFT_INLINE uvec4 pack_candidate(uint a, uint b, uint c, uint d, float separatio
 inline uvec2 pack_patch_link(const PatchLink& link) {
   return {link.a | link.b << 8 | (WEFT_BITS(link.compliance) & 0xffff0000u), (WEFT_BITS(link.rest) & 0xfffffffeu) | (link.only_pulls ? 1u : 0u)};
 }
+
+inline uvec4 pack_level_node(const LevelNode& node) { return {node.particle, WEFT_BITS(node.inverse_mass), node.first_link, node.links}; }
+inline uvec4 pack_level_link(const LevelLink& link) { return {link.other, WEFT_BITS(link.rest), WEFT_BITS(link.compliance), 0}; }
 
 inline uvec4 pack_level_share(const uint (&nodes)[3], double part1, double part2) {
   const auto whole = [](double part) { return static_cast<uint>((part + 2) * 16384 + 0.5); };

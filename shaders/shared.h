@@ -115,21 +115,8 @@ struct Patch {
   uint first_colour, colours;   // of patch_colour_ends: the entry before its first colour's, and how many follow
 };
 #define WEFT_PATCH 256u
-#define WEFT_SWEEPS 2u
+#define WEFT_SWEEPS 1u
 
-/// A node of a coarse level (level/level.glsl).
-struct LevelNode {
-  uvec4 share;          // in the nodes of the next coarser level: LevelShare; x == WEFT_NONE: there is none
-  uint particle;        // where it is
-  float inverse_mass;   // 1/kg; 0: its particle is held
-  uint first_link, links;
-};
-
-struct LevelLink {
-  uint other;           // node
-  float rest;           // m, along the cloth
-  float compliance;     // m/N
-};
 #define WEFT_STRAND_LINKS 16u   // of a strand, at most (strand.comp)
 #define WEFT_LOW_LEVEL 1024u   // nodes, at most, of a level that one workgroup does
 
@@ -311,7 +298,7 @@ SLICE(CollisionSettings, collision_settings)
 
 #ifdef __cplusplus
 
-static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(LevelNode) == 32 && sizeof(LevelLink) == 12 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
+static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 44 && sizeof(Push) == 28 && sizeof(Motion) == 40);
 static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 300 && sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);

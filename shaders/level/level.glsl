@@ -4,8 +4,9 @@
 // A node is where its particle is, and goes first where the next coarser level carries it; what it has gone in the end, level_steps, it hands
 // on to the finer level and at last to the particles, by their shares.
 
-READ(LevelNode, level_nodes)
-READ(LevelLink, level_links)
+GATHER_UINT4(level_nodes)
+GATHER_UINT4(level_node_shares)
+GATHER_UINT4(level_links)
 READ_WRITE(float, level_lambda)
 
 struct LevelIterate {
@@ -13,29 +14,30 @@ struct LevelIterate {
   float weight;  // 1/kg, inverse mass times links
 };
 
-vec3 carried(uvec4 packed) {
+// Node k's, of the coarser level by STEP.
+vec3 carried(uint k) {
+  const uvec4 packed = FETCH(level_node_shares, k);
   if (packed.x == WEFT_NONE) return vec3(0);
   const LevelShare share = unpack_level_share(packed);
-  return share.part0 * level_steps[share.node0].xyz + share.part1 * level_steps[share.node1].xyz +
-         share.part2 * level_steps[share.node2].xyz;
+  return share.part0 * STEP(share.node0).xyz + share.part1 * STEP(share.node1).xyz + share.part2 * STEP(share.node2).xyz;
 }
 
-LevelIterate iterate_of(LevelNode node) {
+LevelIterate iterate_of(uint k, LevelNode node) {
   vec3 p = FETCH(predicted, node.particle).xyz;
-  if (node.inverse_mass > 0) p += carried(node.share);
+  if (node.inverse_mass > 0) p += carried(k);
   return LevelIterate(p, node.inverse_mass * float(node.links));
 }
 
 // How far node k goes.
 vec3 step_of(uint k) {
-  const LevelNode node = level_nodes[k];
+  const LevelNode node = unpack_level_node(FETCH(level_nodes, k));
   if (node.inverse_mass == 0) return vec3(0);
-  const LevelIterate here = iterate_of(node);
+  const LevelIterate here = iterate_of(k, node);
   const bool first = (push.flags & WEFT_FIRST_ITERATION) != 0;
   vec3 sum = vec3(0);
   for (uint l = node.first_link; l < node.first_link + node.links; ++l) {
-    const LevelLink link = level_links[l];
-    const LevelIterate there = iterate_of(level_nodes[link.other]);
+    const LevelLink link = unpack_level_link(FETCH(level_links, l));
+    const LevelIterate there = iterate_of(link.other, unpack_level_node(FETCH(level_nodes, link.other)));
     const vec3 d = here.p - there.p;
     const float len = sqrt(dot(d, d) + 1e-20), alpha = link.compliance * motion.inverse_h2;
     const float lambda = is_iterated && !first ? level_lambda[l] : 0;

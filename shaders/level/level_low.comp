@@ -6,13 +6,14 @@
 GATHER(predicted)
 READ(uint, level_ends)
 SHARE(vec4, level_steps)
+#define STEP(k) level_steps[k]   // this dispatch has written it
 #include "level/level.glsl"
 
 void main() {
   uint first = 0;
   for (uint level = 0; level < push.count; ++level) {
     const uint end = level_ends[level];
-    for (uint k = first + gl_LocalInvocationID.x; k < end; k += workgroup) level_steps[k] = vec4(step_of(k), 0);
+    for (uint k = first + gl_LocalInvocationID.x; k < end; k += workgroup) level_steps[k].xyz = step_of(k);
     memoryBarrierBuffer();
     barrier();
     first = end;

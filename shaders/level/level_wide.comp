@@ -4,11 +4,12 @@
 #include "shared.h"
 
 GATHER(predicted)
-READ_WRITE(vec4, level_steps)
+GATHER_WRITE(level_steps)
+#define STEP(k) FETCH(level_steps, k)   // an earlier dispatch has written it
 #include "level/level.glsl"
 
 void main() {
   if (gl_GlobalInvocationID.x >= push.count) return;
   const uint k = push.first + gl_GlobalInvocationID.x;
-  level_steps[k] = vec4(step_of(k), 0);
+  level_steps[k].xyz = step_of(k);
 }

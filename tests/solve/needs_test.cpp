@@ -57,7 +57,9 @@ Sheet sheet_for(const Calls& calls) {
                              : calls.has(Id::gauss_seidel) ? Method::gauss_seidel
                              : calls.has(Id::spring)       ? Method::mass_spring
                              : calls.has(Id::chebyshev)    ? Method::chebyshev
+                             : calls.has(Id::strand)       ? Method::strands
                                                            : Method::jacobi;
+  made.scene.solver.levels = calls.has(Id::level);
   const auto meshes = make_meshes(made.scene);
   auto fabric = cook(made.scene, *meshes);
   EXPECT_TRUE(fabric) << fabric.error();
@@ -74,7 +76,7 @@ TEST(NeedsOf, a_scene_calls_for_what_it_has) {
     const Needs wanted = setup_for(calls, true), got = needs_of(sheet.subject(), kWorkgroup, true);
     EXPECT_EQ(got.effects, wanted.effects);
     for (const auto id : {constant::workgroup, constant::through_texels, constant::is_iterated, constant::is_accelerated,
-                          constant::has_colliders, constant::triangles_collide, constant::has_contacts})
+                          constant::has_levels, constant::has_colliders, constant::triangles_collide, constant::has_contacts})
       EXPECT_EQ(got.constants[id], wanted.constants[id]) << "constant " << id;
     EXPECT_EQ(got.constants[constant::planes], calls.has(Id::triangle) ? 2u : calls.has(Id::collide) ? 3u : 0u);
   }
@@ -172,9 +174,9 @@ TEST(Passes, threads_are_counted_from_what_was_cooked) {
   EXPECT_EQ(threads["surface"], 30u);
   EXPECT_EQ(threads["contact_arguments"], 30u);
   EXPECT_EQ(dispatches["contact_limit"], std::size_t(WEFT_LIMIT_PASSES));
-  const Sheet coloured = sheet_for({{Id::gauss_seidel}});
+  const Sheet patched = sheet_for({{Id::gauss_seidel}});
   for (const Pass& pass : effect(Id::gauss_seidel).passes)
-    EXPECT_EQ(ranges_of(pass, coloured.subject()).size(), coloured.fabric.colour_ends.size());
+    EXPECT_EQ(ranges_of(pass, patched.subject()).size(), patched.fabric.own.of<PatchLists>().rounds.size());
 }
 
 }  // namespace

@@ -163,7 +163,8 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     const auto expect = [&](bool wanted, std::initializer_list<const Buffer*> rows) {
       for (const Buffer* row : rows) EXPECT_EQ(plan.has(*row), wanted) << row->name;
     };
-    const bool implicit = calls.has(Id::implicit), bending = calls.has(Id::bend), coloured = calls.has(Id::gauss_seidel),
+    const bool implicit = calls.has(Id::implicit), bending = calls.has(Id::bend), patches = calls.has(Id::gauss_seidel), levels = calls.has(Id::level),
+               strands = calls.has(Id::strand),
                accelerated = calls.has(Id::chebyshev);
     namespace b = buffers;
     expect(calls.has(Id::anchor), {&b::anchors});
@@ -171,8 +172,12 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(calls.has(Id::collide), {&b::colliders});
     expect(calls.has(Id::stretch), {&b::stretch_rows, &b::stretch_links});
     expect(calls.has(Id::stretch) && calls.iterated, {&b::stretch_lambda});
-    expect(coloured, {&b::coloured_links});
-    expect(coloured && calls.iterated, {&b::coloured_lambda});
+    expect(levels, {&b::level_nodes, &b::level_node_shares, &b::level_ends, &b::level_links, &b::level_shares, &b::level_steps});
+    expect(levels && calls.iterated, {&b::level_lambda});
+    expect(strands, {&b::strand_starts, &b::strand_links});
+    expect(strands && calls.iterated, {&b::strand_lambda});
+    expect(patches, {&b::patches, &b::patch_members, &b::patch_colour_ends, &b::patch_links});
+    expect(patches && calls.iterated, {&b::patch_lambda});
     expect(accelerated, {&b::stretch_steps, &b::chebyshev_iterates, &b::acceleration});
     expect(accelerated && bending, {&b::bend_steps});
     expect(bending && !calls.iterated, {&b::bend_rows, &b::bend_entries});
@@ -221,6 +226,12 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   EXPECT_EQ(labels({{Id::stretch, Id::collide}, true}), (Labels{"predict", "stretch+collide+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::spring, Id::tether}}), (Labels{"predict", "spring", "finalize+tether", "surface"}));
   EXPECT_EQ(labels({{Id::gauss_seidel}}), (Labels{"predict", "gauss_seidel", "finalize", "surface"}));
+  EXPECT_EQ(labels({{Id::stretch, Id::level}}), (Labels{"predict", "level_low", "level_spread", "stretch+finalize", "surface"}));
+  EXPECT_EQ(labels({{Id::stretch, Id::strand}}), (Labels{"predict", "strand", "stretch+finalize", "surface"}));
+  EXPECT_EQ(labels({{Id::stretch, Id::strand, Id::level, Id::bend}}),
+            (Labels{"predict", "level_low", "strand", "stretch", "bend+finalize", "surface"}));
+  EXPECT_EQ(labels({{Id::gauss_seidel, Id::level}}),
+            (Labels{"predict", "level_low", "level_spread", "gauss_seidel", "finalize", "surface"}));
   EXPECT_EQ(labels({{Id::gauss_seidel, Id::bend}}), (Labels{"predict", "gauss_seidel", "bend+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::stretch, Id::dihedral, Id::tether}}),
             (Labels{"predict", "stretch", "dihedral", "dihedral_gather+tether+finalize", "surface"}));

@@ -14,7 +14,7 @@ namespace weft {
 
 using Id = EffectId;
 namespace constant = gpu::constant;
-inline constexpr std::uint32_t kWorkgroup = 128;
+inline constexpr std::uint32_t kWorkgroup = 128, kNarrow = 64;
 
 // What a scene calls for, in short.
 struct Calls {
@@ -27,11 +27,13 @@ struct Calls {
 
 inline Needs setup_for(const Calls& calls, bool texels) {
   Needs setup;
+  setup.narrow = kNarrow;
   setup.constants[constant::workgroup] = kWorkgroup;
   setup.constants[constant::through_texels] = texels;
   setup.constants[constant::is_iterated] = calls.iterated;
   setup.constants[constant::linear_solver] = calls.relaxed ? WEFT_LINEAR_JACOBI : WEFT_LINEAR_CG;
   setup.constants[constant::is_accelerated] = calls.has(Id::chebyshev);
+  setup.constants[constant::has_levels] = calls.has(Id::level);
   setup.constants[constant::tether_pairs] = calls.has(Id::tether);
   setup.constants[constant::has_colliders] = setup.constants[constant::spheres] = calls.has(Id::collide);
   setup.constants[constant::triangles_collide] = setup.constants[constant::boxes] = calls.has(Id::triangle);
@@ -64,6 +66,10 @@ inline std::vector<Calls> combinations() {
     if (calls.has(Id::triangle) && !calls.has(Id::collide)) continue;
     found.push_back(with(calls, {Id::stretch}));
     found.push_back(with(calls, {Id::gauss_seidel}));
+    found.push_back(with(calls, {Id::gauss_seidel, Id::level}));
+    found.push_back(with(calls, {Id::stretch, Id::level}));
+    found.push_back(with(calls, {Id::stretch, Id::strand}));
+    found.push_back(with(calls, {Id::stretch, Id::strand, Id::level}));
     found.push_back(with(calls, {Id::stretch, Id::dihedral}));
     found.push_back(with(calls, {Id::gauss_seidel, Id::dihedral}));
     if (calls.iterated && !calls.has(Id::contact) && !calls.has(Id::tether)) found.push_back(with(calls, {Id::stretch, Id::chebyshev}));
@@ -78,8 +84,8 @@ inline std::vector<Calls> combinations() {
 
 // Effects that these do not know: forces, and whatever else goes with everything and is no constant of others' passes.
 inline std::vector<Id> others() {
-  constexpr Id kKnown[] = {Id::anchor,   Id::stretch,   Id::gauss_seidel, Id::bend,    Id::dihedral, Id::spring, Id::implicit,
-                           Id::chebyshev, Id::tether, Id::collide,      Id::triangle, Id::motion, Id::contact,  Id::surface};
+  constexpr Id kKnown[] = {Id::anchor,   Id::level,     Id::strand, Id::stretch, Id::gauss_seidel, Id::bend,   Id::dihedral, Id::spring,
+                           Id::implicit, Id::chebyshev, Id::tether, Id::collide, Id::triangle,     Id::motion, Id::contact,  Id::surface};
   std::vector<Id> found;
   for (std::size_t k = 0; k < kEffects; ++k)
     if (std::find(std::begin(kKnown), std::end(kKnown), Id(k)) == std::end(kKnown)) found.push_back(Id(k));

@@ -40,8 +40,11 @@ struct Subject {
 inline std::vector<Subject> subjects() {
   std::vector<Subject> all;
   all.push_back({"jacobi", moving()});
-  for (const Method method : {Method::gauss_seidel, Method::chebyshev}) {
-    Scene& scene = all.emplace_back(method == Method::chebyshev ? "chebyshev" : "gauss_seidel", moving()).scene;
+  all.back().scene.solver.method = Method::jacobi;
+  all.push_back({"strands", moving()});
+  for (const Method method : {Method::strands, Method::gauss_seidel, Method::chebyshev}) {
+    Scene& scene = all.emplace_back(method == Method::chebyshev ? "chebyshev" : method == Method::strands ? "strands iterated" : "gauss_seidel",
+                                    moving()).scene;
     scene.solver.method = method;
     scene.solver.iterations = 4;
     scene.solver.substeps = 3;
@@ -51,6 +54,10 @@ inline std::vector<Subject> subjects() {
   }
   Scene& iterated = all.emplace_back("iterated", moving()).scene;
   iterated.solver.iterations = 3;
+  iterated.solver.method = Method::jacobi;
+  Scene& levels = all.emplace_back("gauss_seidel on levels", moving()).scene;
+  levels.solver.method = Method::gauss_seidel;
+  levels.solver.levels = true;
   all.emplace_back("hinges", moving()).scene.cloths[0].bend_rest = BendRest::mesh;
   all.push_back({"mass_spring", springy(Method::mass_spring)});
   all.push_back({"verlet", springy(Method::verlet)});

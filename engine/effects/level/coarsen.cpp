@@ -17,7 +17,7 @@ namespace weft::cooking {
 namespace {
 
 // Lengths of local edges: nodes are chosen until every point is nearer to one. On a grid a node has 14 particles.
-constexpr double kReach = 2.8;
+constexpr double kReach = 2.3;
 
 // Nearest nodes of a point that are looked at, and a spare one (geodesic.cpp).
 constexpr std::uint32_t kNearest = 10, kSpare = 1;

@@ -19,8 +19,8 @@
 namespace weft::effects {
 namespace {
 
-constexpr const Buffer* kBuffers[] = {&buffers::level_nodes, &buffers::level_ends,  &buffers::level_links,
-                                      &buffers::level_shares, &buffers::level_steps, &buffers::level_lambda};
+constexpr const Buffer* kBuffers[] = {&buffers::level_nodes,  &buffers::level_node_shares, &buffers::level_ends,  &buffers::level_links,
+                                      &buffers::level_shares, &buffers::level_steps,       &buffers::level_lambda};
 
 // Nodes: coarser levels carry nothing further.
 constexpr std::size_t kFewest = 6;
@@ -65,7 +65,7 @@ std::vector<cooking::Rank> ranks_of(const cooking::ClothInput& input) {
 
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   state.has_levels = false;
-  if (!levels_of(state.scene().solver)) return {};
+  if (!levels_of(state.scene())) return {};
   auto& all = state.fabric().own.of<AllLevels>().cloths;
   all.resize(state.fabric().cloths.size());
   ClothLevels& cloth = all.back();
@@ -103,11 +103,11 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
 
 // The links of a level by their nodes.
 struct Ends {
-  std::vector<std::vector<gpu::LevelLink>> of_node;
+  std::vector<std::vector<gpu::uvec4>> of_node;
 };
 
 Ends links_of(const Level& level, const cooking::Stiffness& stiffness, std::size_t levels, std::uint32_t first) {
-  Ends ends{std::vector<std::vector<gpu::LevelLink>>(level.coarse.points.size())};
+  Ends ends{std::vector<std::vector<gpu::uvec4>>(level.coarse.points.size())};
   std::vector<std::uint32_t> count(level.coarse.points.size());
   for (const auto& link : level.coarse.links) ++count[link.a], ++count[link.b];
   for (const auto& [a, b, rest, askew] : level.coarse.links) {
@@ -116,7 +116,7 @@ Ends links_of(const Level& level, const cooking::Stiffness& stiffness, std::size
     const double parts = 2 * static_cast<double>(levels);
     const double compliance = covered > 0 ? std::min(parts * inverse_modulus * rest * rest / covered, cooking::kSoftest) : 0;
     for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
-      ends.of_node[from].push_back({first + to, static_cast<float>(rest), static_cast<float>(compliance)});
+      ends.of_node[from].push_back(gpu::pack_level_link({first + to, static_cast<float>(rest), static_cast<float>(compliance)}));
   }
   return ends;
 }
@@ -191,11 +191,12 @@ class Layout {
     const auto points = points_of(c, g);
     for (std::uint32_t k = 0; k < points.size(); ++k) {
       const double mass = masses_[c][g][k];
-      gpu::LevelNode node{{WEFT_NONE, 0, 0, 0}, cloths_[c].particle_of[points[k]], mass > 0 ? static_cast<float>(1 / mass) : 0,
-                          static_cast<std::uint32_t>(lists_.links.size()), static_cast<std::uint32_t>(ends.of_node[k].size())};
-      if (has_coarser) node.share = packed(cloths_[c].levels[g + 1].coarse.shares[k], first_of_coarser);
+      lists_.nodes.push_back(gpu::pack_level_node({cloths_[c].particle_of[points[k]], mass > 0 ? static_cast<float>(1 / mass) : 0,
+                                                   static_cast<std::uint32_t>(lists_.links.size()),
+                                                   static_cast<std::uint32_t>(ends.of_node[k].size())}));
+      lists_.node_shares.push_back(has_coarser ? packed(cloths_[c].levels[g + 1].coarse.shares[k], first_of_coarser)
+                                               : gpu::uvec4{WEFT_NONE, 0, 0, 0});
       lists_.links.insert(lists_.links.end(), ends.of_node[k].begin(), ends.of_node[k].end());
-      lists_.nodes.push_back(node);
     }
   }
 

@@ -8,17 +8,19 @@
 namespace weft {
 
 struct LevelLists {
-  std::vector<gpu::LevelNode> nodes;       // coarsest level first
+  std::vector<gpu::uvec4> nodes;           // gpu::pack_level_node, coarsest level first
+  std::vector<gpu::uvec4> node_shares;     // of each in the next coarser level's: gpu::pack_level_share; x WEFT_NONE: there is none
   std::vector<std::uint32_t> ends;         // of each level, into `nodes`
-  std::vector<gpu::LevelLink> links;       // of each node, one after another: each link from both of its ends
+  std::vector<gpu::uvec4> links;           // gpu::pack_level_link, of each node, one after another: each link from both of its ends
   std::vector<gpu::uvec4> shares;          // of each particle in the finest level's nodes: gpu::pack_level_share
   std::uint32_t low = 0;                   // how many levels one workgroup does
 };
 
 namespace buffers {
-inline constexpr Buffer level_nodes = own<gpu::LevelNode, &LevelLists::nodes>("level_nodes");
+inline constexpr Buffer level_nodes = own<gpu::uvec4, &LevelLists::nodes>("level_nodes");
+inline constexpr Buffer level_node_shares = own<gpu::uvec4, &LevelLists::node_shares>("level_node_shares");
 inline constexpr Buffer level_ends = own<gpu::uint, &LevelLists::ends>("level_ends");
-inline constexpr Buffer level_links = own<gpu::LevelLink, &LevelLists::links>("level_links");
+inline constexpr Buffer level_links = own<gpu::uvec4, &LevelLists::links>("level_links");
 inline constexpr Buffer level_shares = own<gpu::uvec4, &LevelLists::shares>("level_shares");
 /// How far each node goes in this iteration, with what it was carried (m).
 inline constexpr Buffer level_steps =

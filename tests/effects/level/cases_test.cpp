@@ -1,0 +1,107 @@
+// What coarse levels promise: cloth that nothing but itself holds does not stretch, on any mesh; momentum, rest and folds stay.
+#include <gtest/gtest.h>
+
+#include "tests/support/sheets.h"
+
+namespace weft {
+namespace {
+
+using LevelCase = GpuTest;
+
+// 2 m of rigid cloth hung by two corners, no tethers.
+Scene hung_free(std::uint32_t cells, Method method) {
+  Scene scene = sheet(cells);
+  scene.solver.method = method;
+  Cloth& cloth = scene.cloths[0];
+  cloth.grid->size = {2, 2};
+  cloth.grid->upright = true;
+  cloth.fabric.stretch = cloth.fabric.shear = INFINITY;
+  cloth.fabric.damping = 0.1;
+  cloth.tethers = false;
+  cloth.anchors.push_back(held_at({Corner::low_high, Corner::high_high}));
+  return scene;
+}
+
+Strain after(const compute::Device& device, const Scene& scene, double seconds) {
+  const auto simulation = must(Simulation::create(device, scene));
+  run(*simulation, seconds);
+  EXPECT_EQ(simulation->counts().non_finite, 0u);
+  return strain_of(*simulation);
+}
+
+TEST_F(LevelCase, cloth_without_tethers_does_not_stretch_and_no_more_on_a_finer_mesh) {
+  const Strain coarse = after(device(), hung_free(49, Method::strands), 2), fine = after(device(), hung_free(99, Method::strands), 2);
+  EXPECT_LT(coarse.mean, 0.01);
+  EXPECT_LT(fine.mean, 0.012);
+  EXPECT_LT(fine.mean, 2 * coarse.mean + 0.002);
+  EXPECT_LT(fine.max, 0.25);
+  // As it was: 6 % on the mean, 800 % at most.
+  EXPECT_GT(after(device(), hung_free(99, Method::jacobi), 2).mean, 0.03);
+}
+
+TEST_F(LevelCase, every_method_that_may_have_them_strains_less_with_them) {
+  for (const Method method : {Method::jacobi, Method::strands, Method::gauss_seidel}) {
+    Scene scene = hung_free(60, method);
+    scene.solver.levels = false;
+    const double without = after(device(), scene, 1).mean;
+    scene.solver.levels = true;
+    EXPECT_LT(after(device(), scene, 1).mean, 0.6 * without);
+  }
+}
+
+TEST_F(LevelCase, momentum_of_a_free_sheet_stays) {
+  for (const Method method : {Method::jacobi, Method::strands, Method::gauss_seidel})
+    for (const std::uint32_t iterations : {1u, 3u}) {
+      Scene scene = sheet(40);
+      scene.gravity = {0, 0, 0};
+      scene.solver.method = method;
+      scene.solver.levels = true;
+      scene.solver.iterations = iterations;
+      scene.cloths[0].start.pose = StartPose::scrambled;
+      const auto simulation = must(Simulation::create(device(), scene));
+      const Point before = centre_of_mass(must(simulation->read_positions()));
+      run(*simulation, 1);
+      EXPECT_LT(distance(before, centre_of_mass(must(simulation->read_positions()))), 1e-5) << "m in a second";
+    }
+}
+
+// Folded cloth is nowhere farther apart than along itself, so that levels ask nothing of it.
+TEST_F(LevelCase, folds_are_not_flattened) {
+  std::vector<gpu::vec4> ends[2];
+  for (const bool levels : {false, true}) {
+    Scene scene = sheet(40);
+    scene.gravity = {0, 0, 0};
+    scene.solver.method = Method::strands;
+    scene.solver.levels = levels;
+    scene.cloths[0].fabric.stretch = scene.cloths[0].fabric.shear = INFINITY;
+    scene.cloths[0].start.pose = StartPose::folded;
+    const auto simulation = must(Simulation::create(device(), scene));
+    run(*simulation, 0.2);
+    ends[levels] = must(simulation->read_positions());
+  }
+  double farthest = 0;
+  for (std::size_t i = 0; i < ends[0].size(); ++i)
+    farthest = std::max(farthest, std::hypot(double(ends[0][i].x) - ends[1][i].x, double(ends[0][i].y) - ends[1][i].y,
+                                             double(ends[0][i].z) - ends[1][i].z));
+  EXPECT_LT(farthest, 0.002) << "m";
+}
+
+TEST_F(LevelCase, a_cape_that_is_moved_fast_strains_less_than_with_jacobi) {
+  Strain strains[2];
+  for (const Method method : {Method::jacobi, Method::by_default}) {
+    Scene scene;
+    scene.solver.method = method;
+    Cloth& cloth = scene.cloths.emplace_back();
+    cloth.grid = Grid{{1, 1.5f}, 31, 47, Topology::diagonal, true};
+    Anchor top;
+    top.top = 0;
+    top.keys = {{0.2, {}, {0, 1, 0}, 0}, {0.6, {0, 0, 2}, {0, 1, 0}, 0}};
+    cloth.anchors.push_back(top);
+    strains[method == Method::by_default] = after(device(), scene, 0.6);
+  }
+  EXPECT_LT(strains[1].mean, 0.6 * strains[0].mean);
+  EXPECT_LT(strains[1].max, 0.12);
+}
+
+}  // namespace
+}  // namespace weft

@@ -1,0 +1,119 @@
+// The passes of coarse levels against their twin.
+#include <gtest/gtest.h>
+
+#include "engine/effects/level/level.h"
+#include "shaders/level/level.ref.h"
+#include "tests/support/single_pass.h"
+
+namespace weft {
+namespace {
+
+using KernelLevel = GpuTest;
+
+reference::Share share_of(gpu::uvec4 packed, std::uint32_t first) {
+  const gpu::LevelShare share = gpu::unpack_level_share(packed);
+  return {{share.node0 - first, share.node1 - first, share.node2 - first}, {share.part0, share.part1, share.part2}};
+}
+
+// Coarsest first, each with its own numbers of nodes.
+std::vector<reference::Level> levels_of(const LevelLists& lists) {
+  std::vector<reference::Level> levels;
+  std::uint32_t first = 0, first_of_coarser = 0;
+  for (const std::uint32_t end : lists.ends) {
+    reference::Level& level = levels.emplace_back();
+    for (std::uint32_t k = first; k < end; ++k) {
+      const gpu::LevelNode node = gpu::unpack_level_node(lists.nodes[k]);
+      level.particles.push_back(node.particle);
+      level.inverse_masses.push_back(node.inverse_mass);
+      if (lists.node_shares[k].x != WEFT_NONE) level.shares.push_back(share_of(lists.node_shares[k], first_of_coarser));
+      for (std::uint32_t l = node.first_link; l < node.first_link + node.links; ++l) {
+        const gpu::LevelLink link = gpu::unpack_level_link(lists.links[l]);
+        if (link.other > k) level.links.push_back({k - first, link.other - first, link.rest, link.compliance, true});
+      }
+    }
+    first_of_coarser = first;
+    first = end;
+  }
+  return levels;
+}
+
+struct Crumple {
+  Scene scene;
+  CookedFabric fabric;
+};
+
+Crumple crumple(std::uint32_t cells, std::uint32_t iterations, double stretch, Random& random) {
+  Crumple c;
+  c.scene.solver = {.rate = 600, .substeps = 1, .iterations = iterations, .method = Method::jacobi, .relaxation = 1.1, .levels = true};
+  Cloth& cloth = c.scene.cloths.emplace_back();
+  cloth.grid = Grid{.size = {1, 1}, .cells_x = cells, .cells_y = cells - 3};
+  cloth.tethers = cloth.bending = false;
+  cloth.fabric.stretch = stretch;
+  cloth.anchors.emplace_back().corners = {Corner::low_low, Corner::high_high};
+  c.fabric = must(cook(c.scene, must(make_meshes(c.scene))));
+  // Stretched by a tenth, so that links of all levels pull, and crumpled.
+  for (gpu::vec4& x : c.fabric.positions) {
+    const gpu::vec4 d = anywhere(random, 0.01, 0);
+    x = {1.1f * x.x + d.x, 1.1f * x.y + d.y, 1.1f * x.z + d.z, x.w};
+  }
+  return c;
+}
+
+TEST_F(KernelLevel, low_and_wide_levels_and_their_spreading_do_what_their_twin_does) {
+  Random random(21);
+  for (const std::uint32_t cells : {24u, 150u})
+    for (const std::uint32_t iterations : {1u, 3u})
+      for (const double stretch : {1e3, std::numeric_limits<double>::infinity()})
+        for (const bool storage : {false, true}) {
+          SCOPED_TRACE(std::to_string(cells) + " cells, " + std::to_string(iterations) + " iterations, " + std::to_string(stretch) + " N/m");
+          const Crumple c = crumple(cells, iterations, stretch, random);
+          const LevelLists& lists = c.fabric.own.of<LevelLists>();
+          const auto levels = levels_of(lists);
+          ASSERT_GE(levels.size(), 2u);
+          ASSERT_EQ(lists.low < lists.ends.size(), cells == 150) << "a level of more than " << WEFT_LOW_LEVEL << " nodes is wide";
+          SinglePass passes(device(), c.scene, c.fabric, storage);
+          passes.put_iterate(c.fabric.positions);
+          passes.begin(frame_of(1));
+          reference::Points twin = points(c.fabric.positions);
+          std::vector<std::vector<double>> lambdas;
+          for (const reference::Level& level : levels) lambdas.emplace_back(level.links.size());
+          for (int iteration = 0; iteration < static_cast<int>(iterations); ++iteration) {
+            passes.run("level_low", iteration);
+            for (std::size_t wide = lists.low; wide < levels.size(); ++wide)
+              passes.run("level_wide", iteration * static_cast<int>(levels.size() - lists.low) + static_cast<int>(wide - lists.low));
+            passes.run("level_spread", iteration);
+            reference::Points steps;
+            double moved = 0;
+            for (std::size_t k = 0; k < levels.size(); ++k) {
+              steps = reference::level_steps(levels[k], twin, steps, lambdas[k], c.fabric.h, c.scene.solver.relaxation);
+              for (const reference::Vector& step : steps) moved = std::max(moved, step.norm());
+            }
+            EXPECT_GT(moved, 1e-4) << "nothing to compare";
+            const std::uint32_t first = lists.ends.size() > 1 ? lists.ends[lists.ends.size() - 2] : 0;
+            for (std::size_t i = 0; i < twin.size(); ++i)
+              if (lists.shares[i].x != WEFT_NONE) twin[i] += reference::carried(share_of(lists.shares[i], first), steps);
+          }
+          // Rounding, on lengths up to 1.6 m, of each level on top of those before.
+          EXPECT_LT(largest_gap(passes.iterate(), twin), 40 * kRounding * 1.6 * iterations * static_cast<double>(levels.size()));
+        }
+}
+
+TEST_F(KernelLevel, a_particle_that_is_not_finite_spoils_no_node) {
+  Random random(22);
+  Crumple c = crumple(24, 1, 1e3, random);
+  const LevelLists& lists = c.fabric.own.of<LevelLists>();
+  const std::uint32_t spoilt = gpu::unpack_level_node(lists.nodes.back()).particle;
+  SinglePass passes(device(), c.scene, c.fabric);
+  auto iterate = c.fabric.positions;
+  iterate[spoilt].y = NAN;
+  passes.put_iterate(iterate);
+  passes.begin(frame_of(1));
+  for (const char* pass : {"level_low", "level_spread"}) passes.run(pass);
+  const auto steps = passes.get<gpu::vec4>(buffers::level_steps, lists.nodes.size());
+  for (const gpu::vec4& step : steps) EXPECT_TRUE(std::isfinite(step.x + step.y + step.z));
+  const auto after = passes.iterate();
+  for (std::uint32_t i = 0; i < after.size(); ++i) EXPECT_EQ(std::isfinite(after[i].y), i != spoilt);
+}
+
+}  // namespace
+}  // namespace weft

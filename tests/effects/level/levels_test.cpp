@@ -1,0 +1,196 @@
+// Coarse levels: that they measure along the cloth, carry what is linear exactly, and join nothing that the cloth does not.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "engine/effects/level/coarsen.h"
+#include "engine/effects/level/level.h"
+#include "tests/support/cooked.h"
+
+namespace weft {
+namespace {
+
+using cooking::Coarse;
+using cooking::Rank;
+
+std::vector<Rank> ranks_of(const Mesh& mesh) {
+  std::vector<Rank> ranks(mesh.points.size(), Rank::inner);
+  for (const WingedEdge& edge : mesh.edges)
+    if (edge.triangle[0] == kNone || edge.triangle[1] == kNone) ranks[edge.a] = ranks[edge.b] = Rank::rim;
+  return ranks;
+}
+
+Coarse coarse(const Mesh& mesh) { return cooking::coarsen(cooking::surface_of(mesh), ranks_of(mesh), {}); }
+
+// The triangles whose middles `kept` keeps.
+template <class Kept>
+Mesh cut_out(const Grid& grid, Kept kept) {
+  const Mesh whole = make_grid(grid);
+  RenderMesh render;
+  render.positions = whole.render.positions;
+  for (const auto& t : whole.render.triangles)
+    if (kept((1.f / 3) * (render.positions[t[0]] + render.positions[t[1]] + render.positions[t[2]]))) render.triangles.push_back(t);
+  return must(weld_mesh(std::move(render)));
+}
+
+Vec3 carried(const Coarse& level, const std::vector<Vec3>& of_nodes, std::size_t p) {
+  Vec3 sum{};
+  for (int k = 0; k < 3; ++k) sum = sum + static_cast<float>(level.shares[p].part[k]) * of_nodes[level.shares[p].node[k]];
+  return sum;
+}
+
+const Grid kLevelGrids[] = {
+    {{1, 1}, 40, 40, Topology::diagonal, true}, {{2, 0.5f}, 60, 30, Topology::centre, true}, {{1, 1}, 16, 60, Topology::diagonal, true}};
+
+TEST(Levels, links_are_as_long_as_the_way_along_the_cloth_and_shares_carry_a_linear_displacement) {
+  for (const Grid& grid : kLevelGrids) {
+    const Mesh mesh = make_grid(grid);
+    cooking::IntrinsicSurface surface = cooking::surface_of(mesh);
+    std::vector<Rank> ranks = ranks_of(mesh);
+    std::vector<Vec3> points = mesh.points;
+    for (int level = 0; level < 3 && points.size() > 6; ++level) {
+      SCOPED_TRACE(level);
+      const Coarse made = cooking::coarsen(surface, ranks, {});
+      ASSERT_LT(made.points.size(), points.size() / 2);
+      std::vector<Vec3> at_nodes;
+      std::vector<Rank> rank_of_nodes;
+      for (const std::uint32_t p : made.points) at_nodes.push_back(points[p]), rank_of_nodes.push_back(ranks[p]);
+      for (const auto& link : made.links) EXPECT_NEAR(link.rest, length(at_nodes[link.a] - at_nodes[link.b]), 1e-3 * link.rest);
+      for (std::size_t p = 0; p < points.size(); ++p) {
+        const auto& part = made.shares[p].part;
+        EXPECT_NEAR(part[0] + part[1] + part[2], 1, 1e-12);
+        EXPECT_LT(length(carried(made, at_nodes, p) - points[p]), 1e-4f) << p;   // m
+      }
+      points = at_nodes;
+      ranks = rank_of_nodes;
+      surface = made.surface;
+    }
+  }
+}
+
+TEST(Levels, on_a_curved_sheet_that_unrolls_they_measure_along_it) {
+  Mesh mesh = make_grid({{1, 1}, 48, 40, Topology::diagonal, true});
+  const std::vector<Vec3> flat = mesh.points;
+  const float radius = 0.2f;   // wound up to 5 radians
+  for (Vec3& p : mesh.points) p = {radius * std::cos(p.x / radius), p.y, radius * std::sin(p.x / radius)};
+  const Coarse made = coarse(mesh);
+  std::vector<Vec3> at_nodes;
+  for (const std::uint32_t p : made.points) at_nodes.push_back(flat[p]);
+  for (const auto& link : made.links)
+    EXPECT_NEAR(link.rest, length(at_nodes[link.a] - at_nodes[link.b]), 4e-3 * link.rest);
+  for (std::size_t p = 0; p < flat.size(); ++p) EXPECT_LT(length(carried(made, at_nodes, p) - flat[p]), 2e-3f);
+}
+
+TEST(Levels, nothing_reaches_from_piece_to_piece_or_across_a_slit) {
+  // Two pieces, 0.1 m apart.
+  const Mesh pieces = cut_out({{2, 1}, 60, 30, Topology::diagonal, true}, [](Vec3 m) { return std::abs(m.x) > 0.05f; });
+  const Coarse apart = coarse(pieces);
+  const auto side = [&](std::uint32_t node) { return pieces.points[apart.points[node]].x > 0; };
+  for (const auto& link : apart.links) EXPECT_EQ(side(link.a), side(link.b));
+  for (std::size_t p = 0; p < pieces.points.size(); ++p)
+    for (int k = 0; k < 3; ++k)
+      if (apart.shares[p].part[k] != 0) { EXPECT_EQ(side(apart.shares[p].node[k]), pieces.points[p].x > 0); }
+  // A slit of a cell's width, from the middle upwards: around its end it is far from side to side.
+  const Mesh slit =
+      cut_out({{1, 1}, 40, 40, Topology::diagonal, true}, [](Vec3 m) { return m.y < 0 || m.x < 0 || m.x > 0.025f; });
+  const Coarse around = coarse(slit);
+  for (const auto& link : around.links) {
+    const Vec3 a = slit.points[around.points[link.a]], b = slit.points[around.points[link.b]];
+    if ((a.x > 0.01f) == (b.x > 0.01f) || std::min(a.y, b.y) < 0.05f) continue;
+    EXPECT_GT(link.rest, 0.99 * (length(a - Vec3{0, 0, 0}) + length(b - Vec3{0.025f, 0, 0}))) << a.y << ' ' << b.y;
+  }
+}
+
+TEST(Levels, what_is_held_is_held_at_every_level) {
+  Scene scene;
+  scene.solver.method = Method::strands;
+  Cloth& cloth = scene.cloths.emplace_back();
+  cloth.grid = Grid{{1, 1}, 60, 60, Topology::diagonal, true};
+  cloth.anchors.emplace_back().corners = {Corner::low_high, Corner::high_high};
+  const CookedFabric fabric = cooked(scene);
+  const LevelLists& lists = fabric.own.of<LevelLists>();
+  ASSERT_EQ(lists.ends.size(), 3u);
+  for (std::uint32_t level = 0, first = 0; level < lists.ends.size(); first = lists.ends[level++]) {
+    int held = 0;
+    for (std::uint32_t k = first; k < lists.ends[level]; ++k) {
+      const gpu::LevelNode node = gpu::unpack_level_node(lists.nodes[k]);
+      EXPECT_EQ(node.inverse_mass == 0, fabric.positions[node.particle].w == 0);
+      held += node.inverse_mass == 0;
+    }
+    EXPECT_EQ(held, 2);
+  }
+}
+
+TEST(Levels, a_free_cloth_weighs_the_same_at_every_level) {
+  for (const Grid& grid : kLevelGrids) {
+    Scene scene;
+    scene.solver.method = Method::strands;
+    scene.cloths.emplace_back().grid = grid;
+    const CookedFabric fabric = cooked(scene);
+    double mass = 0;
+    for (const gpu::vec4& p : fabric.positions) mass += 1 / double(p.w);
+    const LevelLists& lists = fabric.own.of<LevelLists>();
+    ASSERT_GE(lists.ends.size(), 2u);
+    for (std::uint32_t level = 0, first = 0; level < lists.ends.size(); first = lists.ends[level++]) {
+      double of_level = 0;
+      for (std::uint32_t k = first; k < lists.ends[level]; ++k) of_level += 1 / double(gpu::unpack_level_node(lists.nodes[k]).inverse_mass);
+      EXPECT_NEAR(of_level, mass, 1e-5 * mass);
+    }
+  }
+}
+
+// Stretched evenly by a strain e, a level's links hold what is theirs of the stiffness: half of it, in equal parts.
+TEST(Levels, an_even_strain_costs_as_much_energy_as_without_them) {
+  const auto energy = [](Method method, bool levels, double strain) {
+    Scene scene;
+    scene.solver.method = method;
+    scene.solver.levels = levels;
+    Cloth& cloth = scene.cloths.emplace_back();
+    cloth.grid = Grid{{1, 1}, 60, 60, Topology::diagonal, true};
+    cloth.fabric.stretch = 1000;
+    cloth.fabric.shear = 1000;
+    const CookedFabric fabric = cooked(scene);
+    const auto of_link = [&](std::uint32_t i, std::uint32_t j, double rest, double compliance) {
+      const gpu::vec4 &a = fabric.positions[i], &b = fabric.positions[j];
+      const double length = (1 + strain) * std::hypot(a.x - b.x, a.y - b.y, a.z - b.z);
+      return 0.5 * (length - rest) * (length - rest) / compliance;
+    };
+    double sum = 0;
+    for (const StretchLink& link : fabric.links) sum += of_link(link.a, link.b, link.rest, link.compliance);
+    const LevelLists& lists = fabric.own.of<LevelLists>();
+    for (const gpu::uvec4& packed : lists.nodes) {
+      const gpu::LevelNode node = gpu::unpack_level_node(packed);
+      for (std::uint32_t l = node.first_link; l < node.first_link + node.links; ++l) {
+        const gpu::LevelLink link = gpu::unpack_level_link(lists.links[l]);
+        sum += of_link(node.particle, gpu::unpack_level_node(lists.nodes[link.other]).particle, link.rest, link.compliance) / 2;
+      }
+    }
+    return sum;
+  };
+  const double without = energy(Method::jacobi, false, 0.02), with = energy(Method::jacobi, true, 0.02);
+  EXPECT_NEAR(with, without, 0.1 * without);
+}
+
+TEST(Levels, only_scenes_that_call_for_them_have_them) {
+  Scene scene;
+  scene.cloths.emplace_back().grid = Grid{};
+  const auto has = [&] { return effect(EffectId::level).called_for(scene, cooked(scene)); };
+  EXPECT_TRUE(has());
+  scene.solver.levels = false;
+  EXPECT_FALSE(has());
+  scene.solver.levels = {};
+  for (const Method method : {Method::jacobi, Method::gauss_seidel}) {
+    scene.solver.method = method;
+    EXPECT_FALSE(has());
+    scene.solver.levels = true;
+    EXPECT_TRUE(has());
+    scene.solver.levels = {};
+  }
+  scene.solver.method = Method::strands;
+  scene.cloths[0].grid = Grid{{1, 1}, 1, 1};
+  EXPECT_FALSE(has()) << "four particles";
+}
+
+}  // namespace
+}  // namespace weft
