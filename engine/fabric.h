@@ -23,11 +23,13 @@ namespace weft {
 struct StretchLink {
   std::uint32_t a, b;
   float rest;        // m, as the GPU has it
-  float compliance;  // m/N
+  float compliance;  // m/N, the fabric's
   bool only_pulls;
   float gain = 0;    // kg: 1 / (W_a + W_b + omega compliance / h^2) as the GPU has it, with one Jacobi iteration a substep; 0 if both ends
                      // are kinematic
   bool in_strand = false;   // solved with its strand and not by Jacobi
+  float part = 1;    // of its stiffness that it has itself: coarse levels have the rest
+  float own_compliance() const { return compliance / part; }
 };
 
 /// A spring of the methods on springs, once a pair: a link with its stiffness, a spring of Cloth::springs, or, linear with rest 0 and of

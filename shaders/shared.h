@@ -115,7 +115,6 @@ struct Patch {
   uint first_colour, colours;   // of patch_colour_ends: the entry before its first colour's, and how many follow
 };
 #define WEFT_PATCH 256u
-#define WEFT_SWEEPS 1u
 
 #define WEFT_STRAND_LINKS 16u   // of a strand, at most (strand.comp)
 #define WEFT_LOW_LEVEL 1024u   // nodes, at most, of a level that one workgroup does

@@ -37,8 +37,9 @@ class CookState {
     fabric_.notes.push_back(fail(cloth.name, ": ", parts..., ".").message);
   }
 
-  /// Whether the current cloth has coarse levels, which carry half of its stiffness and serve for far links.
+  /// Whether the current cloth has coarse levels, which serve for far links, and what they leave of its stiffness.
   bool has_levels = false;
+  double own_part = 1;
   /// Strands over particles, round by round, until they are laid out.
   struct StrandOfParticles {
     struct Link {

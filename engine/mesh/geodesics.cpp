@@ -26,10 +26,10 @@ std::optional<Line> across_triangle(double ab, double ac, double bc, double to_a
   return Line{cx - sx, cy + sy};
 }
 
-double askew(const IntrinsicSurface::Flat& triangle, const Eigen::Vector2d& way) {
-  if (triangle.warp.isZero() || way.isZero()) return 0;
-  const double c2 = std::min(1.0, std::pow(triangle.warp.dot(way), 2) / way.squaredNorm());
-  return c2 * (1 - c2);
+// cos^2 of the angle to the warp.
+double along(const IntrinsicSurface::Flat& triangle, const Eigen::Vector2d& way) {
+  if (triangle.warp.isZero() || way.isZero()) return 1;
+  return std::min(1.0, std::pow(triangle.warp.dot(way), 2) / way.squaredNorm());
 }
 
 }  // namespace
@@ -76,7 +76,7 @@ Waves::Waves(const IntrinsicSurface& surface, std::uint32_t kept) : surface_(sur
 
 void Waves::add(std::uint32_t point) {
   sources_.push_back(point);
-  offer(point, static_cast<std::uint32_t>(sources_.size() - 1), 0, 0);
+  offer(point, static_cast<std::uint32_t>(sources_.size() - 1), 0, 1);
 }
 
 void Waves::run() {
@@ -97,7 +97,7 @@ Waves::Arrived* Waves::find(std::uint32_t point, std::uint32_t source) {
 }
 
 // Keeps the nearest sources of a point, sorted; a better distance replaces a worse one.
-void Waves::offer(std::uint32_t point, std::uint32_t source, double distance, double askew) {
+void Waves::offer(std::uint32_t point, std::uint32_t source, double distance, double along) {
   auto& list = reached_[point];
   const auto known = std::find_if(list.begin(), list.end(), [&](const Arrived& k) { return k.source == source; });
   if (known != list.end()) {
@@ -108,7 +108,7 @@ void Waves::offer(std::uint32_t point, std::uint32_t source, double distance, do
     list.pop_back();
   }
   const auto place = std::find_if(list.begin(), list.end(), [&](const Arrived& k) { return k.distance > distance; });
-  list.insert(place, {source, distance, askew, false});
+  list.insert(place, {source, distance, along, false});
   front_.push({distance, point, source});
 }
 
@@ -120,7 +120,7 @@ void Waves::spread(const Arrival& from, std::uint32_t number) {
   for (int side = 0; side < 2; ++side) {
     const std::size_t near = others[side], far = others[1 - side];
     const Eigen::Vector2d edge = flat.corners[near] - flat.corners[at];
-    offer(triangle[near], from.source, from.distance + edge.norm(), askew(flat, edge));
+    offer(triangle[near], from.source, from.distance + edge.norm(), along(flat, edge));
     // Two distances locate the source. The end of an edge that propagates later sees both, and so does one that propagates
     // again: in obtuse triangles the wave can arrive at a corner before it arrives at the ends of the edge that it has
     // crossed.
@@ -135,7 +135,7 @@ void Waves::spread(const Arrival& from, std::uint32_t number) {
     // No way along the surface is shorter than the straight line in space.
     if (!surface_.points.empty())
       distance = std::max(distance, (surface_.points[triangle[far]] - surface_.points[sources_[from.source]]).norm());
-    offer(triangle[far], from.source, distance, askew(flat, way));
+    offer(triangle[far], from.source, distance, along(flat, way));
   }
 }
 

@@ -44,8 +44,7 @@ class Waves {
   struct Arrived {
     std::uint32_t source;      // by the order of add
     double distance;           // m
-    double askew;              // cos^2 sin^2 of the angle between the way, where it arrives, and the warp: 0 along threads and where
-                               // nothing tells
+    double along;              // cos^2 of the angle between the way, where it arrives, and the warp; 1 where nothing tells
     bool spread;               // it has been propagated at this distance
   };
 
@@ -67,7 +66,7 @@ class Waves {
   };
 
   Arrived* find(std::uint32_t point, std::uint32_t source);
-  void offer(std::uint32_t point, std::uint32_t source, double distance, double askew);
+  void offer(std::uint32_t point, std::uint32_t source, double distance, double along);
   void spread(const Arrival& from, std::uint32_t triangle);
 
   const IntrinsicSurface& surface_;

@@ -1,7 +1,7 @@
 // gauss_seidel: distance constraints C = |p_a - p_b| - L by XPBD (Macklin, Mueller, Chentanez 2016, eq. 18) and Gauss-Seidel:
 //     dlambda = -(C + a lambda) / ((w_a + w_b) / omega + a),   dp = +- w grad C dlambda,   a = alpha / h^2.
-// A workgroup takes a patch of particles into its own memory and projects the links among them, colour after colour, in several sweeps:
-// no two links of a colour share a particle. Patches of a dispatch share none either (engine/effects/gauss_seidel/patches.cpp).
+// A workgroup takes a patch of particles into its own memory and projects the links among them, colour after colour: no two
+// links of a colour share a particle. Patches of a dispatch share none either (engine/effects/gauss_seidel/patches.cpp).
 //
 // A link moves both of its ends by opposite impulses along itself, so that linear and angular momentum are conserved up to rounding.
 // Colouring particles instead, each moved while its neighbours stand still, does not conserve momentum: a free, unevenly stretched sheet
@@ -30,13 +30,14 @@ float change_of(PatchLink link, float len, float weight, inout float lambda) {
   return change;
 }
 
-void project(uint k, bool first) {
+void project(uint k) {
   const PatchLink link = unpack_patch_link(FETCH_UINT2(patch_links, k));
   vec4 p = members[link.a], q = members[link.b];
   vec3 d = p.xyz - q.xyz;
   const float squared = dot(d, d);
   const bool together = squared < 1e-20;
-  float lambda = first ? 0 : patch_lambda[k];
+  float lambda = 0;
+  if (is_iterated && (push.flags & WEFT_FIRST_ITERATION) == 0) lambda = patch_lambda[k];
   // Ends at one place have no direction: as in stretch.comp. An end that is not finite must not spoil the other.
   if (together) {
     atomicAdd(counters[0].coincident, 1);
@@ -48,24 +49,21 @@ void project(uint k, bool first) {
     members[link.a].xyz = p.xyz + p.w * impulse;
     members[link.b].xyz = q.xyz - q.w * impulse;
   }
-  if (is_iterated || WEFT_SWEEPS > 1u) patch_lambda[k] = lambda;
+  if (is_iterated) patch_lambda[k] = lambda;
 }
 
 void main() {
-  const Patch patch_ = patches[push.first + gl_WorkGroupID.x];
-  for (uint m = gl_LocalInvocationID.x; m < patch_.members; m += workgroup)
-    members[m] = FETCH(predicted, patch_members[patch_.first_member + m]);
-  for (uint sweep = 0; sweep < WEFT_SWEEPS; ++sweep) {
-    const bool first = sweep == 0 && (push.flags & WEFT_FIRST_ITERATION) != 0;
-    uint begin = patch_colour_ends[patch_.first_colour];
-    for (uint colour = 1; colour <= patch_.colours; ++colour) {
-      const uint end = patch_colour_ends[patch_.first_colour + colour];
-      barrier();
-      for (uint k = begin + gl_LocalInvocationID.x; k < end; k += workgroup) project(k, first);
-      begin = end;
-    }
+  const Patch whole = patches[push.first + gl_WorkGroupID.x];
+  for (uint m = gl_LocalInvocationID.x; m < whole.members; m += workgroup)
+    members[m] = FETCH(predicted, patch_members[whole.first_member + m]);
+  uint begin = patch_colour_ends[whole.first_colour];
+  for (uint colour = 1; colour <= whole.colours; ++colour) {
+    const uint end = patch_colour_ends[whole.first_colour + colour];
+    barrier();
+    for (uint k = begin + gl_LocalInvocationID.x; k < end; k += workgroup) project(k);
+    begin = end;
   }
   barrier();
-  for (uint m = gl_LocalInvocationID.x; m < patch_.members; m += workgroup)
-    predicted[patch_members[patch_.first_member + m]] = members[m];
+  for (uint m = gl_LocalInvocationID.x; m < whole.members; m += workgroup)
+    predicted[patch_members[whole.first_member + m]] = members[m];
 }

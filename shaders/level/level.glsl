@@ -9,6 +9,10 @@ GATHER_UINT4(level_node_shares)
 GATHER_UINT4(level_links)
 READ_WRITE(float, level_lambda)
 
+// Of what a link asks for. Where contacts hold cloth against a level's pull, more of it shakes folds for ever: at 1.25 in all a draped sheet
+// moved by half a metre a second five seconds after it had come to rest, at 0.6 by less than a millimetre.
+const float kEager = has_contacts ? 0.5 : 1;
+
 struct LevelIterate {
   vec3 p;        // m
   float weight;  // 1/kg, inverse mass times links
@@ -41,7 +45,7 @@ vec3 step_of(uint k) {
     const vec3 d = here.p - there.p;
     const float len = sqrt(dot(d, d) + 1e-20), alpha = link.compliance * motion.inverse_h2;
     const float lambda = is_iterated && !first ? level_lambda[l] : 0;
-    const float change = min(motion.relaxation * (link.rest - len - alpha * lambda) /
+    const float change = min(kEager * motion.relaxation * (link.rest - len - alpha * lambda) /
                                  max(here.weight + there.weight + motion.relaxation * alpha, 1e-20), -lambda);
     if (is_iterated) level_lambda[l] = lambda + change;
     sum += (change / len) * d;

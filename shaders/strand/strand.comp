@@ -15,29 +15,30 @@ READ_WRITE(float, strand_lambda)
 READ_WRITE(Counters, counters)
 #include "level/spread.glsl"
 
-// Particle i's iterate, and in w its inverse mass (1/kg).
-vec4 taken(uint i) {
-  vec4 p = FETCH(predicted, i);
-  if (has_levels && push.first == 0) p.xyz += spread(i);
-  return p;
-}
+// A particle on its way: where it was, how far it has gone in this round, and its inverse mass (1/kg). Kept apart, so that a place is rounded
+// once a round, and lengths not at all as places are.
+struct Walker {
+  vec3 was, gone;
+  float w;
+};
 
-float inverse_mass(uint i, vec4 p) { return is_iterated ? FETCH(positions, i).w : p.w; }
+Walker taken(uint i) {
+  const vec4 p = FETCH(predicted, i);
+  return Walker(p.xyz, has_levels && push.first == 0 ? spread(i) : vec3(0), is_iterated ? FETCH(positions, i).w : p.w);
+}
 
 void main() {
   if (gl_GlobalInvocationID.x >= push.count) return;
   const uint s = push.first + gl_GlobalInvocationID.x;
   uint i = FETCH_UINT(strand_starts, s);
-  vec4 p = taken(i);
-  float w = inverse_mass(i, p);
+  Walker here = taken(i);
   uint k = WEFT_STRAND_LINKS * push.first + gl_GlobalInvocationID.x, coincident = 0;
   for (uint passed = 0; passed < WEFT_STRAND_LINKS; ++passed, k += push.count) {
     const uvec2 packed = FETCH_UINT2(strand_links, k);
     const Link link = unpack_link(packed.x, packed.y);
     if (link.rest == 0) break;
-    vec4 q = taken(link.other);
-    const float v = inverse_mass(link.other, q);
-    vec3 d = p.xyz - q.xyz;
+    Walker there = taken(link.other);
+    vec3 d = (here.was - there.was) + (here.gone - there.gone);
     const float squared = dot(d, d);
     // Ends at one place have no direction: as in stretch.comp. An end that is not finite must not spoil the other.
     if (squared < 1e-20) {
@@ -48,15 +49,15 @@ void main() {
     float change = (link.rest - len) * link.response;
     if (is_iterated) {
       const float alpha = link.response * motion.inverse_h2, lambda = (push.flags & WEFT_FIRST_ITERATION) != 0 ? 0 : strand_lambda[k];
-      change = (link.rest - len - alpha * lambda) / max(w + v + alpha, 1e-20);
+      change = (link.rest - len - alpha * lambda) / max(here.w + there.w + alpha, 1e-20);
       strand_lambda[k] = lambda + change;
     }
     const vec3 impulse = squared < 1e20 ? (change / len) * d : vec3(0);
-    predicted[i].xyz = p.xyz + w * impulse;
+    predicted[i].xyz = here.was + (here.gone + here.w * impulse);
+    there.gone -= there.w * impulse;
+    here = there;
     i = link.other;
-    p = vec4(q.xyz - v * impulse, q.w);
-    w = v;
   }
-  predicted[i].xyz = p.xyz;
+  predicted[i].xyz = here.was + here.gone;
   if (coincident > 0) atomicAdd(counters[0].coincident, coincident);
 }

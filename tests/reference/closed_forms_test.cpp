@@ -13,6 +13,7 @@ TEST(ClosedForms, a_strip_stretches_under_its_own_weight) {
   Scene scene;
   scene.solver.rate = 10;
   scene.solver.substeps = 1;
+  scene.solver.method = Method::jacobi;   // its far links are part of what is simulated
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{{0.1f, 1}, 3, 30, Topology::diagonal, true};
   cloth.fabric.stretch = 100;

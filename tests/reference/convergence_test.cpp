@@ -42,6 +42,7 @@ reference::Trajectory run_on_gpu(const compute::Device& device, const Scene& sce
 // Relative to the sheet's side, after kFrames frames with so many iterations a substep.
 double distance_to_reference(const compute::Device& device, Scene scene, std::uint32_t iterations) {
   scene.solver.iterations = iterations;
+  scene.solver.method = Method::jacobi;
   const CookedFabric fabric = must(cook(scene, must(make_meshes(scene))));
   const auto reference = must(reference::integrate_newton(scene, fabric, kFrames, {.h = fabric.h}));
   EXPECT_EQ(reference.not_converged, 0u);

@@ -37,6 +37,7 @@ Sheet sheet_for(const Calls& calls) {
   Sheet made;
   Cloth& cloth = made.scene.cloths.emplace_back();
   cloth.grid = Grid{{1, 1}, 5, 4, Topology::diagonal, true};
+  if (calls.has(Id::level)) cloth.grid->cells_x = 9;   // enough for one
   cloth.bending = calls.has(Id::bend);
   cloth.tethers = calls.has(Id::tether);
   if (calls.has(Id::dihedral)) {

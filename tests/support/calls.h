@@ -33,7 +33,7 @@ inline Needs setup_for(const Calls& calls, bool texels) {
   setup.constants[constant::is_iterated] = calls.iterated;
   setup.constants[constant::linear_solver] = calls.relaxed ? WEFT_LINEAR_JACOBI : WEFT_LINEAR_CG;
   setup.constants[constant::is_accelerated] = calls.has(Id::chebyshev);
-  setup.constants[constant::has_levels] = calls.has(Id::level);
+  setup.constants[constant::has_levels] = setup.constants[constant::has_wide_levels] = calls.has(Id::level);
   setup.constants[constant::tether_pairs] = calls.has(Id::tether);
   setup.constants[constant::has_colliders] = setup.constants[constant::spheres] = calls.has(Id::collide);
   setup.constants[constant::triangles_collide] = setup.constants[constant::boxes] = calls.has(Id::triangle);

@@ -163,7 +163,7 @@ class Patches {
         (*palette)[lowest] = true;
       }
       if (colours.size() <= lowest) colours.resize(lowest + 1);
-      colours[lowest].push_back(gpu::pack_patch_link({a, b, link.rest, link.compliance, link.only_pulls}));
+      colours[lowest].push_back(gpu::pack_patch_link({a, b, link.rest, link.own_compliance(), link.only_pulls}));
     }
     for (const auto& of_colour : colours) {
       lists_.links.insert(lists_.links.end(), of_colour.begin(), of_colour.end());

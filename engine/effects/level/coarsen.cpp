@@ -98,6 +98,7 @@ class Coarsening {
   }
 
   Coarse finish(const IntrinsicSurface& fine, std::span<const Vec2> uvs) {
+    for (const Triangle& t : fine.triangles) keep_corner(t);
     for (const auto& [ends, link] : sides_) coarse_.links.push_back(link);
     IntrinsicSurface& surface = coarse_.surface;
     for (const std::uint32_t p : coarse_.points)
@@ -183,12 +184,23 @@ class Coarsening {
         if (share.part[i] == 0 || share.part[j] == 0) continue;
         const std::uint32_t a = std::min(share.node[i], share.node[j]), b = std::max(share.node[i], share.node[j]);
         const auto apart = between(a, b);
-        sides_.try_emplace({a, b}, CoarseLink{a, b, apart->distance, apart->askew});
+        sides_.try_emplace({a, b}, CoarseLink{a, b, apart->distance, apart->along});
       }
     if (share.part[0] == 0 || share.part[1] == 0 || share.part[2] == 0) return;
     Three nodes = share.node;
     std::sort(nodes.begin(), nodes.end());
     triangles_.insert(nodes);
+  }
+
+  // Where the regions of three nodes meet they make a triangle, even if no point lies in it: without it the surface would have a hole.
+  void keep_corner(const Triangle& t) {
+    Share share{{}, {1. / 3, 1. / 3, 1. / 3}};
+    for (int k = 0; k < 3; ++k) {
+      if (near(t[k]).empty()) return;
+      share.node[k] = near(t[k]).front().source;
+    }
+    const auto& [a, b, c] = share.node;
+    if (a != b && b != c && c != a && between(a, b) && between(b, c) && between(c, a)) keep(share);
   }
 
   Eigen::Vector2d warp_in(const std::array<Eigen::Vector2d, 3>& corners, const Three& nodes, std::span<const Vec2> uvs) const {

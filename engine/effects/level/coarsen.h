@@ -19,7 +19,7 @@ struct Share {
 struct CoarseLink {
   std::uint32_t a, b;      // nodes
   double rest;             // m, along the surface
-  double askew;            // Waves::Arrived
+  double along;            // Waves::Arrived
 };
 
 struct Coarse {

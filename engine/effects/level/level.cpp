@@ -1,9 +1,13 @@
 // Which levels a cloth has, what their nodes weigh and how stiff their links are.
 //
 // A link of a level stands for the strip of cloth between its nodes, and only pulls, for cloth can always be nearer in space than along
-// itself. Stretched evenly, cloth must pull as hard as without levels: half of the stiffness stays with the links of the mesh, and
-// the levels have the other half in equal parts. Three families of links, each of which covers the cloth once, carry a level's part; so a
-// link has three times its share of the area (engine/effects/stretch/links.cpp for the modulus of its direction).
+// itself. It has the modulus of its direction (engine/effects/stretch/links.cpp) over four times the area that is its, as the mesh's
+// links are four families, of the warp, the weft and both diagonals. Stretched evenly, cloth must pull as hard as without levels. So
+// all levels together get half of the stiffness, in equal parts, and the links of the mesh give up what these then hold along the threads:
+// half where the cloth shears as hard as it stretches, and less where it is soft askew to the threads, as most of a level's links lie.
+// Along a thread the cloth holds Y + Y45 / 2: its own family, and the diagonals, whose modulus is Y45, a quarter each.
+//
+// At rest links are longer than the way by rounding, and more: what is at rest must stay there.
 //
 // A node weighs what the particles weigh that it carries, by their shares: then a step of all nodes moves the cloth's momentum by what the
 // links gave, and they give none.
@@ -22,8 +26,8 @@ namespace {
 constexpr const Buffer* kBuffers[] = {&buffers::level_nodes,  &buffers::level_node_shares, &buffers::level_ends,  &buffers::level_links,
                                       &buffers::level_shares, &buffers::level_steps,       &buffers::level_lambda};
 
-// Nodes: coarser levels carry nothing further.
-constexpr std::size_t kFewest = 6;
+// Points that a further level is worth.
+constexpr std::size_t kFewest = 30;
 
 struct Level {
   cooking::Coarse coarse;
@@ -55,6 +59,61 @@ std::vector<Vec2> point_uvs(const Mesh& mesh) {
   return uvs;
 }
 
+// The links of a level by their nodes.
+struct Ends {
+  std::vector<std::vector<gpu::uvec4>> of_node;
+};
+
+// Relative, of a link's length.
+constexpr double kSlack = 1e-5;
+
+double inverse_modulus(const cooking::Stiffness& stiffness, double along) {
+  const double askew = along * (1 - along);
+  return (1 - 2 * askew) / stiffness.stretch + (askew < 1e-9 ? 0 : 2 * askew / stiffness.shear);
+}
+
+// Of each link (N/m), and what they all hold of an even strain along a thread, as a part of what the cloth holds: the same along warp and
+// weft.
+struct Stiff {
+  std::vector<double> of_link;
+  double part = 0;
+};
+
+Stiff stiff(const Level& level, const cooking::Stiffness& stiffness) {
+  Stiff made;
+  std::vector<std::uint32_t> count(level.coarse.points.size());
+  for (const auto& link : level.coarse.links) ++count[link.a], ++count[link.b];
+  Eigen::Vector2d along_threads(0, 0);
+  double area = 0;
+  for (const auto& [a, b, rest, along] : level.coarse.links) {
+    const double covered = level.areas[a] / count[a] + level.areas[b] / count[b], pull = 4 * covered / inverse_modulus(stiffness, along);
+    made.of_link.push_back(pull / (rest * rest));
+    along_threads += pull * Eigen::Vector2d(along * along, (1 - along) * (1 - along));
+    area += covered;
+  }
+  const double whole = area * (stiffness.stretch + 0.5 / inverse_modulus(stiffness, 0.5));
+  if (!std::isfinite(whole)) return made;   // rigid: no part is less
+  made.part = std::min(1.0, along_threads.minCoeff() / whole);
+  // Links hold most along the thread that they are nearer to.
+  for (std::size_t l = 0; l < made.of_link.size(); ++l)
+    made.of_link[l] *= made.part * whole / std::max(along_threads[level.coarse.links[l].along < 0.5], made.part * whole);
+  return made;
+}
+
+Ends links_of(const Level& level, const cooking::Stiffness& stiffness, std::size_t levels, std::uint32_t first) {
+  Ends ends{std::vector<std::vector<gpu::uvec4>>(level.coarse.points.size())};
+  const std::vector<double> k = stiff(level, stiffness).of_link;
+  const double part = 0.5 / static_cast<double>(levels);
+  for (std::size_t l = 0; l < k.size(); ++l) {
+    const auto& [a, b, rest, along] = level.coarse.links[l];
+    const double compliance = k[l] > 0 ? std::min(1 / (part * k[l]), cooking::kSoftest) : 0;
+    for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
+      ends.of_node[from].push_back(
+          gpu::pack_level_link({first + to, static_cast<float>(rest * (1 + kSlack)), static_cast<float>(compliance)}));
+  }
+  return ends;
+}
+
 std::vector<cooking::Rank> ranks_of(const cooking::ClothInput& input) {
   std::vector<cooking::Rank> ranks(input.mesh.points.size(), cooking::Rank::inner);
   for (const WingedEdge& edge : input.mesh.edges)
@@ -65,7 +124,7 @@ std::vector<cooking::Rank> ranks_of(const cooking::ClothInput& input) {
 
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   state.has_levels = false;
-  if (!levels_of(state.scene())) return {};
+  if (!levels_of(state.scene().solver)) return {};
   auto& all = state.fabric().own.of<AllLevels>().cloths;
   all.resize(state.fabric().cloths.size());
   ClothLevels& cloth = all.back();
@@ -98,27 +157,9 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
     cloth.levels.push_back(std::move(level));
   }
   state.has_levels = !cloth.levels.empty();
+  state.own_part = 1;
+  for (const Level& level : cloth.levels) state.own_part -= 0.5 * stiff(level, cloth.stiffness).part / static_cast<double>(cloth.levels.size());
   return {};
-}
-
-// The links of a level by their nodes.
-struct Ends {
-  std::vector<std::vector<gpu::uvec4>> of_node;
-};
-
-Ends links_of(const Level& level, const cooking::Stiffness& stiffness, std::size_t levels, std::uint32_t first) {
-  Ends ends{std::vector<std::vector<gpu::uvec4>>(level.coarse.points.size())};
-  std::vector<std::uint32_t> count(level.coarse.points.size());
-  for (const auto& link : level.coarse.links) ++count[link.a], ++count[link.b];
-  for (const auto& [a, b, rest, askew] : level.coarse.links) {
-    const double covered = 3 * (level.areas[a] / count[a] + level.areas[b] / count[b]);
-    const double inverse_modulus = (1 - 2 * askew) / stiffness.stretch + (askew == 0 ? 0 : 2 * askew / stiffness.shear);
-    const double parts = 2 * static_cast<double>(levels);
-    const double compliance = covered > 0 ? std::min(parts * inverse_modulus * rest * rest / covered, cooking::kSoftest) : 0;
-    for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
-      ends.of_node[from].push_back(gpu::pack_level_link({first + to, static_cast<float>(rest), static_cast<float>(compliance)}));
-  }
-  return ends;
 }
 
 class Layout {

@@ -33,8 +33,8 @@ void lay_out(cooking::CookState& state) {
         StretchLink& link = fabric.links[strands[s].links[k].link];
         const std::uint32_t next = strands[s].links[k].next;
         const double weight = double(fabric.positions[link.a].w) + fabric.positions[link.b].w;
-        const double gain = weight > 0 ? 1 / (weight + link.compliance / (fabric.h * fabric.h)) : 0;
-        const gpu::uvec2 packed = gpu::pack_link({next, link.rest, iterated ? link.compliance : static_cast<float>(gain), link.only_pulls});
+        const double gain = weight > 0 ? 1 / (weight + link.own_compliance() / (fabric.h * fabric.h)) : 0;
+        const gpu::uvec2 packed = gpu::pack_link({next, link.rest, iterated ? link.own_compliance() : static_cast<float>(gain), link.only_pulls});
         if (!iterated) link.gain = gpu::unpack_link(packed.x, packed.y).response;
         lists.links[first + k * count + s] = packed;
       }
@@ -47,7 +47,7 @@ void lay_out(cooking::CookState& state) {
 
 constinit const Effect strand{
     .name = "strand",
-    .called_for = [](const Scene& scene, const CookedFabric&) { return method_of(scene) == Method::strands; },
+    .called_for = [](const Scene& scene, const CookedFabric&) { return scene.solver.method == Method::strands; },
     .buffers = kBuffers,
     .passes = kPasses,
     .reference = Reference::a_way_to,

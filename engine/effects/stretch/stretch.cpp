@@ -39,16 +39,16 @@ void add_strands(cooking::CookState& state, const Mesh& mesh, const std::vector<
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   const auto particle_of = state.particle_of();
   const std::size_t first = state.fabric().links.size();
-  auto springs = cooking::springs(input.mesh, {input.cloth.fabric.stretch, input.cloth.fabric.shear}, !state.has_levels);
-  for (cooking::Spring& s : springs) {
-    if (state.has_levels) s.compliance *= 2;
+  const auto springs = cooking::springs(input.mesh, {input.cloth.fabric.stretch, input.cloth.fabric.shear}, !state.has_levels);
+  for (const cooking::Spring& s : springs) {
     // What the GPU will read, so that strain and reference see the same link.
     const gpu::uvec2 packed =
         gpu::pack_link({0, static_cast<float>(s.rest), static_cast<float>(std::min(s.compliance, cooking::kSoftest)), s.only_pulls});
     const gpu::Link link = gpu::unpack_link(packed.x, packed.y);
     state.fabric().links.push_back({particle_of[s.a], particle_of[s.b], link.rest, link.response, s.only_pulls});
+    if (state.has_levels) state.fabric().links.back().part = static_cast<float>(state.own_part);
   }
-  if (method_of(state.scene()) == Method::strands) add_strands(state, input.mesh, springs, first);
+  if (state.scene().solver.method == Method::strands) add_strands(state, input.mesh, springs, first);
   return {};
 }
 
@@ -67,8 +67,8 @@ void lay_out(cooking::CookState& state) {
   for (StretchLink& link : fabric.links) {
     if (link.in_strand) continue;
     const double weight = double(fabric.split_weights[link.a]) + fabric.split_weights[link.b];
-    const double gain = weight > 0 ? 1 / (weight + link.compliance * state.softening()) : 0;
-    const float response = iterated ? link.compliance : static_cast<float>(gain);
+    const double gain = weight > 0 ? 1 / (weight + link.own_compliance() * state.softening()) : 0;
+    const float response = iterated ? link.own_compliance() : static_cast<float>(gain);
     const gpu::uvec2 to_b = gpu::pack_link({link.b, link.rest, response, link.only_pulls});
     lists[link.a].push_back(to_b);
     lists[link.b].push_back(gpu::pack_link({link.a, link.rest, response, link.only_pulls}));
@@ -87,7 +87,7 @@ constinit const Effect stretch{
     .name = "stretch",
     .called_for =
         [](const Scene& scene, const CookedFabric&) {
-          const Method method = method_of(scene);
+          const Method method = scene.solver.method;
           return method == Method::jacobi || method == Method::strands || method == Method::chebyshev;
         },
     .buffers = kBuffers,

@@ -21,7 +21,7 @@ std::vector<std::vector<AnchorDistance>> nearest_anchors(const Mesh& mesh, std::
   waves.run();
   for (std::uint32_t p = 0; p < nearest.size(); ++p)
     for (const Waves::Arrived& arrived : waves.at(p).first(std::min<std::size_t>(count, waves.at(p).size())))
-      nearest[p].push_back({arrived.source, arrived.distance, arrived.askew});
+      nearest[p].push_back({arrived.source, arrived.distance, arrived.along * (1 - arrived.along)});
   return nearest;
 }
 

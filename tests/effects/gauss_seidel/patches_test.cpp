@@ -63,7 +63,7 @@ TEST(Patches, every_link_that_can_move_somebody_is_in_one_as_the_cook_made_it) {
   std::multiset<Key> cooked, found;
   for (const StretchLink& link : fabric.links)
     if (fabric.positions[link.a].w > 0 || fabric.positions[link.b].w > 0)
-      cooked.insert({link.a, link.b, link.rest, link.compliance, link.only_pulls});
+      cooked.insert({link.a, link.b, link.rest, link.own_compliance(), link.only_pulls});
   for (const Range& round : lists_of(fabric).rounds)
     for_every_link(fabric, round, [&](std::uint32_t, std::uint32_t, std::uint32_t a, std::uint32_t b, const gpu::PatchLink& link) {
       found.insert({a, b, link.rest, link.compliance, link.only_pulls});

@@ -61,7 +61,7 @@ TEST_F(LevelCase, momentum_of_a_free_sheet_stays) {
       const auto simulation = must(Simulation::create(device(), scene));
       const Point before = centre_of_mass(must(simulation->read_positions()));
       run(*simulation, 1);
-      EXPECT_LT(distance(before, centre_of_mass(must(simulation->read_positions()))), 1e-5) << "m in a second";
+      EXPECT_LT(distance(before, centre_of_mass(must(simulation->read_positions()))), iterations == 1 ? 1e-5 : 5e-5) << "m in a second";
     }
 }
 
@@ -88,7 +88,7 @@ TEST_F(LevelCase, folds_are_not_flattened) {
 
 TEST_F(LevelCase, a_cape_that_is_moved_fast_strains_less_than_with_jacobi) {
   Strain strains[2];
-  for (const Method method : {Method::jacobi, Method::by_default}) {
+  for (const Method method : {Method::jacobi, Method::strands}) {
     Scene scene;
     scene.solver.method = method;
     Cloth& cloth = scene.cloths.emplace_back();
@@ -97,7 +97,7 @@ TEST_F(LevelCase, a_cape_that_is_moved_fast_strains_less_than_with_jacobi) {
     top.top = 0;
     top.keys = {{0.2, {}, {0, 1, 0}, 0}, {0.6, {0, 0, 2}, {0, 1, 0}, 0}};
     cloth.anchors.push_back(top);
-    strains[method == Method::by_default] = after(device(), scene, 0.6);
+    strains[method == Method::strands] = after(device(), scene, 0.6);
   }
   EXPECT_LT(strains[1].mean, 0.6 * strains[0].mean);
   EXPECT_LT(strains[1].max, 0.12);

@@ -154,6 +154,7 @@ Crumpled crumpled(std::uint64_t seed, Averaging averaging, std::uint32_t iterati
   Random random(seed);
   Crumpled c;
   c.scene = plain_scene(averaging, iterations);
+  c.scene.solver.method = Method::jacobi;
   Cloth& cloth = c.scene.cloths.emplace_back();
   cloth.grid = Grid{.size = {1, 1}, .cells_x = 14, .cells_y = 11, .topology = topology};
   cloth.fabric.bend = std::pow(10, between(random, -5, -1));   // from limp to a board
