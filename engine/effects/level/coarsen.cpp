@@ -13,6 +13,8 @@
 #include <queue>
 #include <set>
 
+#include "engine/cook/parts.h"
+
 namespace weft::cooking {
 namespace {
 
@@ -20,13 +22,16 @@ namespace {
 constexpr double kReach = 2.3;
 
 // Nearest nodes of a point that are looked at, and a spare one (geodesic.cpp).
-constexpr std::uint32_t kNearest = 10, kSpare = 1;
+constexpr std::uint32_t kNearest = 12, kSpare = 1;
 
 // A point this far outside a triangle, in barycentric coordinates, still counts as inside: rounding, and surfaces that do not unroll.
 constexpr double kInside = -1e-3;
 
 // As far outside of all triangles a displacement is carried on; farther out it is that of the nearest place inside.
-constexpr double kOutside = 0.3;
+constexpr double kOutside = 1;
+
+// Of the sum of the ways from a corner to its neighbours on the rim: it turns there by 45 degrees, or more.
+constexpr double kCorner = 0.75;
 
 // Height over longest side: flatter triangles have no say.
 constexpr double kFlattest = 0.05;
@@ -58,7 +63,7 @@ IntrinsicSurface in_edges(const IntrinsicSurface& surface, std::size_t points) {
   return scaled;
 }
 
-// Farthest point first: of the points that are held, of these and the rim's, then of all.
+// Farthest point first: of the points that are held, of these and the corners, of these and the rim's, then of all.
 std::vector<std::uint32_t> choose_nodes(const IntrinsicSurface& surface, std::span<const Rank> ranks) {
   const auto points = static_cast<std::uint32_t>(ranks.size());
   const IntrinsicSurface scaled = in_edges(surface, points);
@@ -67,7 +72,7 @@ std::vector<std::uint32_t> choose_nodes(const IntrinsicSurface& surface, std::sp
     return p < points && !waves.at(p).empty() ? waves.at(p).front().distance : INFINITY;
   };
   std::vector<std::uint32_t> nodes;
-  for (const Rank least : {Rank::held, Rank::rim, Rank::inner}) {
+  for (const Rank least : {Rank::held, Rank::corner, Rank::rim, Rank::inner}) {
     std::priority_queue<std::pair<double, std::uint32_t>> farthest;   // with distances as they once were: they only shrink
     for (std::uint32_t p = points; p-- > 0;)
       if (ranks[p] >= least) farthest.emplace(INFINITY, p);
@@ -219,6 +224,21 @@ class Coarsening {
 };
 
 }  // namespace
+
+std::vector<Rank> ranks_of(const Mesh& mesh) {
+  std::vector<Rank> ranks(mesh.points.size(), Rank::inner);
+  std::vector<Eigen::Vector3d> turn(mesh.points.size(), Eigen::Vector3d::Zero());   // sum of the ways to both neighbours on the rim
+  for (const WingedEdge& edge : mesh.edges) {
+    if (edge.triangle[0] != kNone && edge.triangle[1] != kNone) continue;
+    ranks[edge.a] = ranks[edge.b] = Rank::rim;
+    const Eigen::Vector3d way = (vector(mesh.points[edge.b]) - vector(mesh.points[edge.a])).normalized();
+    turn[edge.a] += way;
+    turn[edge.b] -= way;
+  }
+  for (std::size_t p = 0; p < ranks.size(); ++p)
+    if (ranks[p] == Rank::rim && turn[p].norm() > kCorner) ranks[p] = Rank::corner;
+  return ranks;
+}
 
 Coarse coarsen(const IntrinsicSurface& fine, std::span<const Rank> ranks, std::span<const Vec2> uvs) {
   return Coarsening(fine, choose_nodes(fine, ranks), ranks.size()).finish(fine, uvs);

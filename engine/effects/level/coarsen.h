@@ -31,7 +31,10 @@ struct Coarse {
 
 /// What a point is to the choice of nodes: those of a higher rank have nodes among them, as near to each other as all nodes are, before
 /// others are chosen. So what is held is held at every level, and no level ends before the cloth does.
-enum class Rank : std::uint8_t { inner, rim, held };
+enum class Rank : std::uint8_t { inner, rim, corner, held };
+
+/// Of each point of a mesh; nothing is held yet.
+std::vector<Rank> ranks_of(const Mesh& mesh);
 
 /// Nodes about four edges apart. `uvs` are those of the points; empty or not finite where there is none.
 Coarse coarsen(const IntrinsicSurface& fine, std::span<const Rank> ranks, std::span<const Vec2> uvs);

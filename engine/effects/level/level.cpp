@@ -114,14 +114,6 @@ Ends links_of(const Level& level, const cooking::Stiffness& stiffness, std::size
   return ends;
 }
 
-std::vector<cooking::Rank> ranks_of(const cooking::ClothInput& input) {
-  std::vector<cooking::Rank> ranks(input.mesh.points.size(), cooking::Rank::inner);
-  for (const WingedEdge& edge : input.mesh.edges)
-    if (edge.triangle[0] == kNone || edge.triangle[1] == kNone) ranks[edge.a] = ranks[edge.b] = cooking::Rank::rim;
-  for (const auto& anchor : input.anchors) ranks[anchor.point] = cooking::Rank::held;
-  return ranks;
-}
-
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   state.has_levels = false;
   if (!levels_of(state.scene().solver)) return {};
@@ -131,7 +123,8 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   cloth.particle_of.assign(state.particle_of().begin(), state.particle_of().end());
   cloth.stiffness = {input.cloth.fabric.stretch, input.cloth.fabric.shear};
   cooking::IntrinsicSurface surface = cooking::surface_of(input.mesh);
-  std::vector<cooking::Rank> ranks = ranks_of(input);
+  std::vector<cooking::Rank> ranks = cooking::ranks_of(input.mesh);
+  for (const auto& anchor : input.anchors) ranks[anchor.point] = cooking::Rank::held;
   std::vector<Vec2> uvs = point_uvs(input.mesh);
   std::vector<double> areas(ranks.size());
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {

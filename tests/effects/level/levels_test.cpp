@@ -14,14 +14,7 @@ namespace {
 using cooking::Coarse;
 using cooking::Rank;
 
-std::vector<Rank> ranks_of(const Mesh& mesh) {
-  std::vector<Rank> ranks(mesh.points.size(), Rank::inner);
-  for (const WingedEdge& edge : mesh.edges)
-    if (edge.triangle[0] == kNone || edge.triangle[1] == kNone) ranks[edge.a] = ranks[edge.b] = Rank::rim;
-  return ranks;
-}
-
-Coarse coarse(const Mesh& mesh) { return cooking::coarsen(cooking::surface_of(mesh), ranks_of(mesh), {}); }
+Coarse coarse(const Mesh& mesh) { return cooking::coarsen(cooking::surface_of(mesh), cooking::ranks_of(mesh), {}); }
 
 // The triangles whose middles `kept` keeps.
 template <class Kept>
@@ -47,7 +40,7 @@ TEST(Levels, links_are_as_long_as_the_way_along_the_cloth_and_shares_carry_a_lin
   for (const Grid& grid : kLevelGrids) {
     const Mesh mesh = make_grid(grid);
     cooking::IntrinsicSurface surface = cooking::surface_of(mesh);
-    std::vector<Rank> ranks = ranks_of(mesh);
+    std::vector<Rank> ranks = cooking::ranks_of(mesh);
     std::vector<Vec3> points = mesh.points;
     for (int level = 0; level < 3 && points.size() > 30; ++level) {
       SCOPED_TRACE(level);
