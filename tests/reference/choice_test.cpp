@@ -71,7 +71,7 @@ TEST(Choice, a_scene_gets_what_its_budget_buys_and_keeps_its_rate) {
                            {});
   ASSERT_TRUE(scene) << scene.error();
   Curve count = curve();
-  for (CurvePoint& p : count.points) p.assignments = "solver.method=jacobi solver.averaging=mass_split solver.relaxation=1";
+  for (CurvePoint& p : count.points) p.assignments = "solver.averaging=mass_split solver.relaxation=1";
   std::string note;
   const auto chosen = with_choice(*scene, 10'000, count, note);
   ASSERT_TRUE(chosen) << chosen.error();

@@ -77,8 +77,12 @@ class Boxes {
 class Patches {
  public:
   Patches(const CookedFabric& fabric, PatchLists& lists) : fabric_(fabric), lists_(lists), place_(fabric.positions.size()) {
-    for (std::uint32_t k = 0; k < fabric.links.size(); ++k)
-      if (fabric.positions[fabric.links[k].a].w > 0 || fabric.positions[fabric.links[k].b].w > 0) left_.push_back(k);
+    // Far links and second diagonals first: a sweep ends with the edges.
+    for (const bool pulls : {true, false})
+      for (std::uint32_t k = 0; k < fabric.links.size(); ++k) {
+        const StretchLink& link = fabric.links[k];
+        if (link.only_pulls == pulls && (fabric.positions[link.a].w > 0 || fabric.positions[link.b].w > 0)) left_.push_back(k);
+      }
   }
 
   void make() {
