@@ -106,7 +106,8 @@ Ends links_of(const Level& level, const cooking::Stiffness& stiffness, std::size
   const double part = 0.5 / static_cast<double>(levels);
   for (std::size_t l = 0; l < k.size(); ++l) {
     const auto& [a, b, rest, along] = level.coarse.links[l];
-    const double compliance = k[l] > 0 ? std::min(1 / (part * k[l]), cooking::kSoftest) : 0;
+    // No area, no cloth.
+    const double compliance = k[l] > 0 ? std::min(1 / (part * k[l]), cooking::kSoftest) : cooking::kSoftest;
     for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
       ends.of_node[from].push_back(
           gpu::pack_level_link({first + to, static_cast<float>(rest * (1 + kSlack)), static_cast<float>(compliance)}));
