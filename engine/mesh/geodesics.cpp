@@ -2,29 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <tuple>
 
 #include "engine/cook/parts.h"
 
 namespace weft::cooking {
 namespace {
-
-struct Line {
-  double along, off;   // ab, and towards c (m)
-};
-
-// The line from the source to c, if it crosses ab.
-std::optional<Line> across_triangle(double ab, double ac, double bc, double to_a, double to_b) {
-  const double cx = (ab * ab + ac * ac - bc * bc) / (2 * ab);
-  const double cy = std::sqrt(std::max(0.0, ac * ac - cx * cx));
-  const double sx = (ab * ab + to_a * to_a - to_b * to_b) / (2 * ab);
-  const double sy = std::sqrt(std::max(0.0, to_a * to_a - sx * sx));
-  if (cy + sy <= 1e-12 * ab) return std::nullopt;
-  const double crossing = sx + (cx - sx) * sy / (cy + sy);
-  if (crossing < -1e-9 * ab || crossing > (1 + 1e-9) * ab) return std::nullopt;
-  return Line{cx - sx, cy + sy};
-}
 
 // cos^2 of the angle to the warp.
 double along(const IntrinsicSurface::Flat& triangle, const Eigen::Vector2d& way) {
@@ -56,27 +39,38 @@ IntrinsicSurface surface_of(const Mesh& mesh) {
 }
 
 bool Waves::Arrival::operator>(const Arrival& other) const {
-  return std::tie(distance, point, source) > std::tie(other.distance, other.point, other.source);
+  if (distance != other.distance) return distance > other.distance;
+  return std::tie(point, source) > std::tie(other.point, other.source);
 }
 
-Waves::Waves(const IntrinsicSurface& surface, std::uint32_t kept) : surface_(surface), kept_(kept) {
+Waves::Waves(const IntrinsicSurface& surface, std::uint32_t kept, std::vector<double> reach)
+    : surface_(surface), kept_(kept), reach_(std::move(reach)) {
   std::uint32_t points = static_cast<std::uint32_t>(surface.points.size());
   for (const Triangle& t : surface.triangles)
     for (const std::uint32_t p : t) points = std::max(points, p + 1);
-  reached_.resize(points);
+  reached_.resize(std::size_t(points) * kept);
+  count_.resize(points);
   first_.assign(points + 1, 0);
   for (const Triangle& t : surface.triangles)
     for (const std::uint32_t p : t) ++first_[p + 1];
   for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
   around_.resize(first_.back());
+  sides_.reserve(6 * surface.triangles.size());
+  for (const IntrinsicSurface::Flat& flat : surface.flat)
+    for (std::uint32_t at = 0; at < 3; ++at)
+      for (const std::uint32_t side : {1, 2}) {
+        const Eigen::Vector2d near = flat.corners[(at + side) % 3] - flat.corners[at], far = flat.corners[(at + 3 - side) % 3] - flat.corners[at];
+        const double length = near.norm(), along = length > 0 ? near.dot(far) / length : 0;
+        sides_.push_back({length, along, std::sqrt(std::max(0.0, far.squaredNorm() - along * along))});
+      }
   std::vector<std::uint32_t> fill(first_.begin(), first_.end() - 1);
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
-    for (const std::uint32_t p : surface.triangles[t]) around_[fill[p]++] = t;
+    for (std::uint32_t k = 0; k < 3; ++k) around_[fill[surface.triangles[t][k]]++] = 3 * t + k;
 }
 
 void Waves::add(std::uint32_t point) {
   sources_.push_back(point);
-  offer(point, static_cast<std::uint32_t>(sources_.size() - 1), 0, 1);
+  if (Arrived* here = offer(point, static_cast<std::uint32_t>(sources_.size() - 1), 0)) here->along = 1;
 }
 
 void Waves::run() {
@@ -91,51 +85,60 @@ void Waves::run() {
 }
 
 Waves::Arrived* Waves::find(std::uint32_t point, std::uint32_t source) {
-  for (Arrived& known : reached_[point])
-    if (known.source == source) return &known;
+  Arrived* first = reached_.data() + std::size_t(point) * kept_;
+  for (Arrived* known = first; known != first + count_[point]; ++known)
+    if (known->source == source) return known;
   return nullptr;
 }
 
-// Keeps the nearest sources of a point, sorted; a better distance replaces a worse one.
-void Waves::offer(std::uint32_t point, std::uint32_t source, double distance, double along) {
-  auto& list = reached_[point];
-  const auto known = std::find_if(list.begin(), list.end(), [&](const Arrived& k) { return k.source == source; });
-  if (known != list.end()) {
-    if (distance >= known->distance * (1 - 1e-12)) return;
-    list.erase(known);
-  } else if (list.size() == kept_) {
-    if (distance >= list.back().distance) return;
-    list.pop_back();
+// Keeps the nearest sources of a point, sorted; a better distance replaces a worse one. What is kept, for the caller to add how it arrived;
+// null if it is not.
+Waves::Arrived* Waves::offer(std::uint32_t point, std::uint32_t source, double distance) {
+  std::uint32_t& count = count_[point];
+  if (!reach_.empty() && distance > reach_[point]) return nullptr;
+  Arrived* place = find(point, source);
+  if (place != nullptr) {
+    if (distance >= place->distance * (1 - 1e-12)) return nullptr;
+  } else {
+    place = reached_.data() + std::size_t(point) * kept_ + count;
+    if (count == kept_ && distance >= (--place)->distance) return nullptr;
+    count = std::min(count + 1, kept_);
   }
-  const auto place = std::find_if(list.begin(), list.end(), [&](const Arrived& k) { return k.distance > distance; });
-  list.insert(place, {source, distance, along, false});
+  for (const Arrived* first = reached_.data() + std::size_t(point) * kept_; place != first && (place - 1)->distance > distance; --place)
+    *place = *(place - 1);
+  *place = {source, distance, 1, false};
   front_.push({distance, point, source});
+  return place;
 }
 
-void Waves::spread(const Arrival& from, std::uint32_t number) {
-  const Triangle& triangle = surface_.triangles[number];
-  const IntrinsicSurface::Flat& flat = surface_.flat[number];
-  const auto at = static_cast<std::size_t>(std::find(triangle.begin(), triangle.end(), from.point) - triangle.begin());
-  const std::size_t others[] = {(at + 1) % 3, (at + 2) % 3};
-  for (int side = 0; side < 2; ++side) {
-    const std::size_t near = others[side], far = others[1 - side];
+void Waves::spread(const Arrival& from, std::uint32_t corner) {
+  const Triangle& triangle = surface_.triangles[corner / 3];
+  const IntrinsicSurface::Flat& flat = surface_.flat[corner / 3];
+  const std::uint32_t at = corner % 3;
+  for (const std::uint32_t side : {1, 2}) {
+    const std::uint32_t near = (at + side) % 3, far = (at + 3 - side) % 3;
+    const auto& [length, far_along, far_off] = sides_[2 * corner + side - 1];
     const Eigen::Vector2d edge = flat.corners[near] - flat.corners[at];
-    offer(triangle[near], from.source, from.distance + edge.norm(), along(flat, edge));
+    if (Arrived* reached = offer(triangle[near], from.source, from.distance + length)) reached->along = along(flat, edge);
     // Two distances locate the source. The end of an edge that propagates later sees both, and so does one that propagates
     // again: in obtuse triangles the wave can arrive at a corner before it arrives at the ends of the edge that it has
     // crossed.
     const Arrived* known = find(triangle[near], from.source);
-    if (known == nullptr || !known->spread) continue;
-    const Eigen::Vector2d other = flat.corners[far] - flat.corners[at];
-    const auto line = across_triangle(edge.norm(), other.norm(), (other - edge).norm(), from.distance, known->distance);
-    if (!line) continue;
-    const Eigen::Vector2d across = other - other.dot(edge) / edge.squaredNorm() * edge;
-    const Eigen::Vector2d way = line->along * edge.normalized() + line->off * across.normalized();
-    double distance = std::hypot(line->along, line->off);
+    if (known == nullptr || !known->spread || length == 0) continue;
+    const double squared = from.distance * from.distance, source = (length * length + squared - known->distance * known->distance) / (2 * length);
+    const double source_off = std::sqrt(std::max(0.0, squared - source * source)), apart = far_off + source_off;
+    if (apart <= 1e-12 * length) continue;
+    // Where the straight line to the third corner crosses the edge, if it does.
+    const double crossing = source * apart + (far_along - source) * source_off;
+    if (crossing < -1e-9 * length * apart || crossing > (1 + 1e-9) * length * apart) continue;
+    double distance = std::sqrt((far_along - source) * (far_along - source) + apart * apart);
     // No way along the surface is shorter than the straight line in space.
     if (!surface_.points.empty())
       distance = std::max(distance, (surface_.points[triangle[far]] - surface_.points[sources_[from.source]]).norm());
-    offer(triangle[far], from.source, distance, along(flat, way));
+    if (Arrived* reached = offer(triangle[far], from.source, distance)) {
+      const Eigen::Vector2d ahead = edge / length, other = flat.corners[far] - flat.corners[at];
+      reached->along = along(flat, (far_along - source) * ahead + apart * (other - other.dot(ahead) * ahead).normalized());
+    }
   }
 }
 

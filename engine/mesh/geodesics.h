@@ -48,15 +48,16 @@ class Waves {
     bool spread;               // it has been propagated at this distance
   };
 
-  /// Of each point the nearest `kept` sources.
-  Waves(const IntrinsicSurface& surface, std::uint32_t kept);
+  /// Of each point the nearest `kept` sources, those that are not farther than its `reach` (m); empty: however far.
+  Waves(const IntrinsicSurface& surface, std::uint32_t kept, std::vector<double> reach = {});
 
-  /// Adds a source and lets its wave run, once more sources are added or at once.
+  /// Adds a source, and lets the waves of those that were added run: all at once, so that they end where they meet, if only the nearest
+  /// are asked for; or one by one, which goes easy on caches where they reach only so far.
   void add(std::uint32_t point);
   void run();
 
   /// Nearest first.
-  std::span<const Arrived> at(std::uint32_t point) const { return reached_[point]; }
+  std::span<const Arrived> at(std::uint32_t point) const { return {reached_.data() + std::size_t(point) * kept_, count_[point]}; }
 
  private:
   struct Arrival {
@@ -65,15 +66,24 @@ class Waves {
     bool operator>(const Arrival& other) const;
   };
 
+  // A triangle's side from a corner, and where the third corner is by it.
+  struct Side {
+    double length;        // m, > 0
+    double along, off;    // m, of the third corner: along the side, and away from it
+  };
+
   Arrived* find(std::uint32_t point, std::uint32_t source);
-  void offer(std::uint32_t point, std::uint32_t source, double distance, double along);
-  void spread(const Arrival& from, std::uint32_t triangle);
+  Arrived* offer(std::uint32_t point, std::uint32_t source, double distance);
+  void spread(const Arrival& from, std::uint32_t corner);
 
   const IntrinsicSurface& surface_;
   std::uint32_t kept_;
+  std::vector<double> reach_;
   std::vector<std::uint32_t> sources_;
-  std::vector<std::vector<Arrived>> reached_;
-  std::vector<std::uint32_t> first_, around_;   // triangles around each point
+  std::vector<Arrived> reached_;                // of each point `kept_` places
+  std::vector<std::uint32_t> count_;            // of them that are taken
+  std::vector<std::uint32_t> first_, around_;   // corners of triangles at each point: three times the triangle's number, and which of it
+  std::vector<Side> sides_;                     // two of each corner, to the next one and to the one after
   std::priority_queue<Arrival, std::vector<Arrival>, std::greater<>> front_;
 };
 
