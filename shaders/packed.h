@@ -75,8 +75,8 @@ WEFT_INLINE LevelShare unpack_level_share(uvec4 packed) {
 
 // A node of a coarse level in 16 bytes (level/level.glsl), and a link of its.
 struct LevelNode {
-  uint particle;        // where it is
-  float inverse_mass;   // 1/kg; 0: its particle is held
+  uint first_gather;    // of what its centre is the mean of; they end where the next node's begin
+  float inverse_mass;   // 1/kg; 0: it is held
   uint first_link, links;
 };
 
@@ -88,7 +88,7 @@ struct LevelLink {
 
 WEFT_INLINE LevelNode unpack_level_node(uvec4 packed) {
   LevelNode node;
-  node.particle = packed.x;
+  node.first_gather = packed.x;
   node.inverse_mass = WEFT_FLOAT(packed.y);
   node.first_link = packed.z;
   node.links = packed.w;
@@ -140,7 +140,7 @@ inline uvec2 pack_patch_link(const PatchLink& link) {
   return {link.a | link.b << 8 | (WEFT_BITS(link.compliance) & 0xffff0000u), (WEFT_BITS(link.rest) & 0xfffffffeu) | (link.only_pulls ? 1u : 0u)};
 }
 
-inline uvec4 pack_level_node(const LevelNode& node) { return {node.particle, WEFT_BITS(node.inverse_mass), node.first_link, node.links}; }
+inline uvec4 pack_level_node(const LevelNode& node) { return {node.first_gather, WEFT_BITS(node.inverse_mass), node.first_link, node.links}; }
 inline uvec4 pack_level_link(const LevelLink& link) { return {link.other, WEFT_BITS(link.rest), WEFT_BITS(link.compliance), 0}; }
 
 inline uvec4 pack_level_share(const uint (&nodes)[3], double part1, double part2) {

@@ -3,9 +3,13 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 
-GATHER(predicted)
+GATHER_UINT4(level_nodes)
+GATHER(level_centres)
 GATHER_WRITE(level_steps)
-#define STEP(k) FETCH(level_steps, k)   // an earlier dispatch has written it
+// Earlier dispatches have written these.
+#define CENTRE(k) FETCH(level_centres, k)
+#define STEP(k) FETCH(level_steps, k)
+#define PLACE(k) place_of(k, unpack_level_node(FETCH(level_nodes, k)))
 #include "level/level.glsl"
 
 void main() {

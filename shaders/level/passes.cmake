@@ -1,1 +1,1 @@
-weft_passes(level_low level_spread level_wide)
+weft_passes(level_centre level_centre_wide level_low level_spread level_wide)

@@ -9,22 +9,24 @@
 //
 // At rest links are longer than the way by rounding, and more: what is at rest must stay there.
 //
-// A node weighs what the particles weigh that it carries, by their shares: then a step of all nodes moves the cloth's momentum by what the
-// links gave, and they give none.
+// A node weighs what the particles weigh that it carries, by their shares, and is where their centre of mass is (centres.cpp): then steps of
+// nodes change the cloth's momentum and angular momentum by what the links gave, and they give none.
 #include "engine/effects/level/level.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "engine/cook/cook_state.h"
 #include "engine/effects/effect.h"
-#include "engine/effects/level/coarsen.h"
+#include "engine/effects/level/centres.h"
 
 namespace weft::effects {
 namespace {
 
-constexpr const Buffer* kBuffers[] = {&buffers::level_nodes,  &buffers::level_node_shares, &buffers::level_ends,  &buffers::level_links,
-                                      &buffers::level_shares, &buffers::level_steps,       &buffers::level_lambda};
+constexpr const Buffer* kBuffers[] = {&buffers::level_nodes,  &buffers::level_gathers, &buffers::level_node_shares, &buffers::level_ends,
+                                      &buffers::level_links,  &buffers::level_shares,  &buffers::level_centres,     &buffers::level_places,
+                                      &buffers::level_steps,  &buffers::level_lambda};
 
 // Points that a further level is worth.
 constexpr std::size_t kFewest = 30;
@@ -32,6 +34,7 @@ constexpr std::size_t kFewest = 30;
 struct Level {
   cooking::Coarse coarse;
   std::vector<double> areas;          // m^2, of each node
+  cooking::Weighed weighed;
 };
 
 struct ClothLevels {
@@ -115,6 +118,20 @@ Ends links_of(const Level& level, const cooking::Stiffness& stiffness, std::size
   return ends;
 }
 
+// A share as the GPU has it.
+gpu::uvec4 packed(const cooking::Share& share, std::uint32_t first) {
+  return gpu::pack_level_share({first + share.node[0], first + share.node[1], first + share.node[2]}, share.part[1], share.part[2]);
+}
+
+std::vector<cooking::Share> as_packed(const std::vector<cooking::Share>& shares) {
+  std::vector<cooking::Share> used;
+  for (const cooking::Share& share : shares) {
+    const gpu::LevelShare unpacked = gpu::unpack_level_share(packed(share, 0));
+    used.push_back({share.node, {unpacked.part0, unpacked.part1, unpacked.part2}});
+  }
+  return used;
+}
+
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   state.has_levels = false;
   if (!levels_of(state.scene().solver)) return {};
@@ -132,8 +149,14 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
     const auto& c = surface.flat[t].corners;
     for (const std::uint32_t p : surface.triangles[t]) areas[p] += 0.5 * c[1].x() * c[2].y() / 3;
   }
+  std::vector<double> masses;   // kg, of what moves
+  for (const std::uint32_t particle : cloth.particle_of) {
+    const float w = state.fabric().positions[particle].w;
+    masses.push_back(w > 0 ? 1 / double(w) : 0);
+  }
+  std::vector<cooking::Mean> in_points;
   while (ranks.size() > kFewest) {
-    Level level{cooking::coarsen(surface, ranks, uvs), {}};
+    Level level{cooking::coarsen(surface, ranks, uvs), {}, {}};
     const std::vector<std::uint32_t>& points = level.coarse.points;
     if (2 * points.size() > ranks.size() || points.size() < 3) break;   // small pieces
     level.areas.resize(points.size());
@@ -146,6 +169,10 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
     };
     at_nodes(ranks);
     if (!uvs.empty()) at_nodes(uvs);
+    level.weighed = cooking::weigh(level.coarse, as_packed(level.coarse.shares), masses, in_points);
+    cooking::measure_between_centres(level.coarse, level.weighed.in_nodes);
+    masses = level.weighed.masses;
+    in_points = level.weighed.in_nodes;
     areas = level.areas;
     surface = level.coarse.surface;
     cloth.levels.push_back(std::move(level));
@@ -159,77 +186,51 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
 class Layout {
  public:
   Layout(CookedFabric& fabric, const std::vector<ClothLevels>& cloths)
-      : fabric_(fabric), cloths_(cloths), lists_(fabric.own.of<LevelLists>()), first_(cloths.size()), masses_(cloths.size()) {}
+      : fabric_(fabric), cloths_(cloths), lists_(fabric.own.of<LevelLists>()), first_(cloths.size()) {}
 
   void lay_out() {
     std::size_t deepest = 0;
-    for (std::size_t c = 0; c < cloths_.size(); ++c) {
-      deepest = std::max(deepest, cloths_[c].levels.size());
-      weigh(c);
-    }
+    for (const ClothLevels& cloth : cloths_) deepest = std::max(deepest, cloth.levels.size());
     if (deepest == 0) return;
-    for (std::size_t g = deepest; g-- > 0;) {
+    number(deepest);
+    for (std::size_t g = deepest; g-- > 0;)
       for (std::size_t c = 0; c < cloths_.size(); ++c)
         if (g < cloths_[c].levels.size()) add_level(c, g);
-      lists_.ends.push_back(static_cast<std::uint32_t>(lists_.nodes.size()));
-    }
+    lists_.nodes.push_back(gpu::pack_level_node({static_cast<std::uint32_t>(lists_.gathers.size()), 0, 0, 0}));
     for (std::uint32_t k = 0, first = 0; k < lists_.ends.size() && lists_.ends[k] - first <= WEFT_LOW_LEVEL; first = lists_.ends[k++])
       lists_.low = k + 1;
     add_shares();
   }
 
  private:
-  static gpu::uvec4 packed(const cooking::Share& share, std::uint32_t first) {
-    return gpu::pack_level_share({first + share.node[0], first + share.node[1], first + share.node[2]}, share.part[1], share.part[2]);
-  }
-
   bool is_held(std::size_t c, std::uint32_t point) const { return fabric_.positions[cloths_[c].particle_of[point]].w == 0; }
 
-  // Points of a cloth that are a level's nodes.
-  std::vector<std::uint32_t> points_of(std::size_t c, std::size_t g) const {
-    std::vector<std::uint32_t> points = cloths_[c].levels[g].coarse.points;
-    while (g-- > 0)
-      for (std::uint32_t& p : points) p = cloths_[c].levels[g].coarse.points[p];
-    return points;
-  }
-
-  void weigh(std::size_t c) {
-    const ClothLevels& cloth = cloths_[c];
-    std::vector<double> finer;   // kg, of what moves
-    for (std::uint32_t p = 0; p < cloth.particle_of.size(); ++p) {
-      const float w = fabric_.positions[cloth.particle_of[p]].w;
-      finer.push_back(w > 0 ? 1 / double(w) : 0);
-    }
-    for (std::size_t g = 0; g < cloth.levels.size(); ++g) {
-      const cooking::Coarse& coarse = cloth.levels[g].coarse;
-      std::vector<double> masses(coarse.points.size());
-      for (std::size_t p = 0; p < finer.size(); ++p) {
-        const auto share = gpu::unpack_level_share(packed(coarse.shares[p], 0));
-        const double parts[] = {share.part0, share.part1, share.part2};
-        const std::uint32_t nodes[] = {share.node0, share.node1, share.node2};
-        for (int k = 0; k < 3; ++k) masses[nodes[k]] += parts[k] * finer[p];
+  // Coarsest first, cloth after cloth.
+  void number(std::size_t deepest) {
+    std::uint32_t nodes = 0;
+    for (std::size_t g = deepest; g-- > 0;) {
+      for (std::size_t c = 0; c < cloths_.size(); ++c) {
+        first_[c].resize(cloths_[c].levels.size());
+        if (g >= cloths_[c].levels.size()) continue;
+        first_[c][g] = nodes;
+        nodes += static_cast<std::uint32_t>(cloths_[c].levels[g].coarse.points.size());
       }
-      const auto points = points_of(c, g);
-      for (std::size_t k = 0; k < points.size(); ++k)
-        if (is_held(c, points[k])) masses[k] = 0;
-      masses_[c].push_back(masses);
-      finer = std::move(masses);
+      lists_.ends.push_back(nodes);
     }
   }
 
   void add_level(std::size_t c, std::size_t g) {
     const Level& level = cloths_[c].levels[g];
     const bool has_coarser = g + 1 < cloths_[c].levels.size();
-    const std::uint32_t first_of_coarser = first_[c];
-    first_[c] = static_cast<std::uint32_t>(lists_.nodes.size());
-    const Ends ends = links_of(level, cloths_[c].stiffness, cloths_[c].levels.size(), first_[c]);
-    const auto points = points_of(c, g);
-    for (std::uint32_t k = 0; k < points.size(); ++k) {
-      const double mass = masses_[c][g][k];
-      lists_.nodes.push_back(gpu::pack_level_node({cloths_[c].particle_of[points[k]], mass > 0 ? static_cast<float>(1 / mass) : 0,
+    const Ends ends = links_of(level, cloths_[c].stiffness, cloths_[c].levels.size(), first_[c][g]);
+    for (std::uint32_t k = 0; k < level.coarse.points.size(); ++k) {
+      const double mass = level.weighed.masses[k];
+      lists_.nodes.push_back(gpu::pack_level_node({static_cast<std::uint32_t>(lists_.gathers.size()), mass > 0 ? static_cast<float>(1 / mass) : 0,
                                                    static_cast<std::uint32_t>(lists_.links.size()),
                                                    static_cast<std::uint32_t>(ends.of_node[k].size())}));
-      lists_.node_shares.push_back(has_coarser ? packed(cloths_[c].levels[g + 1].coarse.shares[k], first_of_coarser)
+      for (const auto& [point, weight] : level.weighed.centres[k])
+        lists_.gathers.push_back({g == 0 ? cloths_[c].particle_of[point] : first_[c][g - 1] + point, std::bit_cast<std::uint32_t>(static_cast<float>(weight))});
+      lists_.node_shares.push_back(has_coarser ? packed(cloths_[c].levels[g + 1].coarse.shares[k], first_[c][g + 1])
                                                : gpu::uvec4{WEFT_NONE, 0, 0, 0});
       lists_.links.insert(lists_.links.end(), ends.of_node[k].begin(), ends.of_node[k].end());
     }
@@ -240,15 +241,14 @@ class Layout {
     for (std::size_t c = 0; c < cloths_.size(); ++c) {
       if (cloths_[c].levels.empty()) continue;
       for (std::uint32_t p = 0; p < cloths_[c].particle_of.size(); ++p)
-        if (!is_held(c, p)) lists_.shares[cloths_[c].particle_of[p]] = packed(cloths_[c].levels[0].coarse.shares[p], first_[c]);
+        if (!is_held(c, p)) lists_.shares[cloths_[c].particle_of[p]] = packed(cloths_[c].levels[0].coarse.shares[p], first_[c][0]);
     }
   }
 
   CookedFabric& fabric_;
   const std::vector<ClothLevels>& cloths_;
   LevelLists& lists_;
-  std::vector<std::uint32_t> first_;   // node of each cloth's level that was added last
-  std::vector<std::vector<std::vector<double>>> masses_;   // kg, by cloth, level and node; 0 where it is held
+  std::vector<std::vector<std::uint32_t>> first_;   // node, by cloth and level
 };
 
 void lay_out(cooking::CookState& state) {
@@ -257,26 +257,42 @@ void lay_out(cooking::CookState& state) {
   all = {};
 }
 
+Range nodes_of(const LevelLists& lists, std::uint32_t level) {
+  const std::uint32_t first = level == 0 ? 0 : lists.ends[level - 1];
+  return {first, lists.ends[level] - first};
+}
+
 // A dispatch a level that is not low.
 std::vector<Range> wide_levels(const Cooked& s) {
   const LevelLists& lists = s.fabric.own.of<LevelLists>();
   std::vector<Range> ranges;
-  for (std::uint32_t k = lists.low; k < lists.ends.size(); ++k) {
-    const std::uint32_t first = k == 0 ? 0 : lists.ends[k - 1];
-    ranges.push_back({first, lists.ends[k] - first});
-  }
+  for (std::uint32_t k = lists.low; k < lists.ends.size(); ++k) ranges.push_back(nodes_of(lists, k));
   return ranges;
 }
 
+std::vector<Range> finest_level(const Cooked& s) {
+  const LevelLists& lists = s.fabric.own.of<LevelLists>();
+  return {nodes_of(lists, static_cast<std::uint32_t>(lists.ends.size() - 1))};
+}
+
+// Finest first.
+std::vector<Range> wide_but_finest(const Cooked& s) {
+  std::vector<Range> ranges = wide_levels(s);
+  if (!ranges.empty()) ranges.pop_back();
+  std::reverse(ranges.begin(), ranges.end());
+  return ranges;
+}
+
+std::uint64_t nodes_in(const Cooked& s) { return s.fabric.own.of<LevelLists>().nodes.size(); }
+bool has_wide(const Needs& needs) { return needs.constants[gpu::constant::has_wide_levels] != 0; }
+
 constexpr Pass kPasses[] = {
+    {.name = "level_centre", .stage = Stage::iteration, .threads = {nodes_in}, .ranges = finest_level},
+    {.name = "level_centre_wide", .stage = Stage::iteration, .threads = {nodes_in}, .when = has_wide, .ranges = wide_but_finest},
     {.name = "level_low",
      .stage = Stage::iteration,
      .threads = {[](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().low); }, lengths::one}},
-    {.name = "level_wide",
-     .stage = Stage::iteration,
-     .threads = {[](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); }},
-     .when = [](const Needs& needs) { return needs.constants[gpu::constant::has_wide_levels] != 0; },
-     .ranges = wide_levels},
+    {.name = "level_wide", .stage = Stage::iteration, .threads = {nodes_in}, .when = has_wide, .ranges = wide_levels},
     {.name = "level_spread",
      .stage = Stage::iteration,
      .threads = threads::particles,
@@ -285,7 +301,10 @@ constexpr Pass kPasses[] = {
 
 constexpr Figure kFigures[] = {
     {.name = "levels.count", .cooked = [](const CookedFabric& f) { return std::uint64_t(f.own.of<LevelLists>().ends.size()); }},
-    {.name = "levels.nodes", .cooked = [](const CookedFabric& f) { return std::uint64_t(f.own.of<LevelLists>().nodes.size()); }}};
+    {.name = "levels.nodes", .cooked = [](const CookedFabric& f) {
+       const LevelLists& lists = f.own.of<LevelLists>();
+       return std::uint64_t(lists.ends.empty() ? 0 : lists.ends.back());
+     }}};
 
 }  // namespace
 

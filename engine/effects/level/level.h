@@ -8,7 +8,8 @@
 namespace weft {
 
 struct LevelLists {
-  std::vector<gpu::uvec4> nodes;           // gpu::pack_level_node, coarsest level first
+  std::vector<gpu::uvec4> nodes;           // gpu::pack_level_node, coarsest level first; and one more, where the last one's gathers end
+  std::vector<gpu::uvec2> gathers;         // of each node, one after another: point of the finer level (particle or node), bits of its weight
   std::vector<gpu::uvec4> node_shares;     // of each in the next coarser level's: gpu::pack_level_share; x WEFT_NONE: there is none
   std::vector<std::uint32_t> ends;         // of each level, into `nodes`
   std::vector<gpu::uvec4> links;           // gpu::pack_level_link, of each node, one after another: each link from both of its ends
@@ -18,10 +19,19 @@ struct LevelLists {
 
 namespace buffers {
 inline constexpr Buffer level_nodes = own<gpu::uvec4, &LevelLists::nodes>("level_nodes");
+inline constexpr Buffer level_gathers = own<gpu::uvec2, &LevelLists::gathers>("level_gathers");
 inline constexpr Buffer level_node_shares = own<gpu::uvec4, &LevelLists::node_shares>("level_node_shares");
 inline constexpr Buffer level_ends = own<gpu::uint, &LevelLists::ends>("level_ends");
 inline constexpr Buffer level_links = own<gpu::uvec4, &LevelLists::links>("level_links");
 inline constexpr Buffer level_shares = own<gpu::uvec4, &LevelLists::shares>("level_shares");
+/// The centre of mass of what each node carries (m).
+inline constexpr Buffer level_centres =
+    scratch<gpu::vec4>("level_centres", [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); });
+/// Of the low levels' nodes: where coarser levels carry it (m), and its inverse mass times links (1/kg).
+inline constexpr Buffer level_places = scratch<gpu::vec4>("level_places", [](const Cooked& s) {
+  const LevelLists& lists = s.fabric.own.of<LevelLists>();
+  return std::uint64_t(lists.low > 0 ? lists.ends[lists.low - 1] : 1);
+});
 /// How far each node goes in this iteration, with what it was carried (m).
 inline constexpr Buffer level_steps =
     scratch<gpu::vec4>("level_steps", [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); });

@@ -1,0 +1,151 @@
+// A node's centre lies a little off the node, most at the rim, where all that it carries is on one side. A centre is known by the nodes
+// around, as every point is, by its shares: c_a = sum over points i of m_i s_ia / M_a times the sum over nodes k of s_ik x_k, and on coarser
+// levels with centres in place of points.
+#include "engine/effects/level/centres.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+namespace weft::cooking {
+namespace {
+
+// As far as the nodes that a link's centres depend on, in lengths of the surface's edges at each; and how many are nearer.
+constexpr double kAround = 3.6;
+constexpr std::uint32_t kMostAround = 64;
+
+// Nodes that are not known leave this much of a centre's weights, at most; else a link keeps its length.
+constexpr double kUnknown = 1e-3;
+
+void add(std::map<std::uint32_t, double>& sum, const Mean& mean, double weight) {
+  for (const auto& [point, part] : mean) sum[point] += weight * part;
+}
+
+class Unrolled {
+ public:
+  explicit Unrolled(const IntrinsicSurface& surface, std::size_t nodes) : waves_(surface, kMostAround, reaches(surface, nodes)) {
+    for (std::uint32_t k = 0; k < nodes; ++k) {
+      waves_.add(k);
+      waves_.run();
+    }
+  }
+
+  // How far the places that two means tell of are apart, with node a at the origin of a plane, b on its first axis and a third node above.
+  double between(std::uint32_t a, std::uint32_t b, double length, const Mean& from, const Mean& to) const {
+    std::map<std::uint32_t, double> weights;
+    add(weights, to, 1);
+    add(weights, from, -1);
+    const auto above = third(a, b, length);
+    Eigen::Vector2d sum(0, 0);
+    double unknown = 0;
+    for (const auto& [k, weight] : weights) {
+      const auto place = place_of(k, a, b, length, above);
+      if (place) sum += weight * *place;
+      else unknown += std::abs(weight);
+    }
+    const double apart = sum.norm();
+    return unknown < kUnknown && apart > 0.3 * length && apart < 3 * length ? apart : length;
+  }
+
+ private:
+  struct Third {
+    std::uint32_t node;
+    Eigen::Vector2d place;
+  };
+
+  static std::vector<double> reaches(const IntrinsicSurface& surface, std::size_t nodes) {
+    std::vector<double> longest(nodes), reach(nodes);
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+      for (int k = 0; k < 3; ++k) {
+        const double length = (surface.flat[t].corners[(k + 1) % 3] - surface.flat[t].corners[k]).norm();
+        for (const std::uint32_t p : {surface.triangles[t][k], surface.triangles[t][(k + 1) % 3]}) longest[p] = std::max(longest[p], length);
+      }
+    for (const Triangle& t : surface.triangles)
+      for (const std::uint32_t p : t) reach[p] = std::max({reach[p], kAround * longest[t[0]], kAround * longest[t[1]], kAround * longest[t[2]]});
+    return reach;
+  }
+
+  std::optional<double> distance(std::uint32_t a, std::uint32_t b) const {
+    for (const Waves::Arrived& arrived : waves_.at(a))
+      if (arrived.source == b) return arrived.distance;
+    return std::nullopt;
+  }
+
+  // With its second coordinate above 0.
+  std::optional<Eigen::Vector2d> folded_up(std::uint32_t k, std::uint32_t a, std::uint32_t b, double length) const {
+    const auto to_a = distance(k, a), to_b = distance(k, b);
+    if (!to_a || !to_b) return std::nullopt;
+    const double x = (*to_a * *to_a - *to_b * *to_b + length * length) / (2 * length);
+    return Eigen::Vector2d(x, std::sqrt(std::max(0.0, *to_a * *to_a - x * x)));
+  }
+
+  // The node that is nearest to both and not between them.
+  std::optional<Third> third(std::uint32_t a, std::uint32_t b, double length) const {
+    std::optional<Third> best;
+    double nearest = INFINITY;
+    for (const Waves::Arrived& arrived : waves_.at(a)) {
+      if (arrived.source == a || arrived.source == b) continue;
+      const auto place = folded_up(arrived.source, a, b, length);
+      if (!place || place->y() < 0.3 * length) continue;
+      const double far = arrived.distance + *distance(arrived.source, b);
+      if (far < nearest) nearest = far, best = {arrived.source, *place};
+    }
+    return best;
+  }
+
+  std::optional<Eigen::Vector2d> place_of(std::uint32_t k, std::uint32_t a, std::uint32_t b, double length, const std::optional<Third>& above) const {
+    if (k == a) return Eigen::Vector2d(0, 0);
+    if (k == b) return Eigen::Vector2d(length, 0);
+    auto place = folded_up(k, a, b, length);
+    if (!place || !above || place->y() < 1e-6 * length) return place;
+    const auto to_third = distance(k, above->node);
+    if (!to_third) return std::nullopt;
+    const Eigen::Vector2d below(place->x(), -place->y());
+    return std::abs((*place - above->place).norm() - *to_third) <= std::abs((below - above->place).norm() - *to_third) ? *place : below;
+  }
+
+  Waves waves_;
+};
+
+}  // namespace
+
+Weighed weigh(const Coarse& level, std::span<const Share> shares, std::span<const double> masses, std::span<const Mean> in_points) {
+  const std::size_t nodes = level.points.size();
+  Weighed made{std::vector<double>(nodes), std::vector<Mean>(nodes), {}};
+  for (std::uint32_t p = 0; p < shares.size(); ++p)
+    for (int k = 0; k < 3; ++k) {
+      const double mass = shares[p].part[k] * masses[p];
+      if (mass == 0) continue;
+      made.masses[shares[p].node[k]] += mass;
+      made.centres[shares[p].node[k]].emplace_back(p, mass);
+    }
+  for (std::uint32_t k = 0; k < nodes; ++k) {
+    double& mass = made.masses[k];
+    const std::uint32_t itself = level.points[k];
+    if (masses[itself] == 0 || !(mass > 0)) {   // held, or, by parts below 0, of no weight
+      mass = 0;
+      made.centres[k] = {{itself, 1}};
+    }
+    std::map<std::uint32_t, double> in_nodes;
+    const auto add_point = [&](std::uint32_t p, double part) {
+      for (int j = 0; j < 3; ++j)
+        if (shares[p].part[j] != 0) in_nodes[shares[p].node[j]] += part * shares[p].part[j];
+    };
+    for (auto& [point, weight] : made.centres[k]) {
+      if (mass > 0) weight /= mass;
+      if (in_points.empty()) add_point(point, weight);
+      else
+        for (const auto& [p, part] : in_points[point]) add_point(p, weight * part);
+    }
+    made.in_nodes.emplace_back(in_nodes.begin(), in_nodes.end());
+  }
+  return made;
+}
+
+void measure_between_centres(Coarse& level, std::span<const Mean> in_nodes) {
+  const Unrolled unrolled(level.surface, level.points.size());
+  for (CoarseLink& link : level.links) link.rest = unrolled.between(link.a, link.b, link.rest, in_nodes[link.a], in_nodes[link.b]);
+}
+
+}  // namespace weft::cooking
