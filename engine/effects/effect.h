@@ -74,6 +74,7 @@ struct Needs {
   std::bitset<kEffects> effects;
   Constants constants{};
   std::uint32_t narrow = 0;                      // threads of a workgroup in passes with many small ones
+  std::uint32_t alone = 0;                       // of the only one of a pass
   bool has(EffectId effect) const { return effects[static_cast<std::size_t>(effect)]; }
 };
 
@@ -91,6 +92,7 @@ struct Pass {
   std::uint32_t rounds = 1;                      // dispatches one after another; the round is in push.flags
   std::vector<Range> (*ranges)(const Cooked&) = nullptr;   // instead: a dispatch for each
   bool a_workgroup_each = false;                 // not a thread: a workgroup, of Needs::narrow threads
+  bool alone = false;                            // one workgroup, of Needs::alone threads, does it all
 };
 
 /// A slice of the uniform buffer, updated each frame, for all passes that read SLICE(..., name). The solver sets what changes while
@@ -154,8 +156,8 @@ const Buffer* buffer_named(std::string_view name);
 
 Cooked cooked_of(const Scene& scene, const CookedFabric& fabric);
 
-/// What a cooked scene calls for. `workgroup`, `through_texels` and `narrow` are the device's.
-Needs needs_of(const Cooked& subject, std::uint32_t workgroup, bool through_texels, std::uint32_t narrow = 64);
+/// What a cooked scene calls for. `workgroup`, `through_texels`, `narrow` and `alone` are the device's.
+Needs needs_of(const Cooked& subject, std::uint32_t workgroup, bool through_texels, std::uint32_t narrow = 64, std::uint32_t alone = 128);
 
 /// Why the reference cannot follow the scene, as a sentence that begins with the key; empty if it can.
 std::string reference_fault(const Scene& scene, const CookedFabric& fabric);

@@ -1,6 +1,6 @@
-// Twin of the passes level_low, level_wide and level_spread: before an iteration, a pull is carried over coarse levels of nodes, coarsest
-// first; each node goes where the next coarser level carries it and then as its links ask, as by one iteration of relax_stretch. After:
-// Mueller 2008, "Hierarchical position based dynamics"; the shares are those of Weft.
+// Twin of the passes of coarse levels: before an iteration, a pull is carried over levels of nodes, coarsest first; each node, the centre of
+// mass of what it carries, goes where the next coarser level carries it and then as its links ask, as by one iteration of relax_stretch.
+// After: Mueller 2008, "Hierarchical position based dynamics"; the shares and centres are those of Weft.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ struct Share {
 };
 
 struct Level {
-  std::vector<std::uint32_t> particles;   // of each node: where it is
+  std::vector<std::vector<std::pair<std::uint32_t, double>>> gathers;   // of each node: points of the finer level, and weights that sum to 1
   std::vector<double> inverse_masses;     // 1/kg; 0: held
   std::vector<Share> shares;              // of each node in those of the next coarser level; empty: there is none
   std::vector<Stretch> links;             // between nodes; they only pull
@@ -30,16 +30,24 @@ inline Vector carried(const Share& share, const Points& steps) {
   return sum;
 }
 
-/// How far the nodes of a level go, `coarser` being how far those of the next coarser level went. `lambda`: one a link, renewed.
-inline Points level_steps(const Level& level, const Points& particles, const Points& coarser, std::span<double> lambda, double h, double omega) {
-  Points p;
-  for (std::size_t k = 0; k < level.particles.size(); ++k) {
-    p.push_back(particles[level.particles[k]]);
-    if (level.inverse_masses[k] > 0 && !level.shares.empty()) p.back() += carried(level.shares[k], coarser);
+/// The centres of a level's nodes (m), `finer` being those of the next finer level, or the particles.
+inline Points centres(const Level& level, const Points& finer) {
+  Points centres;
+  for (const auto& gathers : level.gathers) {
+    Vector& sum = centres.emplace_back(Vector::Zero());
+    for (const auto& [point, weight] : gathers) sum += weight * finer[point];
   }
+  return centres;
+}
+
+/// How far the nodes of a level go from their `centres`, `coarser` being how far those of the next coarser level went. `lambda`: one a link, renewed.
+inline Points level_steps(const Level& level, const Points& centres, const Points& coarser, std::span<double> lambda, double h, double omega) {
+  Points p = centres;
+  for (std::size_t k = 0; k < p.size(); ++k)
+    if (level.inverse_masses[k] > 0 && !level.shares.empty()) p[k] += carried(level.shares[k], coarser);
   std::uint32_t coincident = 0;
   Points steps = relax_stretch(level.links, p, level.inverse_masses, lambda, h, omega, Averaged::mass_split, coincident);
-  for (std::size_t k = 0; k < steps.size(); ++k) steps[k] -= particles[level.particles[k]];
+  for (std::size_t k = 0; k < steps.size(); ++k) steps[k] -= centres[k];
   return steps;
 }
 

@@ -140,7 +140,7 @@ TEST(Plan, every_pass_is_one_module_and_nothing_of_it_is_left_open) {
       const auto touched = compute::reflect(planned.spirv);
       ASSERT_TRUE(touched) << touched.error();
       EXPECT_TRUE(touched->spec_constants.empty()) << planned.label;
-      EXPECT_EQ(touched->local_size[0], planned.pass->a_workgroup_each ? kNarrow : kWorkgroup) << planned.label;
+      EXPECT_EQ(touched->local_size[0], planned.pass->a_workgroup_each ? kNarrow : planned.pass->alone ? kAlone : kWorkgroup) << planned.label;
     }
   });
 }
@@ -172,7 +172,8 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(calls.has(Id::collide), {&b::colliders});
     expect(calls.has(Id::stretch), {&b::stretch_rows, &b::stretch_links});
     expect(calls.has(Id::stretch) && calls.iterated, {&b::stretch_lambda});
-    expect(levels, {&b::level_nodes, &b::level_node_shares, &b::level_ends, &b::level_links, &b::level_shares, &b::level_steps});
+    expect(levels, {&b::level_nodes, &b::level_gathers, &b::level_node_shares, &b::level_ends, &b::level_links, &b::level_shares, &b::level_centres,
+                    &b::level_places, &b::level_steps});
     expect(levels && calls.iterated, {&b::level_lambda});
     expect(strands, {&b::strand_starts, &b::strand_links});
     expect(strands && calls.iterated, {&b::strand_lambda});
@@ -226,12 +227,12 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   EXPECT_EQ(labels({{Id::stretch, Id::collide}, true}), (Labels{"predict", "stretch+collide+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::spring, Id::tether}}), (Labels{"predict", "spring", "finalize+tether", "surface"}));
   EXPECT_EQ(labels({{Id::gauss_seidel}}), (Labels{"predict", "gauss_seidel", "finalize", "surface"}));
-  EXPECT_EQ(labels({{Id::stretch, Id::level}}), (Labels{"predict", "level_low", "level_wide", "level_spread", "stretch+finalize", "surface"}));
+  EXPECT_EQ(labels({{Id::stretch, Id::level}}), (Labels{"predict", "level_centre", "level_centre_wide", "level_low", "level_wide", "level_spread", "stretch+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::stretch, Id::strand}}), (Labels{"predict", "strand", "stretch+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::stretch, Id::strand, Id::level, Id::bend}}),
-            (Labels{"predict", "level_low", "level_wide", "strand", "stretch", "bend+finalize", "surface"}));
+            (Labels{"predict", "level_centre", "level_centre_wide", "level_low", "level_wide", "strand", "stretch", "bend+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::gauss_seidel, Id::level}}),
-            (Labels{"predict", "level_low", "level_wide", "level_spread", "gauss_seidel", "finalize", "surface"}));
+            (Labels{"predict", "level_centre", "level_centre_wide", "level_low", "level_wide", "level_spread", "gauss_seidel", "finalize", "surface"}));
   EXPECT_EQ(labels({{Id::gauss_seidel, Id::bend}}), (Labels{"predict", "gauss_seidel", "bend+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::stretch, Id::dihedral, Id::tether}}),
             (Labels{"predict", "stretch", "dihedral", "dihedral_gather+tether+finalize", "surface"}));

@@ -11,9 +11,11 @@
 namespace weft::cooking {
 namespace {
 
-// As far as the nodes that a link's centres depend on, in lengths of the surface's edges at each; and how many are nearer.
-constexpr double kAround = 3.6;
+// How many of a node's neighbours are known, and where nodes are many up to where, in lengths of the surface's edges: all that a link's
+// centres depend on.
 constexpr std::uint32_t kMostAround = 64;
+constexpr std::size_t kManyNodes = 500;
+constexpr double kAround = 3.6;
 
 // Nodes that are not known leave this much of a centre's weights, at most; else a link keeps its length.
 constexpr double kUnknown = 1e-3;
@@ -24,11 +26,13 @@ void add(std::map<std::uint32_t, double>& sum, const Mean& mean, double weight) 
 
 class Unrolled {
  public:
-  explicit Unrolled(const IntrinsicSurface& surface, std::size_t nodes) : waves_(surface, kMostAround, reaches(surface, nodes)) {
+  explicit Unrolled(const IntrinsicSurface& surface, std::size_t nodes)
+      : waves_(surface, kMostAround, nodes > kManyNodes ? reaches(surface, nodes) : std::vector<double>()) {
     for (std::uint32_t k = 0; k < nodes; ++k) {
       waves_.add(k);
-      waves_.run();
+      if (nodes > kManyNodes) waves_.run();
     }
+    waves_.run();
   }
 
   // How far the places that two means tell of are apart, with node a at the origin of a plane, b on its first axis and a third node above.

@@ -21,9 +21,10 @@ namespace {
 // Lengths of local edges: nodes are chosen until every point is nearer to one. On a grid a node has 14 particles.
 constexpr double kReach = 2.3;
 
-// Nearest nodes of a point that are looked at, and a spare one (geodesic.cpp); and how far, in lengths of local edges: on a flat surface
-// the corners of the triangle that a point lies in are nearer than twice kReach, Delaunay's circles being empty.
+// Nearest nodes of a point that are looked at, and a spare one (geodesic.cpp); and of many points how far, in lengths of local edges: on a
+// flat surface the corners of the triangle that a point lies in are nearer than twice kReach, Delaunay's circles being empty.
 constexpr std::uint32_t kNearest = 12, kSpare = 1;
+constexpr std::size_t kMany = 5000;
 constexpr double kSight = 3 * kReach;
 
 // A point this far outside a triangle, in barycentric coordinates, still counts as inside: rounding, and surfaces that do not unroll.
@@ -98,12 +99,13 @@ std::vector<std::uint32_t> choose_nodes(const IntrinsicSurface& surface, std::sp
 class Coarsening {
  public:
   Coarsening(const IntrinsicSurface& fine, std::vector<std::uint32_t> nodes, std::size_t points)
-      : waves_(fine, kNearest + kSpare, sights(fine, points)) {
+      : waves_(fine, kNearest + kSpare, points > kMany ? sights(fine, points) : std::vector<double>()) {
     coarse_.points = std::move(nodes);
     for (const std::uint32_t p : coarse_.points) {
       waves_.add(p);
-      waves_.run();
+      if (points > kMany) waves_.run();
     }
+    waves_.run();
     for (std::uint32_t p = 0; p < points; ++p) coarse_.shares.push_back(share_of(p));
   }
 

@@ -272,6 +272,7 @@ std::vector<Range> wide_levels(const Cooked& s) {
 
 std::vector<Range> finest_level(const Cooked& s) {
   const LevelLists& lists = s.fabric.own.of<LevelLists>();
+  if (lists.ends.empty()) return {};
   return {nodes_of(lists, static_cast<std::uint32_t>(lists.ends.size() - 1))};
 }
 
@@ -291,7 +292,8 @@ constexpr Pass kPasses[] = {
     {.name = "level_centre_wide", .stage = Stage::iteration, .threads = {nodes_in}, .when = has_wide, .ranges = wide_but_finest},
     {.name = "level_low",
      .stage = Stage::iteration,
-     .threads = {[](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().low); }, lengths::one}},
+     .threads = {[](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().low); }, lengths::one},
+     .alone = true},
     {.name = "level_wide", .stage = Stage::iteration, .threads = {nodes_in}, .when = has_wide, .ranges = wide_levels},
     {.name = "level_spread",
      .stage = Stage::iteration,

@@ -23,7 +23,15 @@ std::vector<reference::Level> levels_of(const LevelLists& lists) {
     reference::Level& level = levels.emplace_back();
     for (std::uint32_t k = first; k < end; ++k) {
       const gpu::LevelNode node = gpu::unpack_level_node(lists.nodes[k]);
-      level.particles.push_back(node.particle);
+      auto& gathers = level.gathers.emplace_back();
+      double rest = 1;   // the first point's weight is what the others leave
+      for (std::uint32_t g = node.first_gather; g < gpu::unpack_level_node(lists.nodes[k + 1]).first_gather; ++g) {
+        const double weight = std::bit_cast<float>(lists.gathers[g].y);
+        const bool finest = end == lists.ends.back();
+        gathers.emplace_back(lists.gathers[g].x - (finest ? 0 : end), weight);
+        if (g != node.first_gather) rest -= weight;
+      }
+      gathers[0].second = rest;
       level.inverse_masses.push_back(node.inverse_mass);
       if (lists.node_shares[k].x != WEFT_NONE) level.shares.push_back(share_of(lists.node_shares[k], first_of_coarser));
       for (std::uint32_t l = node.first_link; l < node.first_link + node.links; ++l) {
@@ -78,14 +86,20 @@ TEST_F(KernelLevel, low_and_wide_levels_and_their_spreading_do_what_their_twin_d
           std::vector<std::vector<double>> lambdas;
           for (const reference::Level& level : levels) lambdas.emplace_back(level.links.size());
           for (int iteration = 0; iteration < static_cast<int>(iterations); ++iteration) {
+            passes.run("level_centre", iteration);
+            for (std::size_t wide = lists.low; wide + 1 < levels.size(); ++wide)
+              passes.run("level_centre_wide", iteration * static_cast<int>(levels.size() - lists.low - 1) + static_cast<int>(wide - lists.low));
             passes.run("level_low", iteration);
             for (std::size_t wide = lists.low; wide < levels.size(); ++wide)
               passes.run("level_wide", iteration * static_cast<int>(levels.size() - lists.low) + static_cast<int>(wide - lists.low));
             passes.run("level_spread", iteration);
+            std::vector<reference::Points> centres(levels.size());
+            for (std::size_t k = levels.size(); k-- > 0;)
+              centres[k] = reference::centres(levels[k], k + 1 < levels.size() ? centres[k + 1] : twin);
             reference::Points steps;
             double moved = 0;
             for (std::size_t k = 0; k < levels.size(); ++k) {
-              steps = reference::level_steps(levels[k], twin, steps, lambdas[k], c.fabric.h, c.scene.solver.relaxation);
+              steps = reference::level_steps(levels[k], centres[k], steps, lambdas[k], c.fabric.h, WEFT_EAGER_LEVELS * c.scene.solver.relaxation);
               for (const reference::Vector& step : steps) moved = std::max(moved, step.norm());
             }
             EXPECT_GT(moved, 1e-4) << "nothing to compare";
@@ -102,14 +116,14 @@ TEST_F(KernelLevel, a_particle_that_is_not_finite_spoils_no_node) {
   Random random(22);
   Crumple c = crumple(24, 1, 1e3, random);
   const LevelLists& lists = c.fabric.own.of<LevelLists>();
-  const std::uint32_t spoilt = gpu::unpack_level_node(lists.nodes.back()).particle;
+  const std::uint32_t spoilt = lists.gathers.back().x;
   SinglePass passes(device(), c.scene, c.fabric);
   auto iterate = c.fabric.positions;
   iterate[spoilt].y = NAN;
   passes.put_iterate(iterate);
   passes.begin(frame_of(1));
-  for (const char* pass : {"level_low", "level_spread"}) passes.run(pass);
-  const auto steps = passes.get<gpu::vec4>(buffers::level_steps, lists.nodes.size());
+  for (const char* pass : {"level_centre", "level_low", "level_spread"}) passes.run(pass);
+  const auto steps = passes.get<gpu::vec4>(buffers::level_steps, lists.ends.back());
   for (const gpu::vec4& step : steps) EXPECT_TRUE(std::isfinite(step.x + step.y + step.z));
   const auto after = passes.iterate();
   for (std::uint32_t i = 0; i < after.size(); ++i) EXPECT_EQ(std::isfinite(after[i].y), i != spoilt);

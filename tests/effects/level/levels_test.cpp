@@ -1,9 +1,10 @@
 // Coarse levels: that they measure along the cloth, carry what is linear exactly, and join nothing that the cloth does not.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
-#include <numbers>
 
+#include "engine/cook/parts.h"
 #include "engine/effects/level/coarsen.h"
 #include "engine/effects/level/level.h"
 #include "tests/support/cooked.h"
@@ -31,6 +32,22 @@ Vec3 carried(const Coarse& level, const std::vector<Vec3>& of_nodes, std::size_t
   Vec3 sum{};
   for (int k = 0; k < 3; ++k) sum = sum + static_cast<float>(level.shares[p].part[k]) * of_nodes[level.shares[p].node[k]];
   return sum;
+}
+
+Vec3 particle(const CookedFabric& fabric, std::uint32_t i) { return {fabric.positions[i].x, fabric.positions[i].y, fabric.positions[i].z}; }
+
+// Of all nodes.
+std::vector<Vec3> centres(const CookedFabric& fabric) {
+  const LevelLists& lists = fabric.own.of<LevelLists>();
+  if (lists.ends.empty()) return {};
+  std::vector<Vec3> at(lists.ends.back());
+  for (std::uint32_t k = lists.ends.back(); k-- > 0;)
+    for (std::uint32_t g = gpu::unpack_level_node(lists.nodes[k]).first_gather; g < gpu::unpack_level_node(lists.nodes[k + 1]).first_gather; ++g) {
+      const auto [point, weight] = lists.gathers[g];
+      const bool finest = lists.ends.size() == 1 || k >= lists.ends[lists.ends.size() - 2];
+      at[k] = at[k] + std::bit_cast<float>(weight) * (finest ? particle(fabric, point) : at[point]);
+    }
+  return at;
 }
 
 const Grid kLevelGrids[] = {
@@ -108,8 +125,12 @@ TEST(Levels, what_is_held_is_held_at_every_level) {
     int held = 0;
     for (std::uint32_t k = first; k < lists.ends[level]; ++k) {
       const gpu::LevelNode node = gpu::unpack_level_node(lists.nodes[k]);
-      EXPECT_EQ(node.inverse_mass == 0, fabric.positions[node.particle].w == 0);
-      held += node.inverse_mass == 0;
+      if (node.inverse_mass > 0) continue;
+      ++held;
+      // Of one point alone, which is held on the finer level.
+      ASSERT_EQ(gpu::unpack_level_node(lists.nodes[k + 1]).first_gather, node.first_gather + 1);
+      const std::uint32_t point = lists.gathers[node.first_gather].x;
+      EXPECT_EQ(level + 1 == lists.ends.size() ? fabric.positions[point].w : gpu::unpack_level_node(lists.nodes[point]).inverse_mass, 0);
     }
     EXPECT_EQ(held, 2);
   }
@@ -143,19 +164,20 @@ TEST(Levels, an_even_strain_costs_as_much_energy_as_without_them) {
     cloth.fabric.stretch = 1000;
     cloth.fabric.shear = shear;
     const CookedFabric fabric = cooked(scene);
-    const auto of_link = [&](std::uint32_t i, std::uint32_t j, double rest, double compliance) {
-      const gpu::vec4 &a = fabric.positions[i], &b = fabric.positions[j];
+    const auto of_link = [&](Vec3 a, Vec3 b, double rest, double compliance) {
       const double length = std::hypot((1 + along_x) * (a.x - b.x), (1 + along_y) * (a.y - b.y));
       return 0.5 * (length - rest) * (length - rest) / compliance;
     };
     double sum = 0;
-    for (const StretchLink& link : fabric.links) sum += of_link(link.a, link.b, link.rest, link.own_compliance());
+    for (const StretchLink& link : fabric.links)
+      sum += of_link(particle(fabric, link.a), particle(fabric, link.b), link.rest, link.own_compliance());
     const LevelLists& lists = fabric.own.of<LevelLists>();
-    for (const gpu::uvec4& packed : lists.nodes) {
-      const gpu::LevelNode node = gpu::unpack_level_node(packed);
+    const std::vector<Vec3> at = centres(fabric);
+    for (std::uint32_t k = 0; k < at.size(); ++k) {
+      const gpu::LevelNode node = gpu::unpack_level_node(lists.nodes[k]);
       for (std::uint32_t l = node.first_link; l < node.first_link + node.links; ++l) {
         const gpu::LevelLink link = gpu::unpack_level_link(lists.links[l]);
-        sum += of_link(node.particle, gpu::unpack_level_node(lists.nodes[link.other]).particle, link.rest, link.compliance) / 2;
+        sum += of_link(at[k], at[link.other], link.rest, link.compliance) / 2;
       }
     }
     return sum;
@@ -165,6 +187,41 @@ TEST(Levels, an_even_strain_costs_as_much_energy_as_without_them) {
       const double without = energy(false, shear, along_x, along_y), with = energy(true, shear, along_x, along_y);
       EXPECT_NEAR(with, without, 0.1 * without) << shear << " N/m, " << along_x << ' ' << along_y;
     }
+}
+
+// The rest lengths of links, over what their centres are apart in the cloth laid flat.
+void expect_links_as_long_as_centres_are_apart(const Mesh& mesh, const std::vector<Vec3>& flat, double within) {
+  Scene scene;
+  scene.solver.method = Method::strands;
+  scene.cloths.emplace_back().mesh = "given";
+  CookedFabric fabric = must(cook(scene, {&mesh, 1}));
+  const LevelLists& lists = fabric.own.of<LevelLists>();
+  ASSERT_GE(lists.ends.size(), 2u);
+  const std::vector<std::uint32_t> order = cooking::locality_order(mesh);
+  for (std::uint32_t i = 0; i < order.size(); ++i) {
+    const Vec3 place = flat[order[i]];
+    fabric.positions[i] = {place.x, place.y, place.z, fabric.positions[i].w};
+  }
+  const std::vector<Vec3> at = centres(fabric);
+  for (std::uint32_t k = 0; k < at.size(); ++k) {
+    const gpu::LevelNode node = gpu::unpack_level_node(lists.nodes[k]);
+    for (std::uint32_t l = node.first_link; l < node.first_link + node.links; ++l) {
+      const gpu::LevelLink link = gpu::unpack_level_link(lists.links[l]);
+      EXPECT_NEAR(link.rest, length(at[k] - at[link.other]), within * link.rest) << "node " << k << " of " << at.size();
+    }
+  }
+}
+
+TEST(Levels, links_are_as_long_as_centres_are_apart_in_flat_cloth_and_in_cloth_that_unrolls) {
+  for (const Grid& grid : kLevelGrids) {
+    const Mesh mesh = make_grid(grid);
+    expect_links_as_long_as_centres_are_apart(mesh, mesh.points, 2e-3);
+  }
+  Mesh rolled = make_grid({{1, 1}, 48, 40, Topology::diagonal, true});
+  const std::vector<Vec3> flat = rolled.points;
+  const float radius = 0.2f;
+  for (Vec3& p : rolled.points) p = {radius * std::cos(p.x / radius), p.y, radius * std::sin(p.x / radius)};
+  expect_links_as_long_as_centres_are_apart(rolled, flat, 1e-2);
 }
 
 TEST(Levels, only_scenes_that_call_for_them_have_them) {
