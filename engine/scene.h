@@ -152,7 +152,7 @@ struct Collider {
 
 /// How a substep is solved; engine/README.md tells them apart.
 /// `automatic`, in JSON "auto", is replaced by what SolverSettings::budget_ms buys when a simulation is created (reference/choice.h).
-enum class Method { jacobi, strands, gauss_seidel, chebyshev, mass_spring, verlet, implicit, automatic };
+enum class Method { by_default, jacobi, strands, gauss_seidel, chebyshev, mass_spring, verlet, implicit, automatic };
 
 /// How the method implicit solves its equations: conjugate gradients, or damped block Jacobi, both preconditioned by 3x3 blocks.
 enum class Linear { cg, jacobi };
@@ -163,7 +163,7 @@ struct SolverSettings {
   double rate = 60;             // Hz: frames a second; a substep lasts 1 / (rate substeps)
   std::uint32_t substeps = 0;   // 0: the default (engine/reference/README.md says why)
   std::uint32_t iterations = 1; // 1 ... 1000
-  Method method = Method::jacobi;
+  Method method = Method::by_default;   // method_of says which
   std::optional<double> budget_ms = {};   // of a frame; method automatic only
   Linear linear = Linear::cg;   // method implicit only
   Averaging averaging = Averaging::mass_split;
@@ -261,8 +261,12 @@ double most_relaxation(const SolverSettings& solver);
 /// What the solver's relaxation and Chebyshev's spectral radius are, with defaults filled in.
 double relaxation_of(const SolverSettings& solver);
 
+/// The method that solves the scene: its own, or by default jacobi where tethers hold every cloth to anchors that no keys move, and else
+/// strands. engine/reference/README.md says why.
+Method method_of(const Scene& scene);
+
 /// Whether it has coarse levels: methods jacobi, strands and gauss_seidel may, and strands does unless told otherwise.
-bool levels_of(const SolverSettings& solver);
+bool levels_of(const Scene& scene);
 double rho_of(const SolverSettings& solver);
 
 /// Why the scene's relaxation is refused, as what follows "solver.relaxation: "; empty if it is not.

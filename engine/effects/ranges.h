@@ -48,7 +48,7 @@ constexpr std::size_t kMostVertices = 4'000'000;  // as many as a mesh may have
 using Names = std::span<const std::string_view>;
 inline constexpr std::array<std::string_view, 2> kTopologies = {"diagonal", "centre"};
 inline constexpr std::array<std::string_view, 6> kStartPoses = {"rest", "stretched", "folded", "flattened", "scrambled", "collapsed"};
-inline constexpr std::array<std::string_view, 8> kMethods = {"jacobi", "strands", "gauss_seidel", "chebyshev", "mass_spring",
+inline constexpr std::array<std::string_view, 9> kMethods = {"default", "jacobi", "strands", "gauss_seidel", "chebyshev", "mass_spring",
                                                              "verlet", "implicit", "auto"};
 inline constexpr std::array<std::string_view, 2> kLinears = {"cg", "jacobi"};
 inline constexpr std::array<std::string_view, 2> kAveragings = {"mass_split", "count"};

@@ -56,7 +56,8 @@ Result<SolverSettings> solver_of(const CurvePoint& setting) {
     assignments.push_back({word.substr(0, word.find('=')), word.substr(std::min(word.find('=') + 1, word.size()))});
   assignments.push_back({"solver.substeps", std::to_string(setting.substeps)});
   assignments.push_back({"solver.iterations", std::to_string(setting.iterations)});
-  auto scene = parse_scene(R"({"cloths": [{"grid": {}}]})", {}, assignments);
+  // In curves of earlier versions jacobi is what assigns nothing.
+  auto scene = parse_scene(R"({"solver": {"method": "jacobi"}, "cloths": [{"grid": {}}]})", {}, assignments);
   if (!scene) return fail("the curve's setting \"", setting.row, "\": ", scene.why());
   return scene->solver;
 }

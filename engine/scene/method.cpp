@@ -27,7 +27,16 @@ double most_relaxation(const SolverSettings& solver) {
   return solver.method == Method::chebyshev ? 1 + rho_of(solver) : 1 + std::pow(kLimit, -1.0 / std::max(1u, solver.iterations));
 }
 
-bool levels_of(const SolverSettings& solver) { return solver.levels.value_or(solver.method == Method::strands); }
+Method method_of(const Scene& scene) {
+  if (scene.solver.method != Method::by_default) return scene.solver.method;
+  const auto moves = [](const Anchor& anchor) { return !anchor.keys.empty(); };
+  const bool tethers_hold = std::ranges::all_of(scene.cloths, [&](const Cloth& cloth) {
+    return cloth.tethers && !cloth.anchors.empty() && std::ranges::none_of(cloth.anchors, moves);
+  });
+  return tethers_hold ? Method::jacobi : Method::strands;
+}
+
+bool levels_of(const Scene& scene) { return scene.solver.levels.value_or(method_of(scene) == Method::strands); }
 
 double relaxation_of(const SolverSettings& solver) {
   if (solver.relaxation != 0) return solver.relaxation;
@@ -55,7 +64,7 @@ std::string method_fault(const Scene& scene) {
     return named + " takes the time it takes, and solver.budget_ms is there: \"auto\" chooses by it";
   if (automatic && (scene.solver.substeps != 0 || scene.solver.iterations != 1))
     return named + " chooses substeps and iterations, and solver has some: leave them away";
-  if (levels_of(scene.solver) && method != Method::jacobi && method != Method::strands && method != Method::gauss_seidel)
+  if (levels_of(scene) && method != Method::by_default && method != Method::jacobi && method != Method::strands && method != Method::gauss_seidel)
     return named + " has no levels, and solver.levels is true: \"jacobi\", \"strands\" and \"gauss_seidel\" may have them";
   for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
     const Cloth& cloth = scene.cloths[i];

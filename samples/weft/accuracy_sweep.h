@@ -21,10 +21,10 @@ struct SolverRow {
 
 /// To add a solver to the curve is to add a line. A row that a scene refuses is left out, and the page says why.
 inline constexpr SolverRow kSolverRows[] = {
-    {"jacobi", ""},
-    {"jacobi not over-relaxed", "solver.relaxation=1"},
-    {"jacobi on levels", "solver.levels=true"},
-    {"count-averaged", "solver.averaging=count solver.relaxation=1"},
+    {"jacobi", "solver.method=jacobi"},
+    {"jacobi not over-relaxed", "solver.method=jacobi solver.relaxation=1"},
+    {"jacobi on levels", "solver.method=jacobi solver.levels=true"},
+    {"count-averaged", "solver.method=jacobi solver.averaging=count solver.relaxation=1"},
     {"strands", "solver.method=strands"},
     {"gauss_seidel", "solver.method=gauss_seidel"},
     {"gauss_seidel on levels", "solver.method=gauss_seidel solver.levels=true"},

@@ -49,7 +49,7 @@ class Unrolled {
       else unknown += std::abs(weight);
     }
     const double apart = sum.norm();
-    return unknown < kUnknown && apart > 0.3 * length && apart < 3 * length ? apart : length;
+    return unknown < kUnknown && apart > 0.03 * length && apart < 3 * length ? apart : length;
   }
 
  private:
@@ -84,16 +84,17 @@ class Unrolled {
     return Eigen::Vector2d(x, std::sqrt(std::max(0.0, *to_a * *to_a - x * x)));
   }
 
-  // The node that is nearest to both and not between them.
+  // The node that tells best on which side of the link others are: far off the line, and near.
   std::optional<Third> third(std::uint32_t a, std::uint32_t b, double length) const {
     std::optional<Third> best;
-    double nearest = INFINITY;
+    std::pair<double, double> most(1e-3, -INFINITY);   // off the line, but enough is enough; and near
     for (const Waves::Arrived& arrived : waves_.at(a)) {
       if (arrived.source == a || arrived.source == b) continue;
       const auto place = folded_up(arrived.source, a, b, length);
-      if (!place || place->y() < 0.3 * length) continue;
+      if (!place) continue;
       const double far = arrived.distance + *distance(arrived.source, b);
-      if (far < nearest) nearest = far, best = {arrived.source, *place};
+      const std::pair off(std::min(place->y() / far, 0.2), -far);
+      if (off > most) most = off, best = {arrived.source, *place};
     }
     return best;
   }
@@ -134,7 +135,7 @@ Weighed weigh(const Coarse& level, std::span<const Share> shares, std::span<cons
     std::map<std::uint32_t, double> in_nodes;
     const auto add_point = [&](std::uint32_t p, double part) {
       for (int j = 0; j < 3; ++j)
-        if (shares[p].part[j] != 0) in_nodes[shares[p].node[j]] += part * shares[p].part[j];
+        if (level.shares[p].place[j] != 0) in_nodes[level.shares[p].node[j]] += part * level.shares[p].place[j];
     };
     for (auto& [point, weight] : made.centres[k]) {
       if (mass > 0) weight /= mass;

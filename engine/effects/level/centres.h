@@ -16,8 +16,8 @@ struct Weighed {
   std::vector<Mean> in_nodes;   // the same, of where the nodes are in the unstrained surface
 };
 
-/// A level's nodes, given its shares as they are used. `finer`: the masses of its points (0: held), and where these are by the points
-/// themselves; `in_nodes` empty: right there.
+/// A level's nodes. `shares`: the level's as they are used, rounded; `masses`: of its points (kg; 0: held); `in_points`: where the points'
+/// own centres are, by the points; empty: right there.
 Weighed weigh(const Coarse& level, std::span<const Share> shares, std::span<const double> masses, std::span<const Mean> in_points);
 
 /// Makes the links of a level as long as its centres are apart when the surface is unstrained: with what lies in the plane of the link and

@@ -33,6 +33,9 @@ constexpr double kInside = -1e-3;
 // As far outside of all triangles a displacement is carried on; farther out it is that of the nearest place inside.
 constexpr double kOutside = 1;
 
+// How much farther outside a triangle may be for being smaller, over the radii of their circles.
+constexpr double kSmaller = 0.1;
+
 // Of the sum of the ways from a corner to its neighbours on the rim: it turns there by 45 degrees, or more.
 constexpr double kCorner = 0.75;
 
@@ -147,80 +150,96 @@ class Coarsening {
     return std::nullopt;
   }
 
+  using Apart = std::array<std::array<double, kNearest>, kNearest>;   // m; not a number where unknown
+
   Share share_of(std::uint32_t p) {
     const auto nodes = near(p);
     if (nodes.empty()) return {};
-    Share best{{nodes[0].source, 0, 0}, {1, 0, 0}};
+    Share best{{nodes[0].source, 0, 0}, {1, 0, 0}, {1, 0, 0}};
     if (nodes[0].distance == 0) return best;
     double smallest = INFINITY, least_outside = INFINITY;
-    // Nearly always the nearest node is a corner.
-    for (std::size_t h = 0; h < nodes.size() && smallest == INFINITY; ++h)
+    Apart apart;
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      for (std::size_t j = i + 1; j < nodes.size(); ++j) {
+        const auto known = between(nodes[i].source, nodes[j].source);
+        apart[i][j] = known ? known->distance : NAN;
+      }
+    // Nearly always the nearest node is a corner; farther ones are measured less well, and only tell whether there are others as good.
+    for (std::size_t h = 0; h < nodes.size(); ++h) {
+      const bool found = smallest < INFINITY;
       for (std::size_t i = h + 1; i < nodes.size(); ++i)
-        for (std::size_t j = i + 1; j < nodes.size(); ++j) try_triangle({nodes[h], nodes[i], nodes[j]}, best, smallest, least_outside);
-    if (smallest == INFINITY && nodes.size() > 1) try_side(nodes[0], nodes[1], best, least_outside);
-    keep(best);
+        for (std::size_t j = i + 1; j < nodes.size(); ++j)
+          try_triangle({nodes[h], nodes[i], nodes[j]}, {apart[h][i], apart[h][j], apart[i][j]}, found, best, smallest, least_outside);
+    }
+    if (smallest < INFINITY || least_outside < INFINITY) keep_triangle(best.node);
+    else if (nodes.size() > 1) try_side(nodes[0], nodes[1], best);
     return best;
   }
 
   // The triangle of three nodes, if the point, with these distances from them, lies in it and it is the smallest so far; or outside of all
   // the one that it is least outside of.
-  void try_triangle(const std::array<Waves::Arrived, 3>& to, Share& best, double& smallest, double& least_outside) const {
-    const auto ab = between(to[0].source, to[1].source), ac = between(to[0].source, to[2].source), bc = between(to[1].source, to[2].source);
-    if (!ab || !ac || !bc) return;
-    const double longest = std::max({ab->distance, ac->distance, bc->distance});
-    const auto corners = flat_triangle(ab->distance, ac->distance, bc->distance);
+  void try_triangle(const std::array<Waves::Arrived, 3>& to, const std::array<double, 3>& sides, bool found, Share& best, double& smallest,
+                    double& least_outside) const {
+    const auto& [ab, ac, bc] = sides;
+    const double longest = std::max({ab, ac, bc});
+    const auto corners = flat_triangle(ab, ac, bc);
     const double width = corners[1].x(), height = corners[2].y();
-    if (!(width * height > kFlattest * longest * longest)) return;
+    if (!(width * height > kFlattest * longest * longest)) return;   // neither is one with a side that is not known
     const double x = (to[0].distance * to[0].distance + width * width - to[1].distance * to[1].distance) / (2 * width);
     double y = std::sqrt(std::max(0.0, to[0].distance * to[0].distance - x * x));
     // On the side that the third distance says.
     const double above = std::abs(std::hypot(x - corners[2].x(), y - height) - to[2].distance);
     if (std::abs(std::hypot(x - corners[2].x(), -y - height) - to[2].distance) < above) y = -y;
     const double c = y / height, b = (x - c * corners[2].x()) / width, a = 1 - b - c;
-    const double outside = -std::min({a, b, c}), radius = ab->distance * ac->distance * bc->distance / (2 * width * height);
+    const double outside = -std::min({a, b, c}), radius = ab * ac * bc / (2 * width * height);
+    // Of triangles with that side in common the smallest, too.
+    const double away = -width * height * std::min({a / bc, b / ac, c / ab}) + kSmaller * radius;
     const bool inside = outside < -kInside;
-    if (inside ? radius >= smallest * (1 - 1e-9) : smallest < INFINITY || outside >= least_outside * (1 - 1e-9)) return;
-    inside ? smallest = radius : least_outside = outside;
+    if (!inside && smallest < INFINITY) return;
+    // Of nodes on one circle all points take the triangles of the first, or triangles would overlap and leave gaps.
+    const double size = inside ? radius : away, best_size = inside ? smallest : least_outside;
+    const std::uint32_t first = std::min({to[0].source, to[1].source, to[2].source});
+    const bool as_good = best_size < INFINITY && std::abs(size - best_size) < 1e-6 * best_size;
+    if (as_good ? first >= *std::min_element(best.node.begin(), best.node.end()) : found || size >= best_size) return;
+    inside ? smallest = radius : least_outside = away;
     const double least = outside < kOutside ? -kOutside : 0;
     std::array<double, 3> parts{std::max(least, a), std::max(least, b), std::max(least, c)};
     const double sum = parts[0] + parts[1] + parts[2];
     for (double& part : parts) part /= sum;
-    best = {{to[0].source, to[1].source, to[2].source}, parts};
+    best = {{to[0].source, to[1].source, to[2].source}, parts, {a, b, c}};
   }
 
   // The same of a line between two nodes, where there is no triangle at all.
-  void try_side(const Waves::Arrived& a, const Waves::Arrived& b, Share& best, double least_outside) const {
+  void try_side(const Waves::Arrived& a, const Waves::Arrived& b, Share& best) {
     const auto side = between(a.source, b.source);
-    if (least_outside < INFINITY || !side) return;
+    if (!side) return;
+    keep_side(a.source, b.source);
     const double squared = side->distance * side->distance;
     const double part = std::clamp((a.distance * a.distance + squared - b.distance * b.distance) / (2 * squared), 0.0, 1.0);
-    best = {{a.source, b.source, 0}, {1 - part, part, 0}};
+    best = {{a.source, b.source, 0}, {1 - part, part, 0}, {1 - part, part, 0}};
   }
 
-  // Remembers the sides and the triangle of a share.
-  void keep(const Share& share) {
-    for (int i = 0; i < 3; ++i)
-      for (int j = i + 1; j < 3; ++j) {
-        if (share.part[i] == 0 || share.part[j] == 0) continue;
-        const std::uint32_t a = std::min(share.node[i], share.node[j]), b = std::max(share.node[i], share.node[j]);
-        const auto apart = between(a, b);
-        sides_.try_emplace({a, b}, CoarseLink{a, b, apart->distance, apart->along});
-      }
-    if (share.part[0] == 0 || share.part[1] == 0 || share.part[2] == 0) return;
-    Three nodes = share.node;
+  void keep_side(std::uint32_t a, std::uint32_t b) {
+    if (a > b) std::swap(a, b);
+    const auto apart = between(a, b);
+    sides_.try_emplace({a, b}, CoarseLink{a, b, apart->distance, apart->along});
+  }
+
+  void keep_triangle(Three nodes) {
     std::sort(nodes.begin(), nodes.end());
-    triangles_.insert(nodes);
+    if (!triangles_.insert(nodes).second) return;
+    for (int k = 0; k < 3; ++k) keep_side(nodes[k], nodes[(k + 1) % 3]);
   }
 
   // Where the regions of three nodes meet they make a triangle, even if no point lies in it: without it the surface would have a hole.
   void keep_corner(const Triangle& t) {
-    Share share{{}, {1. / 3, 1. / 3, 1. / 3}};
+    Three nodes;
     for (int k = 0; k < 3; ++k) {
       if (near(t[k]).empty()) return;
-      share.node[k] = near(t[k]).front().source;
+      nodes[k] = near(t[k]).front().source;
     }
-    const auto& [a, b, c] = share.node;
-    if (a != b && b != c && c != a && between(a, b) && between(b, c) && between(c, a)) keep(share);
+    const auto& [a, b, c] = nodes;
+    if (a != b && b != c && c != a && between(a, b) && between(b, c) && between(c, a)) keep_triangle(nodes);
   }
 
   Eigen::Vector2d warp_in(const std::array<Eigen::Vector2d, 3>& corners, const Three& nodes, std::span<const Vec2> uvs) const {

@@ -14,6 +14,7 @@ namespace weft::cooking {
 struct Share {
   std::array<std::uint32_t, 3> node{};
   std::array<double, 3> part{};
+  std::array<double, 3> place{};   // where the point is, by its nodes: its parts, unless it lies far outside
 };
 
 struct CoarseLink {

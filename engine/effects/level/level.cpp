@@ -28,8 +28,11 @@ constexpr const Buffer* kBuffers[] = {&buffers::level_nodes,  &buffers::level_ga
                                       &buffers::level_links,  &buffers::level_shares,  &buffers::level_centres,     &buffers::level_places,
                                       &buffers::level_steps,  &buffers::level_lambda};
 
+// Of the cloth's stiffness, what all levels have together.
+constexpr double kPart = 0.25;
+
 // Points that a further level is worth.
-constexpr std::size_t kFewest = 30;
+constexpr std::size_t kFewest = 12;
 
 struct Level {
   cooking::Coarse coarse;
@@ -106,7 +109,7 @@ Stiff stiff(const Level& level, const cooking::Stiffness& stiffness) {
 Ends links_of(const Level& level, const cooking::Stiffness& stiffness, std::size_t levels, std::uint32_t first) {
   Ends ends{std::vector<std::vector<gpu::uvec4>>(level.coarse.points.size())};
   const std::vector<double> k = stiff(level, stiffness).of_link;
-  const double part = 0.5 / static_cast<double>(levels);
+  const double part = kPart / static_cast<double>(levels);
   for (std::size_t l = 0; l < k.size(); ++l) {
     const auto& [a, b, rest, along] = level.coarse.links[l];
     // No area, no cloth.
@@ -127,14 +130,14 @@ std::vector<cooking::Share> as_packed(const std::vector<cooking::Share>& shares)
   std::vector<cooking::Share> used;
   for (const cooking::Share& share : shares) {
     const gpu::LevelShare unpacked = gpu::unpack_level_share(packed(share, 0));
-    used.push_back({share.node, {unpacked.part0, unpacked.part1, unpacked.part2}});
+    used.push_back({share.node, {unpacked.part0, unpacked.part1, unpacked.part2}, share.place});
   }
   return used;
 }
 
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   state.has_levels = false;
-  if (!levels_of(state.scene().solver)) return {};
+  if (!levels_of(state.scene())) return {};
   auto& all = state.fabric().own.of<AllLevels>().cloths;
   all.resize(state.fabric().cloths.size());
   ClothLevels& cloth = all.back();
@@ -179,7 +182,7 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   }
   state.has_levels = !cloth.levels.empty();
   state.own_part = 1;
-  for (const Level& level : cloth.levels) state.own_part -= 0.5 * stiff(level, cloth.stiffness).part / static_cast<double>(cloth.levels.size());
+  for (const Level& level : cloth.levels) state.own_part -= kPart * stiff(level, cloth.stiffness).part / static_cast<double>(cloth.levels.size());
   return {};
 }
 

@@ -47,7 +47,7 @@ void lay_out(cooking::CookState& state) {
 
 constinit const Effect strand{
     .name = "strand",
-    .called_for = [](const Scene& scene, const CookedFabric&) { return scene.solver.method == Method::strands; },
+    .called_for = [](const Scene& scene, const CookedFabric&) { return method_of(scene) == Method::strands; },
     .buffers = kBuffers,
     .passes = kPasses,
     .reference = Reference::a_way_to,

@@ -48,7 +48,7 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
     state.fabric().links.push_back({particle_of[s.a], particle_of[s.b], link.rest, link.response, s.only_pulls});
     if (state.has_levels) state.fabric().links.back().part = static_cast<float>(state.own_part);
   }
-  if (state.scene().solver.method == Method::strands) add_strands(state, input.mesh, springs, first);
+  if (method_of(state.scene()) == Method::strands) add_strands(state, input.mesh, springs, first);
   return {};
 }
 
@@ -87,7 +87,7 @@ constinit const Effect stretch{
     .name = "stretch",
     .called_for =
         [](const Scene& scene, const CookedFabric&) {
-          const Method method = scene.solver.method;
+          const Method method = method_of(scene);
           return method == Method::jacobi || method == Method::strands || method == Method::chebyshev;
         },
     .buffers = kBuffers,

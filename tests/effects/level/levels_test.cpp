@@ -52,6 +52,7 @@ std::vector<Vec3> centres(const CookedFabric& fabric) {
 
 const Grid kLevelGrids[] = {
     {{1, 1}, 40, 40, Topology::diagonal, true}, {{2, 0.5f}, 60, 30, Topology::centre, true}, {{1, 1}, 16, 60, Topology::diagonal, true}};
+const Grid kStrips[] = {{{1.3f, 0.05f}, 26, 1, Topology::diagonal, true}, {{1.3f, 0.1f}, 90, 3, Topology::centre, true}};
 
 TEST(Levels, links_are_as_long_as_the_way_along_the_cloth_and_shares_carry_a_linear_displacement) {
   for (const Grid& grid : kLevelGrids) {
@@ -196,7 +197,7 @@ void expect_links_as_long_as_centres_are_apart(const Mesh& mesh, const std::vect
   scene.cloths.emplace_back().mesh = "given";
   CookedFabric fabric = must(cook(scene, {&mesh, 1}));
   const LevelLists& lists = fabric.own.of<LevelLists>();
-  ASSERT_GE(lists.ends.size(), 2u);
+  ASSERT_GE(lists.ends.size(), 1u);
   const std::vector<std::uint32_t> order = cooking::locality_order(mesh);
   for (std::uint32_t i = 0; i < order.size(); ++i) {
     const Vec3 place = flat[order[i]];
@@ -213,7 +214,8 @@ void expect_links_as_long_as_centres_are_apart(const Mesh& mesh, const std::vect
 }
 
 TEST(Levels, links_are_as_long_as_centres_are_apart_in_flat_cloth_and_in_cloth_that_unrolls) {
-  for (const Grid& grid : kLevelGrids) {
+  for (const std::span<const Grid> grids : {std::span<const Grid>(kLevelGrids), std::span<const Grid>(kStrips)})
+   for (const Grid& grid : grids) {
     const Mesh mesh = make_grid(grid);
     expect_links_as_long_as_centres_are_apart(mesh, mesh.points, 2e-3);
   }
