@@ -75,10 +75,24 @@ WEFT_INLINE LevelShare unpack_level_share(uvec4 packed) {
 
 // A node of a coarse level in 16 bytes (level/level.glsl), and a link of its.
 struct LevelNode {
-  uint first_gather;    // of what its centre is the mean of; they end where the next node's begin
+  uint first_gather;    // of what it is the mean of; they end where the next node's begin
   float inverse_mass;   // 1/kg; 0: it is held
   uint first_link, links;
 };
+
+// A point of the finer level as a node has it, in 8 bytes: weights of 16 bits, the centre's between -1 and 1, the middle's between 0 and 1.
+struct LevelGather {
+  uint point;           // particle or node
+  float in_centre, in_middle;
+};
+
+WEFT_INLINE LevelGather unpack_level_gather(uvec2 packed) {
+  LevelGather gather;
+  gather.point = packed.x;
+  gather.in_centre = float(packed.y & 0xffffu) / 32768.0f - 1.0f;
+  gather.in_middle = float(packed.y >> 16) / 65535.0f;
+  return gather;
+}
 
 struct LevelLink {
   uint other;           // node
@@ -141,6 +155,11 @@ inline uvec2 pack_patch_link(const PatchLink& link) {
 }
 
 inline uvec4 pack_level_node(const LevelNode& node) { return {node.first_gather, WEFT_BITS(node.inverse_mass), node.first_link, node.links}; }
+inline uvec2 pack_level_gather(const LevelGather& gather) {
+  const auto whole = [](double weight, double one) { return static_cast<uint>(weight < 0 ? 0 : weight * one + 0.5 > 65535 ? 65535 : weight * one + 0.5); };
+  return {gather.point, whole(gather.in_centre + 1.0, 32768) | whole(gather.in_middle, 65535) << 16};
+}
+
 inline uvec4 pack_level_link(const LevelLink& link) { return {link.other, WEFT_BITS(link.rest), WEFT_BITS(link.compliance), 0}; }
 
 inline uvec4 pack_level_share(const uint (&nodes)[3], double part1, double part2) {

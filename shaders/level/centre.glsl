@@ -1,19 +1,25 @@
-// The centre of mass of what node k carries, by shares: the weighted mean of points of the finer level, POINT. Their differences are summed,
-// which round as lengths do and not as places.
+// Where node k is: the centre of mass of what it carries, by shares, and its middle, the mean of the nearest of that. Both are weighted means of
+// points of the finer level, CENTRE_OF and MIDDLE_OF. Differences are summed, which round as lengths do and not as places.
 //
-// Forces between centres, handed on by those same shares, turn nothing: what a node gives its points has no moment about their centre. And a
-// centre does not follow each point to and fro.
+// Forces between centres, handed on by those same shares, turn nothing: what a node gives its points has no moment about their centre.
+// Lengths are measured between middles (engine/effects/level/centres.cpp).
 
 GATHER_UINT4(level_nodes)
 GATHER_UINT2(level_gathers)
 
-vec3 centre_of(uint k) {
+struct LevelPlace {
+  vec3 centre, middle;   // m
+};
+
+LevelPlace place_of(uint k) {
   const uint begin = unpack_level_node(FETCH(level_nodes, k)).first_gather, end = unpack_level_node(FETCH(level_nodes, k + 1)).first_gather;
-  const vec3 first = POINT(FETCH_UINT2(level_gathers, begin).x).xyz;
-  vec3 sum = vec3(0);
+  const uint first = FETCH_UINT2(level_gathers, begin).x;
+  const LevelPlace from = LevelPlace(CENTRE_OF(first).xyz, MIDDLE_OF(first).xyz);
+  LevelPlace sum = LevelPlace(vec3(0), vec3(0));
   for (uint g = begin + 1; g < end; ++g) {
-    const uvec2 gather = FETCH_UINT2(level_gathers, g);
-    sum += uintBitsToFloat(gather.y) * (POINT(gather.x).xyz - first);
+    const LevelGather gather = unpack_level_gather(FETCH_UINT2(level_gathers, g));
+    sum.centre += gather.in_centre * (CENTRE_OF(gather.point).xyz - from.centre);
+    sum.middle += gather.in_middle * (MIDDLE_OF(gather.point).xyz - from.middle);
   }
-  return first + sum;
+  return LevelPlace(from.centre + sum.centre, from.middle + sum.middle);
 }

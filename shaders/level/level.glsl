@@ -1,8 +1,8 @@
 // A level's iteration: every node evaluates its links at the iterate that the coarser levels leave, as in stretch.comp: XPBD by Jacobi with
 // masses split. Links only pull: no two places of a cloth are farther apart than along it.
 //
-// A node is where the centre of what it carries is (centre.glsl), and goes first where the next coarser level carries it; what it has gone
-// in the end, level_steps, it hands on to the finer level and at last to the particles, by their shares.
+// A node, whose centre and middle centre.glsl tells, goes first where the next coarser level carries it; what it has gone in the end,
+// level_steps, it hands on to the finer level and at last to the particles, by their shares.
 
 GATHER_UINT4(level_node_shares)
 GATHER_UINT4(level_links)
@@ -12,35 +12,34 @@ READ_WRITE(float, level_lambda)
 // moved by half a metre a second five seconds after it had come to rest, at 0.6 by less than a millimetre.
 const float kEager = has_contacts ? 0.5 : WEFT_EAGER_LEVELS;
 
-// Node k's, of the coarser level by STEP.
-vec3 carried(uint k, LevelNode node) {
+// How far node k is carried by the next coarser level's, STEP.
+vec3 carried_of(uint k, LevelNode node) {
   const uvec4 packed = FETCH(level_node_shares, k);
   if (packed.x == WEFT_NONE || node.inverse_mass == 0) return vec3(0);
   const LevelShare share = unpack_level_share(packed);
   return share.part0 * STEP(share.node0).xyz + share.part1 * STEP(share.node1).xyz + share.part2 * STEP(share.node2).xyz;
 }
 
-// Where node k is after that, and its inverse mass times links (1/kg).
-vec4 place_of(uint k, LevelNode node) { return vec4(CENTRE(k).xyz + carried(k, node), node.inverse_mass * float(node.links)); }
-
 // How far node k goes.
 vec3 step_of(uint k) {
   const LevelNode node = unpack_level_node(FETCH(level_nodes, k));
   if (node.inverse_mass == 0) return vec3(0);
-  const vec4 here = PLACE(k);
+  const vec4 carried = CARRIED(k, node);   // m, and inverse mass times links (1/kg)
+  const vec3 centre = CENTRE(k).xyz, middle = MIDDLE(k).xyz;
   const bool first = (push.flags & WEFT_FIRST_ITERATION) != 0;
   const float omega = kEager * motion.relaxation;
   vec3 sum = vec3(0);
   for (uint l = node.first_link; l < node.first_link + node.links; ++l) {
     const LevelLink link = unpack_level_link(FETCH(level_links, l));
-    const vec4 there = PLACE(link.other);
-    const vec3 d = here.xyz - there.xyz;
+    const vec4 other_carried = CARRIED(link.other, unpack_level_node(FETCH(level_nodes, link.other)));
+    const vec3 gone = carried.xyz - other_carried.xyz, d = middle - MIDDLE(link.other).xyz + gone;
+    const vec3 pull = centre - CENTRE(link.other).xyz + gone;
     const float len = sqrt(dot(d, d) + 1e-20), alpha = link.compliance * motion.inverse_h2;
     const float lambda = is_iterated && !first ? level_lambda[l] : 0;
-    const float change = min(omega * (link.rest - len - alpha * lambda) / max(here.w + there.w + omega * alpha, 1e-20), -lambda);
+    const float change = min(omega * (link.rest - len - alpha * lambda) / max(carried.w + other_carried.w + omega * alpha, 1e-20), -lambda);
     if (is_iterated) level_lambda[l] = lambda + change;
-    sum += (change / len) * d;
+    sum += change / sqrt(dot(pull, pull) + 1e-20) * pull;
   }
-  const vec3 gone = carried(k, node) + node.inverse_mass * sum;
+  const vec3 gone = carried.xyz + node.inverse_mass * sum;
   return dot(gone, gone) < 1e20 ? gone : vec3(0);   // a neighbour that is not finite must not spoil this node
 }

@@ -1,8 +1,10 @@
-// Twin of the passes of coarse levels: before an iteration, a pull is carried over levels of nodes, coarsest first; each node, the centre of
-// mass of what it carries, goes where the next coarser level carries it and then as its links ask, as by one iteration of relax_stretch.
+// Twin of the passes of coarse levels: before an iteration, a pull is carried over levels of nodes, coarsest first; each node goes where the
+// next coarser level carries it and then as its links ask, as by one iteration of relax_stretch with masses split. Links are as long as the
+// middles of nodes are apart, and pull at the centres of mass of what the nodes carry.
 // After: Mueller 2008, "Hierarchical position based dynamics"; the shares and centres are those of Weft.
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "shaders/stretch/stretch.ref.h"
@@ -15,8 +17,14 @@ struct Share {
   std::array<double, 3> part{};
 };
 
+/// A point of the finer level as a node has it.
+struct Gather {
+  std::uint32_t point;
+  double in_centre, in_middle;
+};
+
 struct Level {
-  std::vector<std::vector<std::pair<std::uint32_t, double>>> gathers;   // of each node: points of the finer level, and weights that sum to 1
+  std::vector<std::vector<Gather>> gathers;   // of each node, of the finer level; both weights sum to 1
   std::vector<double> inverse_masses;     // 1/kg; 0: held
   std::vector<Share> shares;              // of each node in those of the next coarser level; empty: there is none
   std::vector<Stretch> links;             // between nodes; they only pull
@@ -30,25 +38,38 @@ inline Vector carried(const Share& share, const Points& steps) {
   return sum;
 }
 
-/// The centres of a level's nodes (m), `finer` being those of the next finer level, or the particles.
-inline Points centres(const Level& level, const Points& finer) {
-  Points centres;
+/// The centres or the middles of a level's nodes (m), `finer` being those of the next finer level, or the particles.
+inline Points means(const Level& level, const Points& finer, double Gather::*weight) {
+  Points means;
   for (const auto& gathers : level.gathers) {
-    Vector& sum = centres.emplace_back(Vector::Zero());
-    for (const auto& [point, weight] : gathers) sum += weight * finer[point];
+    Vector& sum = means.emplace_back(Vector::Zero());
+    for (const Gather& gather : gathers) sum += gather.*weight * finer[gather.point];
   }
-  return centres;
+  return means;
 }
 
-/// How far the nodes of a level go from their `centres`, `coarser` being how far those of the next coarser level went. `lambda`: one a link, renewed.
-inline Points level_steps(const Level& level, const Points& centres, const Points& coarser, std::span<double> lambda, double h, double omega) {
-  Points p = centres;
-  for (std::size_t k = 0; k < p.size(); ++k)
-    if (level.inverse_masses[k] > 0 && !level.shares.empty()) p[k] += carried(level.shares[k], coarser);
-  std::uint32_t coincident = 0;
-  Points steps = relax_stretch(level.links, p, level.inverse_masses, lambda, h, omega, Averaged::mass_split, coincident);
-  for (std::size_t k = 0; k < steps.size(); ++k) steps[k] -= centres[k];
-  return steps;
+/// How far the nodes of a level go, `coarser` being how far those of the next coarser level went. `lambda`: one a link, renewed.
+inline Points level_steps(const Level& level, const Points& centres, const Points& middles, const Points& coarser, std::span<double> lambda,
+                          double h, double omega) {
+  const std::size_t nodes = level.inverse_masses.size();
+  Points gone(nodes, Vector::Zero()), sums(nodes, Vector::Zero());
+  for (std::size_t k = 0; k < nodes; ++k)
+    if (level.inverse_masses[k] > 0 && !level.shares.empty()) gone[k] = carried(level.shares[k], coarser);
+  std::vector<double> split(level.inverse_masses);
+  std::vector<int> links(nodes);
+  for (const Stretch& link : level.links) ++links[link.a], ++links[link.b];
+  for (std::size_t k = 0; k < nodes; ++k) split[k] *= links[k];
+  for (std::size_t l = 0; l < level.links.size(); ++l) {
+    const auto& [a, b, rest, compliance, only_pulls] = level.links[l];
+    const Vector d = middles[a] + gone[a] - middles[b] - gone[b], pull = centres[a] + gone[a] - centres[b] - gone[b];
+    const double alpha = compliance / (h * h);
+    const double change = std::min(omega * (rest - d.norm() - alpha * lambda[l]) / (split[a] + split[b] + omega * alpha), -lambda[l]);
+    lambda[l] += change;
+    sums[a] += change * pull.normalized();
+    sums[b] -= change * pull.normalized();
+  }
+  for (std::size_t k = 0; k < nodes; ++k) gone[k] += level.inverse_masses[k] * sums[k];
+  return gone;
 }
 
 }  // namespace weft::reference

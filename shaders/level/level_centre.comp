@@ -1,15 +1,19 @@
-// level_centre: the centres of the finest level's nodes.
+// level_centre: where the finest level's nodes are.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 
 GATHER(predicted)
 WRITE(vec4, level_centres)
-#define POINT(i) FETCH(predicted, i)
+WRITE(vec4, level_middles)
+#define CENTRE_OF(i) FETCH(predicted, i)
+#define MIDDLE_OF(i) FETCH(predicted, i)
 #include "level/centre.glsl"
 
 void main() {
   if (gl_GlobalInvocationID.x >= push.count) return;
   const uint k = push.first + gl_GlobalInvocationID.x;
-  level_centres[k].xyz = centre_of(k);
+  const LevelPlace place = place_of(k);
+  level_centres[k].xyz = place.centre;
+  level_middles[k].xyz = place.middle;
 }

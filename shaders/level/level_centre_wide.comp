@@ -1,14 +1,19 @@
-// level_centre_wide: the centres of a level of many nodes that is not the finest.
+// level_centre_wide: where the nodes of a level of many are that is not the finest.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 
+// An earlier dispatch has written the finer level's.
 GATHER_WRITE(level_centres)
-#define POINT(k) FETCH(level_centres, k)   // an earlier dispatch has written the finer level's
+GATHER_WRITE(level_middles)
+#define CENTRE_OF(k) FETCH(level_centres, k)
+#define MIDDLE_OF(k) FETCH(level_middles, k)
 #include "level/centre.glsl"
 
 void main() {
   if (gl_GlobalInvocationID.x >= push.count) return;
   const uint k = push.first + gl_GlobalInvocationID.x;
-  level_centres[k].xyz = centre_of(k);
+  const LevelPlace place = place_of(k);
+  level_centres[k].xyz = place.centre;
+  level_middles[k].xyz = place.middle;
 }

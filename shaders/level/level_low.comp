@@ -1,4 +1,4 @@
-// level_low: the levels of few nodes by one workgroup: their centres, finest first, then their steps, coarsest first.
+// level_low: the levels of few nodes by one workgroup: where they are, finest first, then their steps, coarsest first.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -6,13 +6,16 @@
 READ(uint, level_ends)
 // This dispatch has written what it reads of these.
 SHARE(vec4, level_centres)
-SHARE(vec4, level_places)
+SHARE(vec4, level_middles)
+SHARE(vec4, level_carried)
 SHARE(vec4, level_steps)
-#define POINT(k) level_centres[k]
-#define CENTRE(k) level_centres[k]
-#define PLACE(k) level_places[k]
-#define STEP(k) level_steps[k]
+#define CENTRE_OF(k) level_centres[k]
+#define MIDDLE_OF(k) level_middles[k]
 #include "level/centre.glsl"
+#define CENTRE(k) level_centres[k]
+#define MIDDLE(k) level_middles[k]
+#define STEP(k) level_steps[k]
+#define CARRIED(k, node) level_carried[k]
 #include "level/level.glsl"
 
 void wait() {
@@ -24,13 +27,20 @@ void main() {
   const uint here = gl_LocalInvocationID.x;
   // level_centre has the finest level's.
   for (uint level = has_wide_levels ? push.count : push.count - 1; level-- > 0;) {
-    for (uint k = (level == 0 ? 0 : level_ends[level - 1]) + here; k < level_ends[level]; k += workgroup) level_centres[k].xyz = centre_of(k);
+    for (uint k = (level == 0 ? 0 : level_ends[level - 1]) + here; k < level_ends[level]; k += workgroup) {
+      const LevelPlace place = place_of(k);
+      level_centres[k].xyz = place.centre;
+      level_middles[k].xyz = place.middle;
+    }
     wait();
   }
   uint first = 0;
   for (uint level = 0; level < push.count; ++level) {
     const uint end = level_ends[level];
-    for (uint k = first + here; k < end; k += workgroup) level_places[k] = place_of(k, unpack_level_node(FETCH(level_nodes, k)));
+    for (uint k = first + here; k < end; k += workgroup) {
+      const LevelNode node = unpack_level_node(FETCH(level_nodes, k));
+      level_carried[k] = vec4(carried_of(k, node), node.inverse_mass * float(node.links));
+    }
     wait();
     for (uint k = first + here; k < end; k += workgroup) level_steps[k].xyz = step_of(k);
     wait();

@@ -5,11 +5,13 @@
 
 GATHER_UINT4(level_nodes)
 GATHER(level_centres)
+GATHER(level_middles)
 GATHER_WRITE(level_steps)
 // Earlier dispatches have written these.
 #define CENTRE(k) FETCH(level_centres, k)
+#define MIDDLE(k) FETCH(level_middles, k)
 #define STEP(k) FETCH(level_steps, k)
-#define PLACE(k) place_of(k, unpack_level_node(FETCH(level_nodes, k)))
+#define CARRIED(k, node) vec4(carried_of(k, node), node.inverse_mass * float(node.links))
 #include "level/level.glsl"
 
 void main() {

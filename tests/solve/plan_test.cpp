@@ -173,7 +173,7 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(calls.has(Id::stretch), {&b::stretch_rows, &b::stretch_links});
     expect(calls.has(Id::stretch) && calls.iterated, {&b::stretch_lambda});
     expect(levels, {&b::level_nodes, &b::level_gathers, &b::level_node_shares, &b::level_ends, &b::level_links, &b::level_shares, &b::level_centres,
-                    &b::level_places, &b::level_steps});
+                    &b::level_middles, &b::level_carried, &b::level_steps});
     expect(levels && calls.iterated, {&b::level_lambda});
     expect(strands, {&b::strand_starts, &b::strand_links});
     expect(strands && calls.iterated, {&b::strand_lambda});

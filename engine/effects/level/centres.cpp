@@ -1,6 +1,9 @@
-// A node's centre lies a little off the node, most at the rim, where all that it carries is on one side. A centre is known by the nodes
-// around, as every point is, by its shares: c_a = sum over points i of m_i s_ia / M_a times the sum over nodes k of s_ik x_k, and on coarser
-// levels with centres in place of points.
+// Forces act between centres of mass: handed on by shares, they turn nothing then. Lengths are measured between middles, means of fewer
+// points: a mean that does not follow each point to and fro, but a wide one lies inside of a bend, and so deep by its width that two of
+// unlike widths, as at a rim, are farther apart in bent cloth than in flat.
+//
+// A middle lies a little off its node. It is known by the nodes around, as every point is, by its place among them: the sum over points i
+// of weights w_i times the sum over nodes k of s_ik x_k, and on coarser levels with middles in place of points.
 #include "engine/effects/level/centres.h"
 
 #include <algorithm>
@@ -8,16 +11,21 @@
 #include <map>
 #include <optional>
 
+#include "shaders/shared.h"
+
 namespace weft::cooking {
 namespace {
 
 // How many of a node's neighbours are known, and where nodes are many up to where, in lengths of the surface's edges: all that a link's
-// centres depend on.
+// middles depend on.
 constexpr std::uint32_t kMostAround = 64;
 constexpr std::size_t kManyNodes = 500;
 constexpr double kAround = 3.6;
 
-// Nodes that are not known leave this much of a centre's weights, at most; else a link keeps its length.
+// A middle's weights are a share's power of this: it is half as wide as a centre's.
+constexpr double kNarrow = 4;
+
+// Nodes that are not known leave this much of a middle's weights, at most; else a link keeps its length.
 constexpr double kUnknown = 1e-3;
 
 void add(std::map<std::uint32_t, double>& sum, const Mean& mean, double weight) {
@@ -117,38 +125,50 @@ class Unrolled {
 
 Weighed weigh(const Coarse& level, std::span<const Share> shares, std::span<const double> masses, std::span<const Mean> in_points) {
   const std::size_t nodes = level.points.size();
-  Weighed made{std::vector<double>(nodes), std::vector<Mean>(nodes), {}};
+  Weighed made{std::vector<double>(nodes), std::vector<std::vector<Gathered>>(nodes), {}};
+  std::vector<double> near(nodes);   // sums of the middles' weights
   for (std::uint32_t p = 0; p < shares.size(); ++p)
     for (int k = 0; k < 3; ++k) {
-      const double mass = shares[p].part[k] * masses[p];
+      const std::uint32_t node = shares[p].node[k];
+      const double part = shares[p].part[k], mass = part * masses[p], narrow = std::pow(std::max(part, 0.0), kNarrow) * masses[p];
       if (mass == 0) continue;
-      made.masses[shares[p].node[k]] += mass;
-      made.centres[shares[p].node[k]].emplace_back(p, mass);
+      made.masses[node] += mass;
+      near[node] += narrow;
+      made.gathers[node].push_back({p, mass, narrow});
     }
   for (std::uint32_t k = 0; k < nodes; ++k) {
     double& mass = made.masses[k];
     const std::uint32_t itself = level.points[k];
-    if (masses[itself] == 0 || !(mass > 0)) {   // held, or, by parts below 0, of no weight
+    if (masses[itself] == 0 || !(mass > 0 && near[k] > 0)) {   // held, or, by parts below 0, of no weight
       mass = 0;
-      made.centres[k] = {{itself, 1}};
+      made.gathers[k] = {{itself, 1, 1}};
     }
     std::map<std::uint32_t, double> in_nodes;
     const auto add_point = [&](std::uint32_t p, double part) {
       for (int j = 0; j < 3; ++j)
         if (level.shares[p].place[j] != 0) in_nodes[level.shares[p].node[j]] += part * level.shares[p].place[j];
     };
-    for (auto& [point, weight] : made.centres[k]) {
-      if (mass > 0) weight /= mass;
-      if (in_points.empty()) add_point(point, weight);
+    // Rounded as the GPU has them; the first has what the others leave.
+    double in_centre = 1, in_middle = 1;
+    for (auto gathered = made.gathers[k].rbegin(); gathered != made.gathers[k].rend(); ++gathered) {
+      auto& [point, of_centre, of_middle] = *gathered;
+      const auto weights = gpu::unpack_level_gather(gpu::pack_level_gather(
+          {point, static_cast<float>(of_centre / std::max(mass, 1e-300)), static_cast<float>(of_middle / std::max(near[k], 1e-300))}));
+      const bool first = &*gathered == &made.gathers[k].front();
+      of_centre = first ? in_centre : double(weights.in_centre);
+      of_middle = first ? in_middle : double(weights.in_middle);
+      in_centre -= of_centre;
+      in_middle -= of_middle;
+      if (in_points.empty()) add_point(point, of_middle);
       else
-        for (const auto& [p, part] : in_points[point]) add_point(p, weight * part);
+        for (const auto& [p, part] : in_points[point]) add_point(p, of_middle * part);
     }
     made.in_nodes.emplace_back(in_nodes.begin(), in_nodes.end());
   }
   return made;
 }
 
-void measure_between_centres(Coarse& level, std::span<const Mean> in_nodes) {
+void measure_between_middles(Coarse& level, std::span<const Mean> in_nodes) {
   const Unrolled unrolled(level.surface, level.points.size());
   for (CoarseLink& link : level.links) link.rest = unrolled.between(link.a, link.b, link.rest, in_nodes[link.a], in_nodes[link.b]);
 }

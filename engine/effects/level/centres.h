@@ -10,18 +10,24 @@ namespace weft::cooking {
 /// A weighted mean: of points, by their numbers, and weights that sum to one.
 using Mean = std::vector<std::pair<std::uint32_t, double>>;
 
+/// A point of the finer level as a node has it: its weight in the node's centre of mass, and in its middle, which is the mean of nearer ones.
+struct Gathered {
+  std::uint32_t point;
+  double in_centre, in_middle;
+};
+
 struct Weighed {
-  std::vector<double> masses;   // kg, of each node: what it carries, by shares; 0: it is held
-  std::vector<Mean> centres;    // of each node: its centre of mass, of the finer level's centres
-  std::vector<Mean> in_nodes;   // the same, of where the nodes are in the unstrained surface
+  std::vector<double> masses;                    // kg, of each node: what it carries, by shares; 0: it is held
+  std::vector<std::vector<Gathered>> gathers;    // of each node, of the finer level's centres and middles; both weights sum to one
+  std::vector<Mean> in_nodes;                    // of each node's middle: where it is in the unstrained surface, by the nodes
 };
 
 /// A level's nodes. `shares`: the level's as they are used, rounded; `masses`: of its points (kg; 0: held); `in_points`: where the points'
-/// own centres are, by the points; empty: right there.
+/// own middles are, by the points; empty: right there.
 Weighed weigh(const Coarse& level, std::span<const Share> shares, std::span<const double> masses, std::span<const Mean> in_points);
 
-/// Makes the links of a level as long as its centres are apart when the surface is unstrained: with what lies in the plane of the link and
-/// its neighbours, unrolled, as geodesics tell.
-void measure_between_centres(Coarse& level, std::span<const Mean> in_nodes);
+/// Makes the links of a level as long as middles are apart when the surface is unstrained, with what lies around them unrolled into a plane,
+/// as geodesics tell.
+void measure_between_middles(Coarse& level, std::span<const Mean> in_nodes);
 
 }  // namespace weft::cooking

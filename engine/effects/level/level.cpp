@@ -14,7 +14,6 @@
 #include "engine/effects/level/level.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "engine/cook/cook_state.h"
@@ -25,8 +24,8 @@ namespace weft::effects {
 namespace {
 
 constexpr const Buffer* kBuffers[] = {&buffers::level_nodes,  &buffers::level_gathers, &buffers::level_node_shares, &buffers::level_ends,
-                                      &buffers::level_links,  &buffers::level_shares,  &buffers::level_centres,     &buffers::level_places,
-                                      &buffers::level_steps,  &buffers::level_lambda};
+                                      &buffers::level_links,  &buffers::level_shares,  &buffers::level_centres,     &buffers::level_middles,
+                                      &buffers::level_carried, &buffers::level_steps,  &buffers::level_lambda};
 
 // Of the cloth's stiffness, what all levels have together.
 constexpr double kPart = 0.25;
@@ -173,7 +172,7 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
     at_nodes(ranks);
     if (!uvs.empty()) at_nodes(uvs);
     level.weighed = cooking::weigh(level.coarse, as_packed(level.coarse.shares), masses, in_points);
-    cooking::measure_between_centres(level.coarse, level.weighed.in_nodes);
+    cooking::measure_between_middles(level.coarse, level.weighed.in_nodes);
     masses = level.weighed.masses;
     in_points = level.weighed.in_nodes;
     areas = level.areas;
@@ -231,8 +230,9 @@ class Layout {
       lists_.nodes.push_back(gpu::pack_level_node({static_cast<std::uint32_t>(lists_.gathers.size()), mass > 0 ? static_cast<float>(1 / mass) : 0,
                                                    static_cast<std::uint32_t>(lists_.links.size()),
                                                    static_cast<std::uint32_t>(ends.of_node[k].size())}));
-      for (const auto& [point, weight] : level.weighed.centres[k])
-        lists_.gathers.push_back({g == 0 ? cloths_[c].particle_of[point] : first_[c][g - 1] + point, std::bit_cast<std::uint32_t>(static_cast<float>(weight))});
+      for (const auto& [point, in_centre, in_middle] : level.weighed.gathers[k])
+        lists_.gathers.push_back(gpu::pack_level_gather({g == 0 ? cloths_[c].particle_of[point] : first_[c][g - 1] + point,
+                                                         static_cast<float>(in_centre), static_cast<float>(in_middle)}));
       lists_.node_shares.push_back(has_coarser ? packed(cloths_[c].levels[g + 1].coarse.shares[k], first_[c][g + 1])
                                                : gpu::uvec4{WEFT_NONE, 0, 0, 0});
       lists_.links.insert(lists_.links.end(), ends.of_node[k].begin(), ends.of_node[k].end());

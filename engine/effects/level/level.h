@@ -9,7 +9,7 @@ namespace weft {
 
 struct LevelLists {
   std::vector<gpu::uvec4> nodes;           // gpu::pack_level_node, coarsest level first; and one more, where the last one's gathers end
-  std::vector<gpu::uvec2> gathers;         // of each node, one after another: point of the finer level (particle or node), bits of its weight
+  std::vector<gpu::uvec2> gathers;         // gpu::pack_level_gather, of each node, one after another; the first has what the others leave
   std::vector<gpu::uvec4> node_shares;     // of each in the next coarser level's: gpu::pack_level_share; x WEFT_NONE: there is none
   std::vector<std::uint32_t> ends;         // of each level, into `nodes`
   std::vector<gpu::uvec4> links;           // gpu::pack_level_link, of each node, one after another: each link from both of its ends
@@ -27,8 +27,11 @@ inline constexpr Buffer level_shares = own<gpu::uvec4, &LevelLists::shares>("lev
 /// The centre of mass of what each node carries (m).
 inline constexpr Buffer level_centres =
     scratch<gpu::vec4>("level_centres", [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); });
-/// Of the low levels' nodes: where coarser levels carry it (m), and its inverse mass times links (1/kg).
-inline constexpr Buffer level_places = scratch<gpu::vec4>("level_places", [](const Cooked& s) {
+/// The mean of the nearest of it, between which lengths are measured (m).
+inline constexpr Buffer level_middles =
+    scratch<gpu::vec4>("level_middles", [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); });
+/// How far coarser levels carry each node of the low levels (m).
+inline constexpr Buffer level_carried = scratch<gpu::vec4>("level_carried", [](const Cooked& s) {
   const LevelLists& lists = s.fabric.own.of<LevelLists>();
   return std::uint64_t(lists.low > 0 ? lists.ends[lists.low - 1] : 1);
 });

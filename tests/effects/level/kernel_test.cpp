@@ -24,14 +24,16 @@ std::vector<reference::Level> levels_of(const LevelLists& lists) {
     for (std::uint32_t k = first; k < end; ++k) {
       const gpu::LevelNode node = gpu::unpack_level_node(lists.nodes[k]);
       auto& gathers = level.gathers.emplace_back();
-      double rest = 1;   // the first point's weight is what the others leave
+      double in_centre = 1, in_middle = 1;   // the first point's weights are what the others leave
       for (std::uint32_t g = node.first_gather; g < gpu::unpack_level_node(lists.nodes[k + 1]).first_gather; ++g) {
-        const double weight = std::bit_cast<float>(lists.gathers[g].y);
-        const bool finest = end == lists.ends.back();
-        gathers.emplace_back(lists.gathers[g].x - (finest ? 0 : end), weight);
-        if (g != node.first_gather) rest -= weight;
+        const gpu::LevelGather gather = gpu::unpack_level_gather(lists.gathers[g]);
+        gathers.push_back({gather.point - (end == lists.ends.back() ? 0 : end), gather.in_centre, gather.in_middle});
+        if (g == node.first_gather) continue;
+        in_centre -= gather.in_centre;
+        in_middle -= gather.in_middle;
       }
-      gathers[0].second = rest;
+      gathers[0].in_centre = in_centre;
+      gathers[0].in_middle = in_middle;
       level.inverse_masses.push_back(node.inverse_mass);
       if (lists.node_shares[k].x != WEFT_NONE) level.shares.push_back(share_of(lists.node_shares[k], first_of_coarser));
       for (std::uint32_t l = node.first_link; l < node.first_link + node.links; ++l) {
@@ -93,13 +95,16 @@ TEST_F(KernelLevel, low_and_wide_levels_and_their_spreading_do_what_their_twin_d
             for (std::size_t wide = lists.low; wide < levels.size(); ++wide)
               passes.run("level_wide", iteration * static_cast<int>(levels.size() - lists.low) + static_cast<int>(wide - lists.low));
             passes.run("level_spread", iteration);
-            std::vector<reference::Points> centres(levels.size());
-            for (std::size_t k = levels.size(); k-- > 0;)
-              centres[k] = reference::centres(levels[k], k + 1 < levels.size() ? centres[k + 1] : twin);
+            std::vector<reference::Points> centres(levels.size()), middles(levels.size());
+            for (std::size_t k = levels.size(); k-- > 0;) {
+              const bool finest = k + 1 == levels.size();
+              centres[k] = reference::means(levels[k], finest ? twin : centres[k + 1], &reference::Gather::in_centre);
+              middles[k] = reference::means(levels[k], finest ? twin : middles[k + 1], &reference::Gather::in_middle);
+            }
             reference::Points steps;
             double moved = 0;
             for (std::size_t k = 0; k < levels.size(); ++k) {
-              steps = reference::level_steps(levels[k], centres[k], steps, lambdas[k], c.fabric.h, WEFT_EAGER_LEVELS * c.scene.solver.relaxation);
+              steps = reference::level_steps(levels[k], centres[k], middles[k], steps, lambdas[k], c.fabric.h, WEFT_EAGER_LEVELS * c.scene.solver.relaxation);
               for (const reference::Vector& step : steps) moved = std::max(moved, step.norm());
             }
             EXPECT_GT(moved, 1e-4) << "nothing to compare";

@@ -1,7 +1,6 @@
 // Coarse levels: that they measure along the cloth, carry what is linear exactly, and join nothing that the cloth does not.
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <cmath>
 
 #include "engine/cook/parts.h"
@@ -37,16 +36,18 @@ Vec3 carried(const Coarse& level, const std::vector<Vec3>& of_nodes, std::size_t
 Vec3 particle(const CookedFabric& fabric, std::uint32_t i) { return {fabric.positions[i].x, fabric.positions[i].y, fabric.positions[i].z}; }
 
 // Of all nodes.
-std::vector<Vec3> centres(const CookedFabric& fabric) {
+std::vector<Vec3> middles(const CookedFabric& fabric) {
   const LevelLists& lists = fabric.own.of<LevelLists>();
   if (lists.ends.empty()) return {};
   std::vector<Vec3> at(lists.ends.back());
-  for (std::uint32_t k = lists.ends.back(); k-- > 0;)
-    for (std::uint32_t g = gpu::unpack_level_node(lists.nodes[k]).first_gather; g < gpu::unpack_level_node(lists.nodes[k + 1]).first_gather; ++g) {
-      const auto [point, weight] = lists.gathers[g];
-      const bool finest = lists.ends.size() == 1 || k >= lists.ends[lists.ends.size() - 2];
-      at[k] = at[k] + std::bit_cast<float>(weight) * (finest ? particle(fabric, point) : at[point]);
-    }
+  for (std::uint32_t k = lists.ends.back(); k-- > 0;) {
+    const std::uint32_t begin = gpu::unpack_level_node(lists.nodes[k]).first_gather, end = gpu::unpack_level_node(lists.nodes[k + 1]).first_gather;
+    const bool finest = lists.ends.size() == 1 || k >= lists.ends[lists.ends.size() - 2];
+    const auto point = [&](std::uint32_t g) { return finest ? particle(fabric, lists.gathers[g].x) : at[lists.gathers[g].x]; };
+    at[k] = point(begin);
+    for (std::uint32_t g = begin + 1; g < end; ++g)
+      at[k] = at[k] + gpu::unpack_level_gather(lists.gathers[g]).in_middle * (point(g) - point(begin));
+  }
   return at;
 }
 
@@ -173,7 +174,7 @@ TEST(Levels, an_even_strain_costs_as_much_energy_as_without_them) {
     for (const StretchLink& link : fabric.links)
       sum += of_link(particle(fabric, link.a), particle(fabric, link.b), link.rest, link.own_compliance());
     const LevelLists& lists = fabric.own.of<LevelLists>();
-    const std::vector<Vec3> at = centres(fabric);
+    const std::vector<Vec3> at = middles(fabric);
     for (std::uint32_t k = 0; k < at.size(); ++k) {
       const gpu::LevelNode node = gpu::unpack_level_node(lists.nodes[k]);
       for (std::uint32_t l = node.first_link; l < node.first_link + node.links; ++l) {
@@ -190,8 +191,8 @@ TEST(Levels, an_even_strain_costs_as_much_energy_as_without_them) {
     }
 }
 
-// The rest lengths of links, over what their centres are apart in the cloth laid flat.
-void expect_links_as_long_as_centres_are_apart(const Mesh& mesh, const std::vector<Vec3>& flat, double within) {
+// The rest lengths of links, over what their middles are apart in the cloth laid flat.
+void expect_links_as_long_as_middles_are_apart(const Mesh& mesh, const std::vector<Vec3>& flat, double within) {
   Scene scene;
   scene.solver.method = Method::strands;
   scene.cloths.emplace_back().mesh = "given";
@@ -203,7 +204,7 @@ void expect_links_as_long_as_centres_are_apart(const Mesh& mesh, const std::vect
     const Vec3 place = flat[order[i]];
     fabric.positions[i] = {place.x, place.y, place.z, fabric.positions[i].w};
   }
-  const std::vector<Vec3> at = centres(fabric);
+  const std::vector<Vec3> at = middles(fabric);
   for (std::uint32_t k = 0; k < at.size(); ++k) {
     const gpu::LevelNode node = gpu::unpack_level_node(lists.nodes[k]);
     for (std::uint32_t l = node.first_link; l < node.first_link + node.links; ++l) {
@@ -213,17 +214,17 @@ void expect_links_as_long_as_centres_are_apart(const Mesh& mesh, const std::vect
   }
 }
 
-TEST(Levels, links_are_as_long_as_centres_are_apart_in_flat_cloth_and_in_cloth_that_unrolls) {
+TEST(Levels, links_are_as_long_as_middles_are_apart_in_flat_cloth_and_in_cloth_that_unrolls) {
   for (const std::span<const Grid> grids : {std::span<const Grid>(kLevelGrids), std::span<const Grid>(kStrips)})
    for (const Grid& grid : grids) {
     const Mesh mesh = make_grid(grid);
-    expect_links_as_long_as_centres_are_apart(mesh, mesh.points, 2e-3);
+    expect_links_as_long_as_middles_are_apart(mesh, mesh.points, 2e-3);
   }
   Mesh rolled = make_grid({{1, 1}, 48, 40, Topology::diagonal, true});
   const std::vector<Vec3> flat = rolled.points;
   const float radius = 0.2f;
   for (Vec3& p : rolled.points) p = {radius * std::cos(p.x / radius), p.y, radius * std::sin(p.x / radius)};
-  expect_links_as_long_as_centres_are_apart(rolled, flat, 1e-2);
+  expect_links_as_long_as_middles_are_apart(rolled, flat, 1e-2);
 }
 
 TEST(Levels, only_scenes_that_call_for_them_have_them) {
