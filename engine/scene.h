@@ -163,7 +163,7 @@ struct SolverSettings {
   double rate = 60;             // Hz: frames a second; a substep lasts 1 / (rate substeps)
   std::uint32_t substeps = 0;   // 0: the default (engine/reference/README.md says why)
   std::uint32_t iterations = 1; // 1 ... 1000
-  Method method = Method::by_default;   // method_of says which
+  Method method = Method::by_default;   // jacobi, and coarse levels where levels_of says so
   std::optional<double> budget_ms = {};   // of a frame; method automatic only
   Linear linear = Linear::cg;   // method implicit only
   Averaging averaging = Averaging::mass_split;
@@ -261,11 +261,11 @@ double most_relaxation(const SolverSettings& solver);
 /// What the solver's relaxation and Chebyshev's spectral radius are, with defaults filled in.
 double relaxation_of(const SolverSettings& solver);
 
-/// The method that solves the scene: its own, or by default jacobi where tethers hold every cloth to anchors that no keys move, and else
-/// strands. engine/reference/README.md says why.
+/// The method that solves the scene: by default jacobi.
 Method method_of(const Scene& scene);
 
-/// Whether it has coarse levels: methods jacobi, strands and gauss_seidel may, and strands does unless told otherwise.
+/// Whether it has coarse levels. Methods jacobi, strands and gauss_seidel may; unless told otherwise strands does, and the default where tethers
+/// do not hold every cloth to anchors that no keys move and there are no contacts.
 bool levels_of(const Scene& scene);
 double rho_of(const SolverSettings& solver);
 

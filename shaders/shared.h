@@ -117,7 +117,8 @@ struct Patch {
 #define WEFT_PATCH 256u
 
 #define WEFT_STRAND_LINKS 16u   // of a strand, at most (strand.comp)
-#define WEFT_EAGER_LEVELS 1.4f   // of what a level's link asks for (level.glsl)
+#define WEFT_EAGER_LEVELS 1.4f   // relaxation of coarse levels over that of other passes (level.glsl)
+#define WEFT_MOST_EAGER 1.75f    // the most that it is
 #define WEFT_LOW_LEVEL 1024u   // nodes, at most, of a level that one workgroup does
 
 /// One-sided link to an anchor; anchor == WEFT_NONE ends a particle's list. Lists are padded to an even length.

@@ -27,16 +27,15 @@ double most_relaxation(const SolverSettings& solver) {
   return solver.method == Method::chebyshev ? 1 + rho_of(solver) : 1 + std::pow(kLimit, -1.0 / std::max(1u, solver.iterations));
 }
 
-Method method_of(const Scene& scene) {
-  if (scene.solver.method != Method::by_default) return scene.solver.method;
-  const auto moves = [](const Anchor& anchor) { return !anchor.keys.empty(); };
-  const bool tethers_hold = std::ranges::all_of(scene.cloths, [&](const Cloth& cloth) {
-    return cloth.tethers && !cloth.anchors.empty() && std::ranges::none_of(cloth.anchors, moves);
-  });
-  return tethers_hold ? Method::jacobi : Method::strands;
-}
+Method method_of(const Scene& scene) { return scene.solver.method == Method::by_default ? Method::jacobi : scene.solver.method; }
 
-bool levels_of(const Scene& scene) { return scene.solver.levels.value_or(method_of(scene) == Method::strands); }
+bool levels_of(const Scene& scene) {
+  const auto moves = [](const Anchor& anchor) { return !anchor.keys.empty(); };
+  const auto holds = [&](const Cloth& cloth) { return cloth.tethers && !cloth.anchors.empty() && std::ranges::none_of(cloth.anchors, moves); };
+  // Beside contacts they would keep cloth that is at rest shivering by millimetres a second (shaders/level/level.glsl).
+  const bool by_default = scene.solver.method == Method::by_default && !scene.contacts.enabled && !std::ranges::all_of(scene.cloths, holds);
+  return scene.solver.levels.value_or(by_default || scene.solver.method == Method::strands);
+}
 
 double relaxation_of(const SolverSettings& solver) {
   if (solver.relaxation != 0) return solver.relaxation;

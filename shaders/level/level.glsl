@@ -8,8 +8,10 @@ GATHER_UINT4(level_node_shares)
 GATHER_UINT4(level_links)
 READ_WRITE(float, level_lambda)
 
-// Of what a link asks for. Links only pull, and of a node's, by whose number its mass is split, some are slack. Where contacts hold cloth against a level's pull, more of it shakes folds for ever: at 1.25 in all a draped sheet
-// moved by half a metre a second five seconds after it had come to rest, at 0.6 by less than a millimetre.
+// Relaxation, over that of other passes. Links only pull, and of a node's, by whose number its mass is split, some are slack: so more than one
+// goes. What is overdone flies back, at a relaxation of 2 as fast as it came, and more would gain energy. Where contacts hold cloth against a
+// level's pull, less: at 1.25 in all a draped sheet moved by half a metre a second five seconds after it had come to rest, at 0.6 by less
+// than a millimetre.
 const float kEager = has_contacts ? 0.5 : WEFT_EAGER_LEVELS;
 
 // How far node k is carried by the next coarser level's, STEP.
@@ -27,7 +29,7 @@ vec3 step_of(uint k) {
   const vec4 carried = CARRIED(k, node);   // m, and inverse mass times links (1/kg)
   const vec3 centre = CENTRE(k).xyz, middle = MIDDLE(k).xyz;
   const bool first = (push.flags & WEFT_FIRST_ITERATION) != 0;
-  const float omega = kEager * motion.relaxation;
+  const float omega = min(kEager * motion.relaxation, WEFT_MOST_EAGER);
   vec3 sum = vec3(0);
   for (uint l = node.first_link; l < node.first_link + node.links; ++l) {
     const LevelLink link = unpack_level_link(FETCH(level_links, l));
