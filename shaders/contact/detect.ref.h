@@ -1,8 +1,8 @@
 // Twin of the detection (detect_trajectory, pair_faces, pair_edges): which pairs may meet, over all pairs, in double precision and
 // without a grid. Derived for two convex primitives A and B on their trajectories r_i + s q_i / H, s the substeps since the
-// detection: two of their points, mixtures of the particles, are d apart at s = 0. They approach by the difference of their
-// trajectories; or by that of H - 1 substeps and a whole step of one side, if the other is stopped at the start of the last; and
-// by the displacement bound R on either side (pair.glsl has the inequalities).
+// detection: along any direction n the sides' least heights, each towards itself, are concave in s. Within substep s each particle
+// is within the displacement bound R of a place on its trajectory between s - 1 and s, so the gap along n is at least that of the
+// lower of both places of either side, less 2 R (pair.glsl has the inequality).
 #pragma once
 
 #include <algorithm>
@@ -54,6 +54,21 @@ inline double keep_of(const Tracks& t, const Particles& p, int a) {
   return std::min(separation, kShareOfRest * closest({t.rest[p[0]], t.rest[p[1]], t.rest[p[2]], t.rest[p[3]]}, a).distance);
 }
 
+/// The least gap of two sides along n, the first `a` particles side A's, over all substeps, whoever is stopped (m).
+inline double least_gap(const Vector& n, std::span<const Vector> from, std::span<const Vector> way, int a) {
+  // Side A's (0) or B's (1) least height towards itself after s substeps.
+  const auto least = [&](int side, double s) {
+    double height = INFINITY;
+    for (int i = side == 0 ? 0 : a; i < (side == 0 ? a : 4); ++i)
+      height = std::min(height, (side == 0 ? 1 : -1) * n.dot(from[static_cast<std::size_t>(i)] + s / kHorizon * way[static_cast<std::size_t>(i)]));
+    return height;
+  };
+  double gap = INFINITY;
+  for (double s = 1; s <= kHorizon; ++s)
+    gap = std::min(gap, std::min(least(0, s - 1), least(0, s)) + std::min(least(1, s - 1), least(1, s)));
+  return gap;
+}
+
 /// By how much the two sides are further apart than they need to be for the pair to be left out (m); below 0 it is a candidate.
 inline double spare_distance(const Tracks& t, const Particles& p, int a) {
   const std::span<const std::uint32_t> all(p);
@@ -61,15 +76,19 @@ inline double spare_distance(const Tracks& t, const Particles& p, int a) {
   const auto box_a = box_of(t, side_a), box_b = box_of(t, side_b);
   const double apart = std::max((box_b.min() - box_a.max()).maxCoeff(), (box_a.min() - box_b.max()).maxCoeff());
   if (apart > 0) return apart;
-  double relative = 0, step = 0;
-  for (const std::uint32_t i : side_a)
-    for (const std::uint32_t j : side_b) {
-      relative = std::max(relative, (t.paths[i] - t.paths[j]).norm());
-      step = std::max({step, t.paths[i].norm() / kHorizon, t.paths[j].norm() / kHorizon});
-    }
-  const double closer = std::max(relative, (1 - 1 / kHorizon) * relative + step);
-  const double distance = closest({t.references[p[0]], t.references[p[1]], t.references[p[2]], t.references[p[3]]}, a).distance;
-  return std::max(apart, distance - closer - 2 * t.margin - keep_of(t, p, a));
+  Points from, to, way;
+  for (const std::uint32_t i : all) {
+    from.push_back(t.references[i]);
+    way.push_back(t.paths[i]);
+    to.push_back(t.references[i] + t.paths[i]);
+  }
+  double gap = -INFINITY;
+  for (const Points* pose : {&from, &to}) {
+    const Quad x{(*pose)[0], (*pose)[1], (*pose)[2], (*pose)[3]};
+    const Vector d = offset(closest(x, a).weights, x);
+    if (d.norm() > 0) gap = std::max(gap, least_gap(d.normalized(), from, way, a));
+  }
+  return std::max(apart, gap - 2 * t.margin - keep_of(t, p, a));
 }
 
 }  // namespace weft::reference

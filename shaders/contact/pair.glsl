@@ -1,19 +1,19 @@
 // pair: the narrow phase's test, whether two primitives can come within their separation before the next detection, and the candidate.
 //
-// Bound. Let q_i be the trajectories of A's particles, q_j those of B's, both over a lifetime of H substeps. In a substep a particle moves
-// from within its clearance of its trajectory to within that again, or is stopped on the straight line between: there it is that close to
-// a place on its trajectory up to t of a step behind. Two points of A and B are mixtures of such particles, so that after s substeps their
-// motion has brought them closer by at most the largest of
-//     |s (q_i - q_j) - (t_i q_i - t_j q_j)| / H    with 0 <= t_i, t_j <= 1 and 1 <= s <= H,
-// which is convex in each t. At t_i = t_j = 0 or 1 it is at most u, the largest |q_i - q_j|; at t_i = 1 and t_j = 0 it is
-//     |(s - 1) (q_i - q_j) - q_j| / H <= (1 - 1/H) u + |q_j| / H,
-// and at 0 and 1 the same with q_i. So A and B, d apart at the detection, cannot meet before the next one if
-//     d - u - max(0, max(step_A, step_B) - u / H) - clearance_A - clearance_B >= separation.
-// Nor can they if their boxes do not overlap, because boxes contain trajectories. A pair that moves as one has u = 0, and only the step by
-// which one of them may be stopped counts.
+// Bound. In a substep a particle moves from within its clearance of its trajectory to within that again, or is stopped on the straight
+// line between: there it is that close to a place on its trajectory up to a step behind. Seen along a direction n the heights of particles on
+// their trajectories are linear in the substeps s since the detection, so the least heights a(s) and b(s) of the sides, each towards
+// itself, are concave (contact_limit.comp has the drawing). Whoever is stopped, within substep s the gap along n is at least
+//     min(a(s), a(s - 1)) + min(b(s), b(s - 1)) - clearance_A - clearance_B,
+// the least of four sums, each concave in s, which are least where s is 1 or the lifetime H. So A and B cannot meet before the next detection
+// if that is at least their separation for some n. Two are tried: between the closest points at the detection, and where trajectories end.
+//
+// Nor can they meet if their boxes do not overlap, because boxes contain trajectories. Of a pair that moves as one only the step along n
+// counts, by which one of them may be stopped.
 
 #include "contact/grid.glsl"
 #include "contact/proximity.glsl"
+#include "contact/contact.glsl"
 
 GATHER(positions)
 GATHER(velocities)
@@ -28,11 +28,30 @@ bool moves(uvec4 particle) {
   return inverse_mass(particle.x) > 0 || inverse_mass(particle.y) > 0 || inverse_mass(particle.z) > 0 || inverse_mass(particle.w) > 0;
 }
 
-// A lower bound of the distance of two sides until the next detection, from that at the last one (m).
-float spare_distance(float distance, float squared_relative, Sweep a, Sweep b) {
-  const float relative = sqrt(squared_relative);
-  const float stopped = max(max(a.step, b.step) - relative * per_substep(), 0);
-  return distance - relative - stopped - a.clearance - b.clearance;
+// A lower bound of the gap along n until the next detection (m). x: positions at the detection, relative to one of them; q: trajectories (m).
+float least_gap(vec3 n, mat4x3 x, mat4x3 q, bool edges) {
+  const vec4 start = signs(edges) * (n * x), way = signs(edges) * (n * q), step = per_substep() * way;
+  const vec2 first = least_of_sides(start, edges), second = least_of_sides(start + step, edges);
+  const vec2 last = least_of_sides(start + way, edges), before = least_of_sides(start + way - step, edges);
+  const float at_start = min(first.x + min(first.y, second.y), second.x + first.y);
+  return min(at_start, min(last.x + min(last.y, before.y), before.x + last.y));
+}
+
+vec4 closest(mat4x3 x, bool edges) {
+  return edges ? closest_of_edges(x[0], x[1], x[2], x[3]) : closest_to_triangle(x[0], x[1], x[2], x[3]);
+}
+
+vec3 shortest(mat4x3 x, bool edges) { return offset(closest(x, edges), x[0], x[1], x[2], x[3]); }
+
+float least_gap_along(vec3 d, mat4x3 x, mat4x3 q, bool edges) { return least_gap(d / max(length(d), 1e-30), x, q, edges); }
+
+// Whether two sides can come within their separation before the next detection.
+bool may_meet(Track a, Track b, Track c, Track d, bool edges, float separation) {
+  const mat4x3 x = mat4x3(vec3(0), b.at - a.at, c.at - a.at, d.at - a.at);
+  const mat4x3 q = mat4x3(a.trajectory, b.trajectory, c.trajectory, d.trajectory);
+  if (least_gap_along(shortest(x, edges), x, q, edges) >= separation) return false;
+  const vec3 moved = a.trajectory;
+  return least_gap_along(shortest(x + mat4x3(vec3(0), q[1] - moved, q[2] - moved, q[3] - moved), edges), x, q, edges) < separation;
 }
 
 bool same_cloth(uint a, uint b) { return floatBitsToUint(FETCH(velocities, a).w) == floatBitsToUint(FETCH(velocities, b).w); }

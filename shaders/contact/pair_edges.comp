@@ -9,15 +9,6 @@ READ(uvec2, near_edges)
 
 #include "contact/pair.glsl"
 
-float squared_difference(Track a, Track b) {
-  const vec3 d = a.trajectory - b.trajectory;
-  return dot(d, d);
-}
-
-float largest_difference(Track a, Track b, Track c, Track d) {
-  return max(max(squared_difference(a, c), squared_difference(a, d)), max(squared_difference(b, c), squared_difference(b, d)));
-}
-
 float distance_of(vec3 a, vec3 b, vec3 c, vec3 d) { return length(offset(closest_of_edges(a, b, c, d), a, b, c, d)); }
 
 // push.count: places in near_edges.
@@ -29,8 +20,8 @@ void main() {
   const Track a = track_of(k.x), b = track_of(k.y), c = track_of(k.z), d = track_of(k.w);
   const vec4 rest_a = FETCH(rest, k.x), rest_c = FETCH(rest, k.z);
   const Sweep sweep = sweep_of(a, b, rest_a.w), its_sweep = sweep_of(c, d, rest_c.w);
-  const float spare = spare_distance(distance_of(a.at, b.at, c.at, d.at), largest_difference(a, b, c, d), sweep, its_sweep);
   const float at_rest = distance_of(rest_a.xyz, FETCH(rest, k.y).xyz, rest_c.xyz, FETCH(rest, k.w).xyz);
   const float separation = rest_separation(k.x, k.z, 0.5 * (rest_a.w + rest_c.w), at_rest);
-  if (overlap(sweep, its_sweep) && spare < separation && moves(k)) add_candidate(k, separation, true);
+  if (overlap(sweep, its_sweep) && moves(k) && may_meet(a, b, c, d, true, separation + sweep.clearance + its_sweep.clearance))
+    add_candidate(k, separation, true);
 }

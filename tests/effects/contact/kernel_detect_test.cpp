@@ -68,7 +68,7 @@ TEST_F(Detect, finds_every_pair_that_may_meet_once_and_no_other) {
     for (const std::uint32_t workgroup : {64u, 512u})
       for (const std::uint64_t seed : {1u, 2u}) {
         Random random(10 * seed + 2 * gather_storage + (workgroup > 64));
-        const Soup soup = random_soup(random, 70);
+        const Soup soup = random_soup(random, 100);
         const Setting setting{gather_storage, workgroup, std::pow(10, between(random, -3, 0.5))};
         const Detected detected(device(), soup, setting);
         const double doubt = doubt_of(2);
