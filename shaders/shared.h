@@ -223,7 +223,7 @@ struct Collisions {
 // is missed). They serve for several substeps, their lifetime. Group counts are arguments of indirect dispatches, so that the GPU itself
 // decides whether there is anything to do.
 struct Detection {
-  Groups particles, primitives, blocks;   // of the detection's passes; no groups in a substep without a detection
+  Groups particles, clusters, primitives, edges, blocks;   // of the detection's passes; no groups in a substep without a detection
   Groups near_faces, near_edges;          // a thread a pair that the broad phase found
   Groups contacts;    // a thread a candidate
   Groups listed[2];   // a thread an active candidate, and an unsafe one
@@ -238,11 +238,13 @@ struct Detection {
   uint falls_back;    // 1: its last pass still found a pair that crosses: the fallback fractions apply
   uint settled;       // 1: the last detection came after a full lifetime in which no particle left its displacement bound
   uint near[2];       // pairs that the broad phase found: of particles and triangles, then of edges
-  uint levels[2];     // a bit for each level that has boxes, of triangles, then of edges
-  uint extents[2 * WEFT_LEVELS];   // bits of the longest half side of a box (m) at each level, of triangles, then of edges
+  uint levels;        // a bit for each level that has boxes
+  uint extents[WEFT_LEVELS];   // bits of the longest half side of a box (m) at each level
 };
 #define WEFT_ACTIVE 0u
 #define WEFT_UNSAFE 1u
+#define WEFT_CLUSTER 16u         // triangles that detection treats as one until it looks closer, at most
+#define WEFT_NEAR_CLUSTERS 63u   // that a cluster's list has room for; with more the search asks all
 #define WEFT_NEAR 2u   // capacity for pairs of the broad phase, of each kind, as a multiple of the capacity for candidates
 
 /// What changes from dispatch to dispatch: push constants.
@@ -266,7 +268,8 @@ struct Motion {
 };
 
 struct ContactSettings {
-  uint triangles, edges;   // how many; together the grid's primitives
+  uint triangles, edges;   // how many; together the primitives
+  uint clusters;      // of them: the grid's entries
   uint buckets;       // of the grid, a power of two
   uint capacity;      // candidates
   float cell;         // m, at level 0
@@ -301,7 +304,7 @@ SLICE(CollisionSettings, collision_settings)
 
 static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 44 && sizeof(Push) == 28 && sizeof(Motion) == 40);
-static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 300 && sizeof(Acceleration) == 48);
+static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 256 && sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);
 
 namespace constant {

@@ -2,7 +2,7 @@
 // without a grid. Derived for two convex primitives A and B on their trajectories r_i + s q_i / H, s the substeps since the
 // detection: along any direction n the sides' least heights, each towards itself, are concave in s. Within substep s each particle
 // is within the displacement bound R of a place on its trajectory between s - 1 and s, so the gap along n is at least that of the
-// lower of both places of either side, less 2 R (pair.glsl has the inequality).
+// lower of both places of either side, less 2 R. pair.glsl has the inequality, and says which directions are tried.
 #pragma once
 
 #include <algorithm>
@@ -30,14 +30,6 @@ inline Vector path_along(const Vector& step, double cell) {
 }
 
 using Particles = std::array<std::uint32_t, 4>;
-
-/// The box that the surface of a side cannot leave: no particle is further than its displacement bound from its trajectory.
-inline Eigen::AlignedBox3d box_of(const Tracks& t, std::span<const std::uint32_t> side) {
-  Eigen::AlignedBox3d box;
-  for (const std::uint32_t i : side) box.extend(t.references[i]).extend(t.references[i] + t.paths[i]);
-  const Vector margin = Vector::Constant(t.margin + t.thickness[side[0]] / 2);
-  return {box.min() - margin, box.max() + margin};
-}
 
 /// Whether a pair can be a candidate: it has no particle twice, and one of them moves. The first `a` particles are side A.
 inline bool can_be_pair(const Tracks& t, const Particles& p, int a) {
@@ -71,13 +63,8 @@ inline double least_gap(const Vector& n, std::span<const Vector> from, std::span
 
 /// By how much the two sides are further apart than they need to be for the pair to be left out (m); below 0 it is a candidate.
 inline double spare_distance(const Tracks& t, const Particles& p, int a) {
-  const std::span<const std::uint32_t> all(p);
-  const auto side_a = all.first(static_cast<std::size_t>(a)), side_b = all.subspan(static_cast<std::size_t>(a));
-  const auto box_a = box_of(t, side_a), box_b = box_of(t, side_b);
-  const double apart = std::max((box_b.min() - box_a.max()).maxCoeff(), (box_a.min() - box_b.max()).maxCoeff());
-  if (apart > 0) return apart;
   Points from, to, way;
-  for (const std::uint32_t i : all) {
+  for (const std::uint32_t i : p) {
     from.push_back(t.references[i]);
     way.push_back(t.paths[i]);
     to.push_back(t.references[i] + t.paths[i]);
@@ -88,7 +75,13 @@ inline double spare_distance(const Tracks& t, const Particles& p, int a) {
     const Vector d = offset(closest(x, a).weights, x);
     if (d.norm() > 0) gap = std::max(gap, least_gap(d.normalized(), from, way, a));
   }
-  return std::max(apart, gap - 2 * t.margin - keep_of(t, p, a));
+  if (a == 2) {
+    const Vector middles = from[0] + from[1] - from[2] - from[3] + to[0] + to[1] - to[2] - to[3];
+    if (middles.norm() > 0) gap = std::max(gap, least_gap(middles.normalized(), from, way, a));
+  }
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1.0, 1.0}) gap = std::max(gap, least_gap(sign * Vector::Unit(axis), from, way, a));
+  return gap - 2 * t.margin - keep_of(t, p, a);
 }
 
 }  // namespace weft::reference

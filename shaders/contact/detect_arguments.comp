@@ -39,10 +39,12 @@ void begin_detection(bool settled) {
   detection[0].settled = uint(settled);
   detection[0].steps = 0;
   detection[0].candidates = 0;
-  for (uint kind = 0; kind < 2; ++kind) detection[0].near[kind] = detection[0].levels[kind] = 0;
-  for (uint k = 0; k < 2 * WEFT_LEVELS; ++k) detection[0].extents[k] = 0;
+  detection[0].near[0] = detection[0].near[1] = detection[0].levels = 0;
+  for (uint k = 0; k < WEFT_LEVELS; ++k) detection[0].extents[k] = 0;
   detection[0].particles = groups_of(push.count);
+  detection[0].clusters = groups_of(contact_settings.clusters);
   detection[0].primitives = groups_of(contact_settings.triangles + contact_settings.edges);
+  detection[0].edges = groups_of(contact_settings.edges);
   detection[0].blocks = groups_of((contact_settings.buckets + 7) / 8);   // scan.glsl: eight buckets a thread
   ++counters[0].detections;
 }
@@ -51,7 +53,9 @@ void skip_detection() {
   detection[0].steps = min(detection[0].steps + 1, WEFT_LONGEST_LIFETIME);
   const Groups none = Groups(0, 1, 1);
   detection[0].particles = none;
+  detection[0].clusters = none;
   detection[0].primitives = none;
+  detection[0].edges = none;
   detection[0].blocks = none;
 }
 

@@ -1,8 +1,8 @@
-// grid: the boxes that primitives cannot leave before the next detection, and a spatial hash of them with a level for every size (Teschner
-// et al. 2003, "Optimized spatial hashing", with the levels of a hierarchical grid).
+// grid: boxes that particles cannot leave before the next detection, and a spatial hash of the clusters' boxes with a level for every size
+// (Teschner et al. 2003, "Optimized spatial hashing", with the levels of a hierarchical grid).
 //
 // A box belongs to the cell that holds its middle, on the first level whose cells are at least as long as it (cell * 2^level). A search on
-// a level widens its own box by the longest half side there, so that one cell a primitive is enough; on the searching box's level or above
+// a level widens its own box by the longest half side there, so that one cell a cluster is enough; on the searching box's level or above
 // that is at most three cells along each axis. Cells of any level that hash alike share a bucket: an entry counts only in the cell and on
 // the level that are its own.
 //
@@ -17,7 +17,7 @@ const float rounding = 4.0 / 8388608.0;
 
 float per_substep() { return 1.0 / float(max(detection[0].lifetime, 1)); }
 
-const uint of_triangles = 0, of_edges = 1;   // kinds of primitives
+const uint of_triangles = 0, of_edges = 1;   // kinds of pairs
 
 // The position of a particle at the last detection, and its predicted trajectory from there over the candidate lifetime (m).
 struct Track {
@@ -28,21 +28,15 @@ Track track_of(uint i) { return Track(FETCH(detected_positions, i).xyz, FETCH(tr
 
 struct Sweep {
   vec3 low, high;    // corners of the box that the primitive's surface cannot leave (m)
-  float step;        // what its fastest particle moves in a substep (m)
   float clearance;   // how far a particle can be from its place on its trajectory (m)
 };
 
-Sweep sweep_of(vec3 low, vec3 high, float squared_trajectory, float thickness) {
+Sweep sweep_of(vec3 low, vec3 high, float thickness) {
   const vec3 far = max(abs(low), abs(high));
   precise const float clearance = detection[0].margin + rounding * max(far.x, max(far.y, far.z));
   precise const float margin = clearance + 0.5 * thickness;
   precise const vec3 from = low - margin, to = high + margin;
-  return Sweep(from, to, sqrt(squared_trajectory) * per_substep(), clearance);
-}
-
-float squared_length(vec3 d) {
-  precise const float squared = dot(d, d);
-  return squared;
+  return Sweep(from, to, clearance);
 }
 
 vec3 end_of(Track track) {
@@ -52,29 +46,17 @@ vec3 end_of(Track track) {
 
 Sweep sweep_of(Track a, float thickness) {
   const vec3 end = end_of(a);
-  return sweep_of(min(a.at, end), max(a.at, end), squared_length(a.trajectory), thickness);
+  return sweep_of(min(a.at, end), max(a.at, end), thickness);
 }
 
 Sweep sweep_of(Track a, Track b, float thickness) {
   const vec3 c = end_of(a), d = end_of(b);
-  return sweep_of(min(min(a.at, b.at), min(c, d)), max(max(a.at, b.at), max(c, d)),
-                  max(squared_length(a.trajectory), squared_length(b.trajectory)), thickness);
+  return sweep_of(min(min(a.at, b.at), min(c, d)), max(max(a.at, b.at), max(c, d)), thickness);
 }
 
 Sweep sweep_of(Track a, Track b, Track c, float thickness) {
   const vec3 d = end_of(a), e = end_of(b), f = end_of(c);
-  return sweep_of(min(min(min(a.at, b.at), c.at), min(min(d, e), f)), max(max(max(a.at, b.at), c.at), max(max(d, e), f)),
-                  max(max(squared_length(a.trajectory), squared_length(b.trajectory)), squared_length(c.trajectory)), thickness);
-}
-
-vec3 middle_of(Sweep sweep) {
-  precise const vec3 middle = 0.5 * (sweep.low + sweep.high);
-  return middle;
-}
-
-vec3 half_sides(Sweep sweep) {
-  precise const vec3 half_size = 0.5 * (sweep.high - sweep.low);
-  return half_size;
+  return sweep_of(min(min(min(a.at, b.at), c.at), min(min(d, e), f)), max(max(max(a.at, b.at), c.at), max(max(d, e), f)), thickness);
 }
 
 uint level_of(float half_side) {
@@ -92,12 +74,12 @@ ivec3 cell_at(vec3 x, uint level) {
 
 // Successive cells along x have successive buckets (the first follows the last), so that a row of cells is one run of entries. The hash
 // mixes its bits, so that neighbouring rows overlap no more often than random ones, whatever the number of buckets.
-uint bucket_of(ivec3 cell, uint level, uint kind) {
-  uint hash = uint(cell.y) * 19349663u + uint(cell.z) * 83492791u + (2 * level + kind) * 2654435761u;
+uint bucket_of(ivec3 cell, uint level) {
+  uint hash = uint(cell.y) * 19349663u + uint(cell.z) * 83492791u + level * 2654435761u;
   hash = (hash ^ (hash >> 15)) * 739982445u;
   return ((hash ^ (hash >> 13)) + uint(cell.x)) & (contact_settings.buckets - 1);
 }
 
-// An entry's number: the primitive, and its level in the top four bits. Bit 27 is never set, so these are never a NaN's bits.
+// An entry's number: the cluster, and its level in the top four bits. Bit 27 is never set, so these are never a NaN's bits.
 const uint level_shift = 28;
-const uint primitive_mask = 0x0fffffff;
+const uint cluster_mask = 0x0fffffff;

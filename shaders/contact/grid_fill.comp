@@ -1,27 +1,22 @@
-// grid_fill: puts every primitive into its bucket. A bucket's count falls back to zero on the way, ready for the next detection. The order
+// grid_fill: puts every cluster into its bucket. A bucket's count falls back to zero on the way, ready for the next detection. The order
 // of entries within a bucket depends on the order of threads; nothing else does.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 
+GATHER(cluster_boxes)
 READ_WRITE(uint, grid_counts)
 READ(Detection, detection)
 GATHER_UINT(grid_starts)
 WRITE(vec4, grid_entries)
 
-#include "contact/primitive.glsl"
+#include "contact/cluster.glsl"
 
-// push.count: triangles, then edges.
+// push.count: clusters.
 void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.count) return;
-  const Place place = place_of(i);
+  const Place place = place_of(Box(FETCH(cluster_boxes, 2 * i).xyz, FETCH(cluster_boxes, 2 * i + 1).xyz));
   const uint left = atomicAdd(grid_counts[place.bucket], 0xffffffffu);
-  const uint entry = 3 * (FETCH_UINT(grid_starts, place.bucket) + left - 1);
-  grid_entries[entry] = vec4(place.middle, uintBitsToFloat(i | place.level << level_shift));
-  Outline outline;
-  if (i < contact_settings.triangles) outline = outline_of_triangle(i);
-  else outline = outline_of_edge(i - contact_settings.triangles);
-  grid_entries[entry + 1] = vec4(outline.half_sides, outline.away);
-  grid_entries[entry + 2] = vec4(outline.trajectory, outline.step);
+  grid_entries[FETCH_UINT(grid_starts, place.bucket) + left - 1] = vec4(place.middle, uintBitsToFloat(i | place.level << level_shift));
 }

@@ -6,10 +6,10 @@
 // itself, are concave (contact_limit.comp has the drawing). Whoever is stopped, within substep s the gap along n is at least
 //     min(a(s), a(s - 1)) + min(b(s), b(s - 1)) - clearance_A - clearance_B,
 // the least of four sums, each concave in s, which are least where s is 1 or the lifetime H. So A and B cannot meet before the next detection
-// if that is at least their separation for some n. Two are tried: between the closest points at the detection, and where trajectories end.
-//
-// Nor can they meet if their boxes do not overlap, because boxes contain trajectories. Of a pair that moves as one only the step along n
-// counts, by which one of them may be stopped.
+// if that is at least their separation for some n. Tried are n between the closest points at the detection, and where trajectories end; the
+// coordinate axes; and for edges the line between their middles half-way. The search rejects pairs by bounds along the last two that are
+// never tighter, so that it does not matter which pairs it lists besides. Of a pair that moves as one only the step along n counts, by which
+// one of them may be stopped.
 
 #include "contact/grid.glsl"
 #include "contact/proximity.glsl"
@@ -19,8 +19,6 @@ GATHER(positions)
 GATHER(velocities)
 WRITE(uvec4, candidates)
 READ_WRITE(uint, displacement_bounds)
-
-bool overlap(Sweep a, Sweep b) { return all(lessThanEqual(a.low, b.high)) && all(lessThanEqual(b.low, a.high)); }
 
 float inverse_mass(uint i) { return FETCH(positions, i).w; }
 
@@ -49,9 +47,16 @@ float least_gap_along(vec3 d, mat4x3 x, mat4x3 q, bool edges) { return least_gap
 bool may_meet(Track a, Track b, Track c, Track d, bool edges, float separation) {
   const mat4x3 x = mat4x3(vec3(0), b.at - a.at, c.at - a.at, d.at - a.at);
   const mat4x3 q = mat4x3(a.trajectory, b.trajectory, c.trajectory, d.trajectory);
-  if (least_gap_along(shortest(x, edges), x, q, edges) >= separation) return false;
-  const vec3 moved = a.trajectory;
-  return least_gap_along(shortest(x + mat4x3(vec3(0), q[1] - moved, q[2] - moved, q[3] - moved), edges), x, q, edges) < separation;
+  const mat4x3 end = x + mat4x3(vec3(0), q[1] - q[0], q[2] - q[0], q[3] - q[0]);
+  const vec3 middles = edges ? x[0] + x[1] - x[2] - x[3] + end[0] + end[1] - end[2] - end[3] : vec3(0);
+  float gap = max(least_gap_along(shortest(x, edges), x, q, edges), least_gap_along(shortest(end, edges), x, q, edges));
+  gap = max(gap, least_gap_along(middles, x, q, edges));
+  for (int k = 0; k < 3; ++k) {
+    vec3 axis = vec3(0);
+    axis[k] = 1;
+    gap = max(gap, max(least_gap(axis, x, q, edges), least_gap(-axis, x, q, edges)));
+  }
+  return gap < separation;
 }
 
 bool same_cloth(uint a, uint b) { return floatBitsToUint(FETCH(velocities, a).w) == floatBitsToUint(FETCH(velocities, b).w); }

@@ -4,7 +4,7 @@
 #include "shared.h"
 
 READ_WRITE(Detection, detection)
-GATHER_UINT2(edges)
+GATHER_UINT4(cluster_edges)
 READ(uvec2, near_edges)
 
 #include "contact/pair.glsl"
@@ -16,12 +16,11 @@ void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= min(push.count, detection[0].near[of_edges])) return;
   const uvec2 pair = near_edges[i];
-  const uvec4 k = uvec4(FETCH_UINT2(edges, pair.x), FETCH_UINT2(edges, pair.y));
+  const uvec4 k = uvec4(FETCH(cluster_edges, pair.x).xy, FETCH(cluster_edges, pair.y).xy);
   const Track a = track_of(k.x), b = track_of(k.y), c = track_of(k.z), d = track_of(k.w);
   const vec4 rest_a = FETCH(rest, k.x), rest_c = FETCH(rest, k.z);
-  const Sweep sweep = sweep_of(a, b, rest_a.w), its_sweep = sweep_of(c, d, rest_c.w);
+  const float clearance = sweep_of(a, b, rest_a.w).clearance + sweep_of(c, d, rest_c.w).clearance;
   const float at_rest = distance_of(rest_a.xyz, FETCH(rest, k.y).xyz, rest_c.xyz, FETCH(rest, k.w).xyz);
   const float separation = rest_separation(k.x, k.z, 0.5 * (rest_a.w + rest_c.w), at_rest);
-  if (overlap(sweep, its_sweep) && moves(k) && may_meet(a, b, c, d, true, separation + sweep.clearance + its_sweep.clearance))
-    add_candidate(k, separation, true);
+  if (moves(k) && may_meet(a, b, c, d, true, separation + clearance)) add_candidate(k, separation, true);
 }

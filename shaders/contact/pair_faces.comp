@@ -4,7 +4,7 @@
 #include "shared.h"
 
 READ_WRITE(Detection, detection)
-GATHER_UINT4(triangles)
+GATHER_UINT4(cluster_faces)
 READ(uvec2, near_faces)
 
 #include "contact/pair.glsl"
@@ -16,12 +16,11 @@ void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= min(push.count, detection[0].near[of_triangles])) return;
   const uvec2 pair = near_faces[i];
-  const uvec4 k = uvec4(pair.x, FETCH(triangles, pair.y).xyz);
+  const uvec4 k = uvec4(pair.x, FETCH(cluster_faces, pair.y).xyz);
   const Track vertex = track_of(k.x), a = track_of(k.y), b = track_of(k.z), c = track_of(k.w);
   const vec4 rest_vertex = FETCH(rest, k.x), rest_a = FETCH(rest, k.y);
-  const Sweep sweep = sweep_of(vertex, rest_vertex.w), its_sweep = sweep_of(a, b, c, rest_a.w);
+  const float clearance = sweep_of(vertex, rest_vertex.w).clearance + sweep_of(a, b, c, rest_a.w).clearance;
   const float at_rest = distance_of(rest_vertex.xyz, rest_a.xyz, FETCH(rest, k.z).xyz, FETCH(rest, k.w).xyz);
   const float separation = rest_separation(k.x, k.y, 0.5 * (rest_vertex.w + rest_a.w), at_rest);
-  if (overlap(sweep, its_sweep) && moves(k) && may_meet(vertex, a, b, c, false, separation + sweep.clearance + its_sweep.clearance))
-    add_candidate(k, separation, false);
+  if (moves(k) && may_meet(vertex, a, b, c, false, separation + clearance)) add_candidate(k, separation, false);
 }

@@ -1,44 +1,45 @@
-// search_edges: broad phase. Every edge searches for the edges near it (search.glsl). The edge on the lower level finds the other one; for
-// two on one level see Search.
+// search_edges: broad phase. Every edge searches for the edges near it (search.glsl) that come after it, cluster by cluster.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 
 READ_WRITE(Detection, detection)
-GATHER_UINT2(edges)
+GATHER_UINT4(cluster_edges)
 WRITE(uvec2, near_edges)
 
 #include "contact/search.glsl"
 
-uint edge;
+uint edge, own_cluster;
 uvec2 ends;
-vec3 half_edge;
 
 // Separating axis m: the gap along m is |m| less the half extents of both edges along it. In a flat sheet that rejects all but the nearest
 // edges, which boxes do not.
-bool may_meet(vec3 m, vec3 its_half, float slack) {
+bool may_meet(Outline other, vec3 m, vec3 relative, float reach) {
   const float squared = dot(m, m);
-  return squared <= abs(dot(m, half_edge)) + abs(dot(m, its_half)) + (1 + rounding) * sqrt(squared) * slack;
+  const float stopped = max(abs(dot(m, own.trajectory)), abs(dot(m, other.trajectory))) * per_substep();
+  return squared * (1 - 4 * rounding) <= abs(dot(m, own.half_sides)) + abs(dot(m, other.half_sides)) + abs(dot(m, relative)) + stopped + sqrt(squared) * reach;
 }
 
-uvec4 particles_with(uint primitive) {
-  const uvec2 e = FETCH_UINT2(edges, primitive - contact_settings.triangles);
-  return ends.x == e.x || ends.x == e.y || ends.y == e.x || ends.y == e.y ? uvec4(WEFT_NONE) : uvec4(ends, e);
+uvec2 members_of(uint cluster) {
+  return uvec2(cluster == own_cluster ? edge + 1 : FETCH(clusters, cluster).y, FETCH(clusters, cluster + 1).y);
+}
+uint outline_number(uint member) { return contact_settings.triangles + member; }
+
+bool can_be_pair(uint member, out uvec4 particles) {
+  const uvec2 e = FETCH(cluster_edges, member).xy;
+  particles = uvec4(ends, e);
+  return ends.x != e.x && ends.x != e.y && ends.y != e.x && ends.y != e.y;
 }
 
-void put_near(uint place, uint primitive) { near_edges[place] = uvec2(edge, primitive - contact_settings.triangles); }
+void put_near(uint place, uint member) { near_edges[place] = uvec2(edge, member); }
 
-// push.count: triangles and edges, in the order in which the grid has them: neighbouring threads then look into the same cells.
+// push.count: edges.
 void main() {
-  const uint i = gl_GlobalInvocationID.x;
-  if (i >= push.count) return;
-  const uint primitive = number_of(FETCH(grid_entries, 3 * i));
-  if (primitive < contact_settings.triangles) return;
-  edge = primitive - contact_settings.triangles;
-  const vec4 outline = FETCH(grid_entries, 3 * i + 1);
-  half_edge = outline.xyz;
-  away = outline.w;
-  trajectory = FETCH(grid_entries, 3 * i + 2);
-  ends = FETCH_UINT2(edges, edge);
-  search(sweep_of(track_of(ends.x), track_of(ends.y), FETCH(rest, ends.x).w), of_edges, primitive);
+  edge = gl_GlobalInvocationID.x;
+  if (edge >= push.count) return;
+  const uvec4 e = FETCH(cluster_edges, edge);
+  ends = e.xy;
+  own_cluster = e.z;
+  own = outline_at(outline_number(edge));
+  search(of_edges, own_cluster, false);
 }

@@ -4,30 +4,38 @@
 #include "shared.h"
 
 READ_WRITE(Detection, detection)
-GATHER_UINT4(triangles)
+GATHER_UINT2(cluster_searchers)
+GATHER_UINT4(cluster_faces)
 WRITE(uvec2, near_faces)
 
 #include "contact/search.glsl"
 
 uint vertex;
 
-bool may_meet(vec3 m, vec3 half_sides, float slack) { return all(lessThanEqual(abs(m), half_sides + slack)); }
-
-uvec4 particles_with(uint primitive) {
-  const uvec3 t = FETCH(triangles, primitive).xyz;
-  return any(equal(t, uvec3(vertex))) ? uvec4(WEFT_NONE) : uvec4(vertex, t);
+bool may_meet(Outline other, vec3 m, vec3 relative, float reach) {
+  const vec3 stopped = max(abs(own.trajectory), abs(other.trajectory)) * per_substep();
+  return all(lessThanEqual(abs(m) * (1 - 4 * rounding), other.half_sides + abs(relative) + stopped + reach));
 }
 
-void put_near(uint place, uint primitive) { near_faces[place] = uvec2(vertex, primitive); }
+uvec2 members_of(uint cluster) { return uvec2(FETCH(clusters, cluster).x, FETCH(clusters, cluster + 1).x); }
+uint outline_number(uint member) { return member; }
+
+bool can_be_pair(uint member, out uvec4 particles) {
+  const uvec3 t = FETCH(cluster_faces, member).xyz;
+  particles = uvec4(vertex, t);
+  return !any(equal(t, uvec3(vertex)));
+}
+
+void put_near(uint place, uint member) { near_faces[place] = uvec2(vertex, member); }
 
 // push.count: particles.
 void main() {
-  vertex = gl_GlobalInvocationID.x;
-  if (vertex >= push.count) return;
+  const uint i = gl_GlobalInvocationID.x;
+  if (i >= push.count) return;
+  const uvec2 searcher = FETCH_UINT2(cluster_searchers, i);
+  vertex = searcher.x;
   const Track track = track_of(vertex);
   const float thickness = FETCH(rest, vertex).w;
-  const Sweep sweep = sweep_of(track, thickness);
-  trajectory = vec4(track.trajectory, sweep.step);
-  away = sweep.clearance + 0.5 * thickness;
-  search(sweep, of_triangles, WEFT_NONE);
+  own = Outline(track.at, vec3(0), track.trajectory, reach_of(0, sweep_of(track, thickness), thickness));
+  search(of_triangles, searcher.y, true);
 }

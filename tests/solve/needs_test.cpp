@@ -112,7 +112,8 @@ TEST(Buffers, sizes_and_contents_are_those_of_the_cooked_arrays) {
   EXPECT_EQ(bytes(buffers::colliders), 3 * sizeof(gpu::Collider));
   EXPECT_EQ(bytes(buffers::counters), sizeof(gpu::Counters));
   EXPECT_EQ(bytes(buffers::triangles), sheet.fabric.triangles.size() * 16);
-  EXPECT_EQ(bytes(buffers::edges), sheet.fabric.edges.size() * 8);
+  EXPECT_EQ(bytes(buffers::cluster_faces), sheet.fabric.triangles.size() * 16);
+  EXPECT_EQ(bytes(buffers::cluster_edges), sheet.fabric.edges.size() * 16);
   EXPECT_EQ(bytes(buffers::candidates), subject.contacts.capacity * std::uint64_t(16));
   EXPECT_EQ(bytes(buffers::near_edges), bytes(buffers::contact_normals)) << "they lie there";
   EXPECT_EQ(bytes(buffers::near_faces), bytes(buffers::contact_weights));

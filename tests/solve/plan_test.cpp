@@ -187,11 +187,11 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(calls.has(Id::spring), {&b::spring_rows, &b::spring_ends, &b::springs});
     expect(implicit, {&b::spring_blocks, &b::inverses, &b::exchanged, &b::solve_vectors, &b::partial_sums, &b::linear, &b::free_cloths});
     expect(implicit && calls.has(Id::collide), {&b::collider_filters});
-    expect(calls.has(Id::contact) || calls.has(Id::triangle), {&b::triangles});
-    expect(calls.has(Id::triangle), {&b::collisions, &b::collision_list, &b::collision_sums});
+    expect(calls.has(Id::triangle), {&b::triangles, &b::collisions, &b::collision_list, &b::collision_sums});
     expect(calls.has(Id::triangle) && calls.has(Id::contact), {&b::ways_out});
     expect(calls.has(Id::contact),
-           {&b::edges, &b::rest, &b::detected_positions, &b::trajectories, &b::displacement_bounds, &b::grid_counts,
+           {&b::clusters, &b::cluster_faces, &b::cluster_edges, &b::cluster_searchers, &b::cluster_hulls, &b::cluster_boxes, &b::near_clusters,
+            &b::outlines, &b::rest, &b::detected_positions, &b::trajectories, &b::displacement_bounds, &b::grid_counts,
             &b::grid_starts, &b::grid_totals, &b::grid_entries, &b::detection, &b::candidates, &b::contact_normals, &b::contact_weights,
             &b::contact_counts, &b::contact_sums, &b::contact_penetrations, &b::slides, &b::step_fractions, &b::contact_list});
     expect(true, {&b::positions, &b::velocities, &b::predicted, &b::next_iterate, &b::materials, &b::surface_rows, &b::corners,
@@ -248,13 +248,13 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
             (Labels{"predict", "gauss_seidel", "finalize+tether", "triangle_search", "triangle_collide", "finalize+collide", "surface"}));
   EXPECT_EQ(labels({{Id::stretch, Id::contact}}),
             (Labels{"predict+watch", "detect_arguments", "detect_trajectory", "grid_count", "grid_total", "grid_scan",
-                    "grid_fill", "search_faces", "search_edges", "search_arguments", "pair_faces", "pair_edges",
+                    "grid_fill", "grid_search", "outline", "search_faces", "search_edges", "search_arguments", "pair_faces", "pair_edges",
                     "contact_arguments", "contact_prepare", "stretch", "contact_penetration", "contact_solve",
                     "contact_apply", "contact_slide", "contact_slide_apply", "contact_unsafe", "contact_limit",
                     "contact_finalize", "surface"}));
   EXPECT_EQ(labels(with(all, {Id::contact})),
             (Labels{"predict+watch", "anchor+watch", "detect_arguments", "detect_trajectory", "grid_count", "grid_total",
-                    "grid_scan", "grid_fill", "search_faces", "search_edges", "search_arguments", "pair_faces", "pair_edges",
+                    "grid_scan", "grid_fill", "grid_search", "outline", "search_faces", "search_edges", "search_arguments", "pair_faces", "pair_edges",
                     "contact_arguments", "contact_prepare", "stretch", "bend+tether+collide", "contact_penetration",
                     "contact_solve", "contact_apply+collide", "contact_slide", "contact_slide_apply",
                     "contact_unsafe", "contact_limit", "contact_finalize", "surface"}));

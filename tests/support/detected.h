@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/effects/contact/clusters.h"
 #include "shaders/contact/detect.ref.h"
 #include "tests/support/single_pass.h"
 
@@ -75,8 +76,14 @@ struct Setting {
   std::uint32_t capacity = 1 << 18;
 };
 
+inline CookedFabric with_clusters(CookedFabric fabric) {
+  fabric.own.of<ClusterLists>() = cooking::make_clusters(fabric);
+  return fabric;
+}
+
 /// A solver in which one detection has run, up to and including the pass `last`.
 struct Detected {
+  CookedFabric fabric;
   SinglePass passes;
   const Soup& soup;
 
@@ -89,11 +96,11 @@ struct Detected {
     return scene;
   }
   Detected(const compute::Device& device, const Soup& of, const Setting& setting, std::string_view last = "pair_edges")
-      : passes(device, scene(setting), of.fabric, setting.gather_storage, setting.workgroup), soup(of) {
+      : fabric(with_clusters(of.fabric)), passes(device, scene(setting), fabric, setting.gather_storage, setting.workgroup), soup(of) {
     passes.begin(frame_of(1));
     passes.put(buffers::predicted, soup.predicted);
-    for (const char* name : {"detect_arguments", "detect_trajectory", "grid_count", "grid_total", "grid_scan", "grid_fill", "search_faces",
-                             "search_edges", "search_arguments", "pair_faces", "pair_edges"}) {
+    for (const char* name : {"detect_arguments", "detect_trajectory", "grid_count", "grid_total", "grid_scan", "grid_fill", "grid_search",
+                             "outline", "search_faces", "search_edges", "search_arguments", "pair_faces", "pair_edges"}) {
       passes.run(name);
       if (name == last) break;
     }

@@ -25,17 +25,17 @@ gpu::ContactSettings contact_settings(const Scene& scene, const CookedFabric& fa
       wanted.detection_margin > 0 ? wanted.detection_margin : std::min(0.1 * edge, thickness > 0 ? 0.25 * thickness : edge);
   settings.margin_low = static_cast<float>(margin);
   settings.margin_high = static_cast<float>(std::max(4 * margin, 0.1 * edge));
-  // The box of a primitive: an edge long, and enlarged by the detection margin and the thickness.
-  settings.cell = static_cast<float>(wanted.cell > 0 ? wanted.cell : 1.5 * edge + 2 * margin + thickness);
+  // The box of a cluster: as many edges long as its triangles lie side by side, and enlarged by the detection margin and the thickness.
+  settings.cell = static_cast<float>(wanted.cell > 0 ? wanted.cell : 4.5 * edge + 2 * margin + thickness);
   // A millionth of the first displacement bound; contact_solve.comp says how many quanta a correction may have.
   settings.quantum = static_cast<float>(std::ldexp(margin, -20));
   settings.recover = static_cast<float>(wanted.recover * fabric.h);
   settings.kinematic_lag_limit = static_cast<float>(wanted.kinematic_lag_limit);
-  settings.triangles = static_cast<std::uint32_t>(fabric.triangles.size());
-  settings.edges = static_cast<std::uint32_t>(fabric.edges.size());
-  const std::size_t primitives = fabric.triangles.size() + fabric.edges.size();
-  // Neighbours in the cloth share cells, so half as many buckets as primitives have few collisions.
-  settings.buckets = static_cast<std::uint32_t>(std::bit_ceil(std::max<std::size_t>(64, primitives / 2)));
+  const ClusterLists& lists = fabric.own.of<ClusterLists>();
+  settings.triangles = static_cast<std::uint32_t>(lists.faces.size());
+  settings.edges = static_cast<std::uint32_t>(lists.edges.size());
+  settings.clusters = static_cast<std::uint32_t>(lists.clusters.empty() ? 0 : lists.clusters.size() - 1);
+  settings.buckets = std::bit_ceil(std::max(64u, 2 * settings.clusters));
   settings.capacity =
       wanted.capacity > 0 ? wanted.capacity : static_cast<std::uint32_t>(std::max<std::size_t>(4096, 2 * fabric.positions.size()));
   return settings;
@@ -45,7 +45,8 @@ namespace effects {
 namespace {
 
 constexpr const Buffer* kBuffers[] = {
-    &buffers::edges, &buffers::rest, &buffers::detection, &buffers::detected_positions,
+    &buffers::clusters, &buffers::cluster_faces, &buffers::cluster_edges, &buffers::cluster_searchers, &buffers::cluster_hulls,
+    &buffers::cluster_boxes, &buffers::near_clusters, &buffers::outlines, &buffers::rest, &buffers::detection, &buffers::detected_positions,
     &buffers::trajectories, &buffers::displacement_bounds, &buffers::candidates, &buffers::grid_counts,
     &buffers::grid_starts, &buffers::grid_totals, &buffers::grid_entries, &buffers::contact_normals,
     &buffers::contact_weights, &buffers::near_edges, &buffers::near_faces, &buffers::contact_list,
@@ -55,6 +56,8 @@ constexpr const Buffer* kBuffers[] = {
 // Indirect dispatches, in the order of the passes: a detection, where one is needed; the pairs of its broad phase; its
 // candidates; the particles, where there are candidates; the active candidates; the unsafe ones.
 constexpr Threads kDetectedParticles{lengths::particles, nullptr, {&buffers::detection, offsetof(gpu::Detection, particles)}};
+constexpr Threads kClusters{lengths::clusters, nullptr, {&buffers::detection, offsetof(gpu::Detection, clusters)}};
+constexpr Threads kEdges{lengths::edges, nullptr, {&buffers::detection, offsetof(gpu::Detection, edges)}};
 constexpr Threads kPrimitives{lengths::primitives, nullptr, {&buffers::detection, offsetof(gpu::Detection, primitives)}};
 constexpr Threads kBuckets{lengths::buckets, nullptr, {&buffers::detection, offsetof(gpu::Detection, blocks)}};
 constexpr Threads kNearFaces{buffers::near_faces.length, nullptr, {&buffers::detection, offsetof(gpu::Detection, near_faces)}, true};
@@ -68,12 +71,14 @@ constexpr Threads kUnsafeCandidates{lengths::candidates, nullptr,
 constexpr Pass kPasses[] = {
     {.name = "detect_arguments", .stage = Stage::detect, .threads = threads::once},
     {.name = "detect_trajectory", .stage = Stage::detect, .threads = kDetectedParticles},
-    {.name = "grid_count", .stage = Stage::detect, .threads = kPrimitives},
+    {.name = "grid_count", .stage = Stage::detect, .threads = kClusters},
     {.name = "grid_total", .stage = Stage::detect, .threads = kBuckets},
     {.name = "grid_scan", .stage = Stage::detect, .threads = kBuckets},
-    {.name = "grid_fill", .stage = Stage::detect, .threads = kPrimitives},
+    {.name = "grid_fill", .stage = Stage::detect, .threads = kClusters},
+    {.name = "grid_search", .stage = Stage::detect, .threads = kClusters},
+    {.name = "outline", .stage = Stage::detect, .threads = kPrimitives},
     {.name = "search_faces", .stage = Stage::detect, .threads = kDetectedParticles},
-    {.name = "search_edges", .stage = Stage::detect, .threads = kPrimitives},
+    {.name = "search_edges", .stage = Stage::detect, .threads = kEdges},
     {.name = "search_arguments", .stage = Stage::detect, .threads = threads::once},
     {.name = "pair_faces", .stage = Stage::detect, .threads = kNearFaces},
     {.name = "pair_edges", .stage = Stage::detect, .threads = kNearEdges},
@@ -97,6 +102,7 @@ Result<void> cook_bodies(cooking::CookState& state, std::span<const Mesh> collid
   for (std::size_t k = 0; k < colliders.size(); ++k)
     if (auto added = cooking::add_collider_mesh(scene, colliders[k], collider_meshes[k], state.fabric()); !added) return added;
   cooking::add_edges(state.fabric());
+  state.fabric().own.of<ClusterLists>() = cooking::make_clusters(state.fabric());
   return {};
 }
 

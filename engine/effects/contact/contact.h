@@ -3,6 +3,7 @@
 
 #include <bit>
 
+#include "engine/effects/contact/clusters.h"
 #include "engine/effects/surface/surface.h"
 
 namespace weft {
@@ -12,8 +13,9 @@ namespace weft {
 gpu::ContactSettings contact_settings(const Scene& scene, const CookedFabric& fabric);
 
 namespace lengths {
-inline std::uint64_t edges(const Cooked& s) { return s.fabric.edges.size(); }
+inline std::uint64_t edges(const Cooked& s) { return s.fabric.own.of<ClusterLists>().edges.size(); }
 inline std::uint64_t primitives(const Cooked& s) { return triangles(s) + edges(s); }
+inline std::uint64_t clusters(const Cooked& s) { return s.contacts.clusters; }
 inline std::uint64_t buckets(const Cooked& s) { return s.contacts.buckets; }
 }  // namespace lengths
 
@@ -21,8 +23,12 @@ namespace buffers {
 
 // ---- cooked
 
-/// Edges of all triangles, each once: two particles.
-inline constexpr Buffer edges = cooked<gpu::uvec2, &CookedFabric::edges>("edges");
+inline constexpr Buffer clusters = own<gpu::uvec4, &ClusterLists::clusters>("clusters");
+inline constexpr Buffer cluster_faces = own<gpu::uvec4, &ClusterLists::faces>("cluster_faces");
+/// Edges of all triangles, each once.
+inline constexpr Buffer cluster_edges = own<gpu::uvec4, &ClusterLists::edges>("cluster_edges");
+inline constexpr Buffer cluster_searchers = own<gpu::uvec2, &ClusterLists::searchers>("cluster_searchers");
+inline constexpr Buffer cluster_hulls = own<gpu::uint, &ClusterLists::hulls>("cluster_hulls");
 /// xyz rest position (m), w thickness (m).
 inline constexpr Buffer rest = cooked<gpu::vec4, &CookedFabric::rest>("rest");
 
@@ -56,9 +62,15 @@ inline constexpr Buffer grid_counts = cleared<gpu::uint>("grid_counts", lengths:
 inline constexpr Buffer grid_starts = scratch<gpu::uint>("grid_starts", [](const Cooked& s) { return lengths::buckets(s) + 1; });
 /// Number of entries of a workgroup's buckets, of which it has at least 8.
 inline constexpr Buffer grid_totals = scratch<gpu::uint>("grid_totals", [](const Cooked& s) { return lengths::buckets(s) / 8 + 1; });
-/// Three a primitive: xyz middle of its box (m), w bits of level << 28 | its number (edges are counted after all triangles);
-/// then its Outline (primitive.glsl): xyz half_sides, w away; xyz trajectory, w step (m).
-inline constexpr Buffer grid_entries = scratch<gpu::vec4>("grid_entries", [](const Cooked& s) { return 3 * lengths::primitives(s); });
+/// xyz middle of a cluster's box (m), w bits of level << 28 | its number.
+inline constexpr Buffer grid_entries = scratch<gpu::vec4>("grid_entries", lengths::clusters);
+/// Two a cluster: xyz of its box's corners (m).
+inline constexpr Buffer cluster_boxes = scratch<gpu::vec4>("cluster_boxes", [](const Cooked& s) { return 2 * lengths::clusters(s); });
+/// WEFT_NEAR_CLUSTERS + 1 a cluster: how many clusters' boxes overlap its own, and which.
+inline constexpr Buffer near_clusters =
+    scratch<gpu::uint>("near_clusters", [](const Cooked& s) { return (WEFT_NEAR_CLUSTERS + 1) * lengths::clusters(s); });
+/// Three a primitive, triangles first: its Outline (outline.glsl): xyz middle, w reach; xyz half sides; xyz trajectory (m).
+inline constexpr Buffer outlines = scratch<gpu::vec4>("outlines", [](const Cooked& s) { return 3 * lengths::primitives(s); });
 
 // ---- contacts
 

@@ -12,21 +12,22 @@ namespace {
 
 using DetectArguments = GpuTest;
 
-TEST_F(DetectArguments, grid_lists_every_primitive_in_its_bucket_and_leaves_the_counts_at_zero) {
+TEST_F(DetectArguments, grid_lists_every_cluster_in_its_bucket_and_leaves_the_counts_at_zero) {
   Random random(8);
   const Soup soup = random_soup(random, 200);
-  const std::size_t primitives = soup.fabric.triangles.size() + soup.fabric.edges.size();
-  const std::size_t buckets = contact_settings(Detected::scene({}), soup.fabric).buckets;
+  const gpu::ContactSettings settings = contact_settings(Detected::scene({}), with_clusters(soup.fabric));
+  const std::size_t clusters = settings.clusters, buckets = settings.buckets;
+  ASSERT_GT(clusters, 30u);
   const Detected counted(device(), soup, {}, "grid_scan");
   const auto counts = counted.passes.get<std::uint32_t>(buffers::grid_counts, buckets);
-  EXPECT_EQ(std::accumulate(counts.begin(), counts.end(), std::size_t{0}), primitives);
+  EXPECT_EQ(std::accumulate(counts.begin(), counts.end(), std::size_t{0}), clusters);
   const Detected filled(device(), soup, {}, "grid_fill");
   EXPECT_EQ(filled.passes.get<std::uint32_t>(buffers::grid_counts, buckets), std::vector<std::uint32_t>(buckets, 0));
   std::set<std::uint32_t> listed;
-  const auto entries = filled.passes.get<gpu::vec4>(buffers::grid_entries, 3 * primitives);   // the other places hold outlines
-  for (std::size_t k = 0; k < entries.size(); k += 3) listed.insert(std::bit_cast<std::uint32_t>(entries[k].w) & 0x0fffffffu);
-  EXPECT_EQ(listed.size(), primitives);
-  EXPECT_EQ(*listed.rbegin(), primitives - 1);
+  const auto entries = filled.passes.get<gpu::vec4>(buffers::grid_entries, clusters);
+  for (const gpu::vec4& entry : entries) listed.insert(std::bit_cast<std::uint32_t>(entry.w) & 0x0fffffffu);
+  EXPECT_EQ(listed.size(), clusters);
+  EXPECT_EQ(*listed.rbegin(), clusters - 1);
 }
 
 TEST_F(DetectArguments, starts_are_the_sums_of_the_counts_before_them) {
@@ -34,11 +35,10 @@ TEST_F(DetectArguments, starts_are_the_sums_of_the_counts_before_them) {
   for (const std::uint32_t workgroup : {64u, 512u})
     for (const std::size_t buckets : {64u, 512u, 4096u, 32768u}) {
       Random random(9);
-      Soup soup = soup_of(random, 64);
-      soup.fabric.triangles.assign(2 * buckets - 3, {0, 1, 2});
-      soup.fabric.edges.assign(3, {0, 1});
+      // Particles without triangles, sixteen a cluster; two buckets a cluster.
+      const Soup soup = soup_of(random, static_cast<std::uint32_t>(8 * buckets - 40));
       Detected detected(device(), soup, {false, workgroup}, "detect_arguments");
-      ASSERT_EQ(contact_settings(Detected::scene({}), soup.fabric).buckets, buckets);
+      ASSERT_EQ(contact_settings(Detected::scene({}), with_clusters(soup.fabric)).buckets, buckets);
       std::vector<std::uint32_t> counts(buckets), wanted(buckets + 1);
       for (std::uint32_t& count : counts) count = static_cast<std::uint32_t>(random() % 5 == 0 ? random() % 1000 : 0);
       std::partial_sum(counts.begin(), counts.end(), wanted.begin() + 1);
@@ -94,11 +94,11 @@ TEST_F(DetectArguments, detect_arguments_detects_when_needed_and_adapts_the_marg
     state.steps = steps;
     state.needs_detection = 1;
     state.candidates = candidates;
-    state.extents[5] = state.near[1] = state.levels[0] = 9;
+    state.extents[5] = state.near[1] = state.levels = 9;
     passes.put(buffers::detection, std::vector{state});
     passes.run("detect_arguments");
     state = detected.detection();
-    EXPECT_EQ(state.needs_detection + state.steps + state.candidates + state.extents[5] + state.near[1] + state.levels[0], 0u);
+    EXPECT_EQ(state.needs_detection + state.steps + state.candidates + state.extents[5] + state.near[1] + state.levels, 0u);
     return state.margin;
   };
   EXPECT_EQ(d.lifetime, WEFT_LONGEST_LIFETIME) << "nothing is known yet";

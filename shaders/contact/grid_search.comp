@@ -1,0 +1,89 @@
+// grid_search: every cluster looks into the grid for the clusters whose boxes overlap its own, and each of a pair is listed with the other.
+// The order of a list differs from run to run; no result depends on it. Where a list has no room the count alone goes on, and those who
+// read it ask all clusters instead (search.glsl).
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+GATHER(cluster_boxes)
+GATHER_UINT(grid_starts)
+GATHER(grid_entries)
+READ_WRITE(uint, near_clusters)
+READ(Detection, detection)
+
+#include "contact/cluster.glsl"
+
+struct Search {
+  vec3 middle, near;   // m: no box of the level overlaps whose middle is farther away than `near`
+  uint level;
+  // Two clusters of one level would find each other. Only the one whose cell comes first (by z, then y, then x) does, or, in one cell, the
+  // one with the lower number.
+  bool among_equals;
+  ivec3 own_cell;
+};
+
+uint own;
+Box own_box;
+
+bool comes_before(ivec3 a, ivec3 b) { return a.z != b.z ? a.z < b.z : a.y != b.y ? a.y < b.y : a.x < b.x; }
+
+void add_near(uint cluster, uint other) {
+  const uint row = (WEFT_NEAR_CLUSTERS + 1) * cluster;
+  const uint place = atomicAdd(near_clusters[row], 1u);
+  if (place < WEFT_NEAR_CLUSTERS) near_clusters[row + 1 + place] = other;
+}
+
+// Tests entry k. `row`: y and z of the cells that are visited.
+void visit(Search search, uint k, bool any_row, ivec2 row) {
+  const vec4 entry = FETCH(grid_entries, k);
+  if (any(greaterThan(abs(entry.xyz - search.middle), search.near))) return;
+  const uint bits = floatBitsToUint(entry.w), other = bits & cluster_mask;
+  if (bits >> level_shift != search.level) return;
+  const ivec3 cell = cell_at(entry.xyz, search.level);
+  if (!any_row && cell.yz != row) return;
+  if (search.among_equals && (cell == search.own_cell ? other <= own : comes_before(cell, search.own_cell))) return;
+  const vec3 low = FETCH(cluster_boxes, 2 * other).xyz, high = FETCH(cluster_boxes, 2 * other + 1).xyz;
+  if (any(greaterThan(low, own_box.high)) || any(lessThan(high, own_box.low))) return;
+  add_near(own, other);
+  add_near(other, own);
+}
+
+// The entries of a row of cells are one run; among them are those of other rows that share its buckets.
+uvec2 run_of(Search search, int first, int last, ivec2 row) {
+  const uint from = bucket_of(ivec3(first, row), search.level), to = bucket_of(ivec3(last, row), search.level);
+  return uvec2(FETCH_UINT(grid_starts, from), FETCH_UINT(grid_starts, to + 1) + (to < from ? contact_settings.clusters : 0));
+}
+
+// Visits the cells of a level that the search's box overlaps. Where these are more than there are clusters (a fast one among small ones, one
+// too large for the last level) or buckets, it visits all clusters instead.
+void search_level(Search search) {
+  const uint clusters = contact_settings.clusters;
+  ivec3 first = cell_at(search.middle - search.near, search.level), last = cell_at(search.middle + search.near, search.level);
+  const vec3 cells = vec3(last) - vec3(first) + 1;
+  const bool all_entries = cells.x * cells.y * cells.z >= float(min(clusters, contact_settings.buckets));
+  const ivec3 own_cell = search.own_cell;
+  const bool half_of_them = search.among_equals && !all_entries;
+  if (half_of_them) first.z = own_cell.z;
+  if (all_entries) last = first;
+  for (int z = first.z; z <= last.z; ++z)
+    for (int y = half_of_them && z == own_cell.z ? own_cell.y : first.y; y <= last.y; ++y) {
+      const ivec2 row = ivec2(y, z);
+      const uvec2 run = all_entries ? uvec2(0, clusters) : run_of(search, half_of_them && row == own_cell.yz ? own_cell.x : first.x, last.x, row);
+      for (uint k = run.x; k < run.y; ++k) visit(search, k < clusters ? k : k - clusters, all_entries, row);
+    }
+}
+
+// push.count: clusters.
+void main() {
+  own = gl_GlobalInvocationID.x;
+  if (own >= push.count) return;
+  own_box = Box(FETCH(cluster_boxes, 2 * own).xyz, FETCH(cluster_boxes, 2 * own + 1).xyz);
+  const Place place = place_of(own_box);
+  add_near(own, own);
+  const vec3 half_size = (1 + rounding) * (0.5 * (own_box.high - own_box.low));
+  for (uint levels = detection[0].levels >> place.level << place.level; levels != 0; levels &= levels - 1) {
+    const uint level = uint(findLSB(levels));
+    const vec3 near = half_size + uintBitsToFloat(detection[0].extents[level]);
+    search_level(Search(place.middle, near, level, level == place.level, cell_at(place.middle, place.level)));
+  }
+}

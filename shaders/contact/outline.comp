@@ -1,0 +1,37 @@
+// outline: every triangle and edge as it is at the detection, with one trajectory for all of it, for the search.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+GATHER_UINT4(cluster_faces)
+GATHER_UINT4(cluster_edges)
+READ(Detection, detection)
+WRITE(vec4, outlines)
+
+#include "contact/outline.glsl"
+
+Outline outline_of_edge(uvec2 e) {
+  const Track a = track_of(e.x), b = track_of(e.y);
+  return Outline(0.5 * (a.at + b.at), 0.5 * (b.at - a.at), 0.5 * (a.trajectory + b.trajectory),
+                 reach_of(0.5 * distance(a.trajectory, b.trajectory), sweep_of(a, b, FETCH(rest, e.x).w), FETCH(rest, e.x).w));
+}
+
+Outline outline_of_face(uvec3 t) {
+  const Track a = track_of(t.x), b = track_of(t.y), c = track_of(t.z);
+  const vec3 low = min(min(a.at, b.at), c.at), high = max(max(a.at, b.at), c.at);
+  const vec3 trajectory = (a.trajectory + b.trajectory + c.trajectory) / 3;
+  const float strays = max(max(distance(a.trajectory, trajectory), distance(b.trajectory, trajectory)), distance(c.trajectory, trajectory));
+  return Outline(0.5 * (low + high), 0.5 * (high - low), trajectory, reach_of(strays, sweep_of(a, b, c, FETCH(rest, t.x).w), FETCH(rest, t.x).w));
+}
+
+// push.count: triangles, then edges.
+void main() {
+  const uint i = gl_GlobalInvocationID.x;
+  if (i >= push.count) return;
+  Outline outline;
+  if (i < contact_settings.triangles) outline = outline_of_face(FETCH(cluster_faces, i).xyz);
+  else outline = outline_of_edge(FETCH(cluster_edges, i - contact_settings.triangles).xy);
+  outlines[3 * i] = vec4(outline.middle, outline.reach);
+  outlines[3 * i + 1] = vec4(outline.half_sides, 0);
+  outlines[3 * i + 2] = vec4(outline.trajectory, 0);
+}
