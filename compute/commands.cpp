@@ -72,6 +72,15 @@ Result<VkCommandBuffer> CommandPool::allocate(std::string_view name) const {
   return commands;
 }
 
+Result<OwnedEvent> create_event(const Device& device, std::string_view name) {
+  const auto create = typed<VkEventCreateInfo>(VK_STRUCTURE_TYPE_EVENT_CREATE_INFO);
+  VkEvent event = VK_NULL_HANDLE;
+  const VkResult result = device.vk().vkCreateEvent(device.handle(), &create, nullptr, &event);
+  if (result != VK_SUCCESS) return fail("event ", name, " could not be created: ", result_name(result));
+  device.name_object(VK_OBJECT_TYPE_EVENT, event, name);
+  return OwnedEvent(device, event);
+}
+
 Result<OwnedFence> create_fence(const Device& device, std::string_view name, bool signalled) {
   auto create = typed<VkFenceCreateInfo>(VK_STRUCTURE_TYPE_FENCE_CREATE_INFO);
   create.flags = signalled ? VK_FENCE_CREATE_SIGNALED_BIT : 0;

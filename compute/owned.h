@@ -38,6 +38,7 @@ using OwnedBuffer = Owned<VkBuffer, &Functions::vkDestroyBuffer>;
 using OwnedBufferView = Owned<VkBufferView, &Functions::vkDestroyBufferView>;
 using OwnedMemory = Owned<VkDeviceMemory, &Functions::vkFreeMemory>;
 using OwnedFence = Owned<VkFence, &Functions::vkDestroyFence>;
+using OwnedEvent = Owned<VkEvent, &Functions::vkDestroyEvent>;
 using OwnedSemaphore = Owned<VkSemaphore, &Functions::vkDestroySemaphore>;
 using OwnedCommandPool = Owned<VkCommandPool, &Functions::vkDestroyCommandPool>;
 using OwnedQueryPool = Owned<VkQueryPool, &Functions::vkDestroyQueryPool>;

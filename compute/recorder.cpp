@@ -226,4 +226,17 @@ void Recorder::barrier(Users from, Users to) {
   ++barriers_;
 }
 
+void Recorder::tell_host(VkEvent event) {
+  finish();
+  auto memory = typed<VkMemoryBarrier2>(VK_STRUCTURE_TYPE_MEMORY_BARRIER_2);
+  memory.srcStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+  memory.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
+  memory.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT;
+  memory.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT;
+  auto dependency = typed<VkDependencyInfo>(VK_STRUCTURE_TYPE_DEPENDENCY_INFO);
+  dependency.memoryBarrierCount = 1;
+  dependency.pMemoryBarriers = &memory;
+  device_->vk().vkCmdSetEvent2(commands_, event, &dependency);
+}
+
 }  // namespace weft::compute

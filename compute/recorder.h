@@ -135,6 +135,9 @@ class Recorder {
   /// Everything `from` wrote is seen by `to`, and `to` waits until `from` has read. Ends the current pass.
   void barrier(Users from, Users to);
 
+  /// Sets the event when all copies before it are done and the host can read what they wrote. Ends the current pass.
+  void tell_host(VkEvent event);
+
   VkCommandBuffer commands() const { return commands_; }
   uint32_t barriers() const { return barriers_; }
   uint32_t dispatches() const { return dispatches_; }

@@ -12,9 +12,10 @@ struct Counts {
   /// method implicit, are left as they are.
   std::uint32_t coincident = 0;
   std::uint32_t contacts_most = 0;         // the most candidate pairs that one detection found
-  /// Candidate pairs beyond the capacity, whose particles were held still instead: with record and submit, and where the device
-  /// has no more memory.
+  /// Candidate pairs beyond the capacity, whose particles were held still instead: with record and submit, where pairs grow faster than
+  /// the capacity, and where the device has no more memory.
   std::uint32_t contacts_overflowed = 0;
+  std::uint32_t contacts_room = 0;         // the capacity that would have sufficed so far: what to reserve_contacts next time
   std::uint32_t truncated = 0;             // steps of particles and anchors cut short to prevent a crossing; may be several a substep
   std::uint32_t detections = 0;            // searches for candidate pairs
   float tracking_error = 0;                // m, the largest distance of an anchor or a mesh collider's vertex, held back, from its target

@@ -181,7 +181,7 @@ struct Contacts {
   bool enabled = false;
   double recover = 0.25;        // m/s, >= 0: how fast a pair closer than its separation is pushed apart, and how fast an anchor that
                                 // cloth held back catches up with its target
-  std::uint32_t capacity = 0;   // candidate pairs at the start; 0: chosen. advance() enlarges it and repeats the frame
+  std::uint32_t capacity = 0;   // candidate pairs at the start; 0: chosen. It grows before more is needed
   double cell = 0;              // m, cell of the spatial hash; 0: chosen
   double detection_margin = 0;  // m, how far a particle may stray from its predicted trajectory before the next detection; 0: chosen
   std::uint32_t iterations = 4; // 1 ... 100: of contacts, in each of the solver's iterations

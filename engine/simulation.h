@@ -88,6 +88,9 @@ struct Advance {
   std::uint32_t substeps = 0;
   double simulated = 0;   // s
   double clamped = 0;     // s, beyond longest_advance: not simulated, now or later
+  /// Candidate pairs that found no room and hold their particles still instead: with advance in this frame, where the device has no memory
+  /// for more; with submit and record in frames that are done and were not told of yet.
+  std::uint32_t pairs_lost = 0;
 };
 
 struct PassTiming {
@@ -136,7 +139,7 @@ class Simulation {
 
   /// Simulates `seconds`, waiting on the GPU for `waits` first; returns at once. The frame can be drawn once
   /// ready_semaphore(), a timeline, has reached ready_value(). At most two frames are in flight: a third waits for the first, and has
-  /// a larger capacity where that one's candidate pairs overflowed. The frame begins and ends as with record: the stages of each of `waits`
+  /// more room where that one's candidate pairs took more than a third of it. The frame begins and ends as with record: the stages of each of `waits`
   /// must include one that it waits for there. The semaphore is signalled after all earlier commands on the queue; with readers, and
   /// without timings, after the earlier compute shaders and copies alone.
   /// Errors: as advance.
@@ -148,9 +151,16 @@ class Simulation {
   /// device). Of what is earlier on the queue it waits for compute shaders, copies and SimulationOptions::readers, and it makes positions
   /// and normals visible to the readers behind it: between readers and frames the host needs no barriers. Any number of recorded frames
   /// may be under way; each is submitted once, in the order in which they were recorded, to one queue. The simulation may be destroyed
-  /// when they are done. Before advance, submit and every call that waits the host's recorded frames must be done: these calls may
-  /// replace the buffers of contacts, and read the last frame's counters. Errors: `seconds` not finite or negative.
+  /// when they are done. Candidate pairs get more room where a frame that is done by now took more than a third of it; up to four frames
+  /// under way are asked. Before advance, submit and every call that waits the host's recorded frames must be done: these calls read the
+  /// last frame's counters. Errors: `seconds` not finite or negative.
   Result<Advance> record(VkCommandBuffer commands, double seconds);
+
+  /// Makes room for so many candidate pairs of contacts, if there is less; nothing without contacts. Room grows by itself, before it is
+  /// needed: call this where the first frames may have more pairs at once than Contacts::capacity gives, with Counts::contacts_room of an
+  /// earlier run. It does not wait, and changes nothing but the room. Errors: more than kMostCandidates; no memory; what the device refuses.
+  /// The room is then as it was.
+  Result<void> reserve_contacts(std::uint32_t pairs);
 
   /// Positions (m, world space) and unit normals of every render vertex, cloth after cloth, then mesh collider after mesh
   /// collider: RGBA32F, 16 bytes apart. Valid until the simulation is destroyed.

@@ -54,7 +54,6 @@ struct Snapshot {
   Vec3 gravity;                  // m/s^2
   std::uint32_t phase = 0;       // substeps modulo 3, as the solver counts them
   std::uint32_t capacity = 0;    // of candidate pairs; 0 without contacts
-  std::uint32_t overflow_seen = 0; // candidates that overflowed in frames after which submit has enlarged the capacity
   std::vector<AnchorTargetState> anchors;
   std::vector<ColliderState> colliders;   // of every collider of the scene
   std::vector<Content> contents;

@@ -174,6 +174,7 @@ struct Counters {
   uint stopped;       // implicit solves that broke off with the best there was
   float residual;     // the last implicit solve's, over that of the free flight
   uint unaccelerated; // substeps that fell back from Chebyshev to Jacobi
+  uint contacts_room; // the capacity for candidates that every detection so far would have had room in
 };
 
 // A solve counts as converged when no more than this is left of its residual, in the norm r . D^-1 r.
@@ -303,7 +304,7 @@ SLICE(CollisionSettings, collision_settings)
 #ifdef __cplusplus
 
 static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 44 && sizeof(Push) == 28 && sizeof(Motion) == 40);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 48 && sizeof(Push) == 28 && sizeof(Motion) == 40);
 static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 256 && sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);
 

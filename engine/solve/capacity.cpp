@@ -1,11 +1,15 @@
-// Contact capacity and rollback: a frame in which candidates overflowed is repeated with a larger capacity.
+// Contact capacity and rollback.
 //
-// advance() waits for its frame, so it sees an overflow and can roll the frame back: what a frame changes and the next one needs
-// is copied at the frame's start and restored before the frame is repeated. The repeated frame does exactly what it would have
-// done with the larger capacity from the first. submit() does not wait for its frames, and frames of record() are not Weft's to
-// repeat: they hold the particles of a candidate that overflowed still, so that nothing crosses, and count it; submit() enlarges
-// the capacity when the frame before the last has told of an overflow, whether or not the last one is done: when that is must not depend
-// on how fast the device is.
+// Room is made before it is needed: when a frame that is done has used more than a third of the capacity, the next one gets four times
+// what was used (sheets that pile up have three times the pairs two frames later). Frames under way keep the buffers they were recorded
+// with, and the next one begins with copying what was found so far, so nothing waits, and nothing changes but the room.
+//
+// Pairs may grow faster than that. advance() waits for its frame, so it sees an overflow and can roll the frame back: what a frame changes
+// and the next one needs is copied at the frame's start and restored before the frame is repeated. The repeated frame does exactly what it
+// would have done with the larger capacity from the first. submit() does not wait for its frames, and frames of record() are not Weft's to
+// repeat: they hold the particles of a candidate that overflowed still, so that nothing crosses, and count it. What submit() knows is what
+// the frame before the last has told, whether or not the last one is done: that must not depend on how fast the device is. record() knows
+// what those frames have told that are done by then.
 #include <algorithm>
 #include <cstring>
 
@@ -57,20 +61,19 @@ Result<void> Simulation::State::put_frame_back() {
   return {};
 }
 
-Result<bool> Simulation::State::grow_capacity() {
+// True if it has grown.
+Result<bool> Simulation::State::grow_capacity(std::uint64_t wanted) {
   const std::uint64_t present = solver->contact_settings().capacity;
-  // Half as much again as was found: particles held still by the overflow would have found more.
-  std::uint64_t wanted = std::min<std::uint64_t>(
-      std::max<std::uint64_t>(2 * present, heard.counters.contacts_most + heard.counters.contacts_most / 2), kMostCandidates);
+  wanted = std::min<std::uint64_t>(wanted, kMostCandidates);
   if (wanted <= present || capacity.is_final) return false;
-  // First: growing replaces the buffer of candidates, and nothing may read the new one's contents as pairs.
-  if (auto done = detect_anew(); !done) return done.take_error();
+  capacity.outgrown.reserve(capacity.outgrown.size() + 1);
   // Bisection: where the device has no memory for all of them, half of the increase is tried, down to 1/256 of the capacity.
   for (std::string refused;;) {
     auto grown = solver->grow(static_cast<std::uint32_t>(wanted));
     if (!grown && refused.empty()) refused = std::to_string(wanted) + " candidates: " + grown.error();
     const std::uint64_t less = present + (wanted - present) / 2;
     capacity.is_final = !grown && less - present <= present / 256;
+    if (grown) capacity.outgrown.push_back({std::move(*grown)});
     if (grown || capacity.is_final) {
       if (!refused.empty())
         fabric.notes.push_back("contacts: the capacity is " + std::to_string(solver->contact_settings().capacity) +
@@ -89,13 +92,68 @@ Result<void> Simulation::State::detect_anew() {
   return compute::upload(*device, solver->buffer(buffers::detection), bytes);
 }
 
-// For the frames after one whose overflow was heard of.
-Result<void> Simulation::State::grow_later() {
-  if (!solver->has(buffers::candidates) || heard.counters.contacts_overflowed == capacity.overflow_seen) return {};
-  if (auto done = wait(); !done) return done;
-  capacity.overflow_seen = heard.counters.contacts_overflowed;
-  auto grown = grow_capacity();
-  return grown ? Result<void>() : grown.take_error();
+// Before a frame that will not be repeated. Where there is no memory for more a note says so, and what does not fit is counted.
+void Simulation::State::make_room() {
+  if (!solver->has(buffers::candidates)) return;
+  const std::uint64_t present = solver->contact_settings().capacity, room = capacity.room;
+  if (3 * room > present) (void)grow_capacity(std::max(2 * present, 4 * room));
+}
+
+// The candidates found so far, into the buffers that took the place of theirs.
+void Simulation::State::record_growth(compute::Recorder& recorder) const {
+  using compute::Use;
+  for (std::size_t k = 0; k < capacity.outgrown.size(); ++k) {
+    const ContactCapacity::Outgrown& outgrown = capacity.outgrown[k];
+    if (outgrown.is_copied) continue;
+    const bool last = k + 1 == capacity.outgrown.size();
+    const VkBuffer to = last ? solver->buffer(buffers::candidates).handle : capacity.outgrown[k + 1].buffers.candidates;
+    const VkBufferCopy region{0, 0, outgrown.buffers.bytes};
+    device->vk().vkCmdCopyBuffer(recorder.commands(), outgrown.buffers.candidates, to, 1, &region);
+    recorder.barrier(Use::transfer, Use::compute | Use::transfer | Use::indirect);
+  }
+}
+
+void Simulation::State::growth_is_recorded() {
+  for (ContactCapacity::Outgrown& outgrown : capacity.outgrown)
+    if (!outgrown.is_copied) outgrown.is_copied = true, outgrown.until = queue.submitted;
+}
+
+// At once, for those who read the solver's buffers outside a frame. Nothing is under way.
+Result<void> Simulation::State::copy_outgrown() {
+  if (capacity.outgrown.empty()) return {};
+  if (auto done = compute::run_once(*device, "weft growth",
+                                    [&](VkCommandBuffer commands) {
+                                      compute::Recorder recorder(*device, commands);
+                                      record_growth(recorder);
+                                      recorder.finish();
+                                    });
+      !done)
+    return done;
+  capacity.outgrown.clear();
+  return {};
+}
+
+// Frame `frame` is done, and so are those that the host has recorded.
+void Simulation::State::let_go_of_outgrown(std::uint64_t frame) {
+  std::erase_if(capacity.outgrown, [&](const ContactCapacity::Outgrown& o) { return o.is_copied && (has_recorded || o.until <= frame); });
+}
+
+void Simulation::State::learn(const gpu::Counters& counters) {
+  capacity.room = std::max(capacity.room, counters.contacts_room);
+  capacity.lost = std::max(capacity.lost, counters.contacts_overflowed);
+}
+
+// Of the frames of `record` those that are done by now.
+void Simulation::State::hear_recorded() {
+  for (std::size_t k = 0; k < recorded.done.size(); ++k) {
+    const VkEvent event = recorded.done[k].get();
+    if (!recorded.is_under_way[k] || device->heard(device->vk().vkGetEventStatus(device->handle(), event)) != VK_EVENT_SET) continue;
+    if (device->heard(device->vk().vkResetEvent(device->handle(), event)) != VK_SUCCESS) continue;
+    recorded.is_under_way[k] = false;
+    gpu::Counters counters;
+    std::memcpy(&counters, readback[2 * place_of_event(k)].mapped, sizeof counters);
+    learn(counters);
+  }
 }
 
 // Runs the planned frame, and repeats it with a larger capacity while candidates overflow.
@@ -122,16 +180,32 @@ Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
     }
     if (auto done = wait(); !done) return done;
     if (!contacts || heard.counters.contacts_overflowed == overflowed) return {};
-    auto grown = grow_capacity();
+    // What the torn frame has found says little: it depends on which pairs overflowed, and those on the order of threads.
+    auto grown = grow_capacity(2 * std::uint64_t{solver->contact_settings().capacity});
     if (!grown) return grown.take_error();
     if (!*grown) return {};   // no larger capacity to be had: the frame is safe, and the overflow is counted
     if (auto done = compute::run_once(*device, "weft repeat", [&](VkCommandBuffer commands) { copy_saved(commands, true); }); !done)
       return done;
+    capacity.outgrown.clear();   // nothing is under way, and what was found came back
     solver->set_parity(parity);
     solver->set_phase(phase);
     // The counters are rolled back, too: should the repeated frame fail, it counts nothing.
     heard = before;
+    capacity.lost = before.counters.contacts_overflowed;
   }
+}
+
+Result<void> Simulation::reserve_contacts(std::uint32_t pairs) try {
+  State& s = *state_;
+  if (pairs > kMostCandidates) return fail("reserve_contacts: ", pairs, " candidate pairs are more than ", kMostCandidates);
+  if (!s.solver->has(buffers::candidates) || pairs <= s.solver->contact_settings().capacity) return {};
+  s.capacity.outgrown.reserve(s.capacity.outgrown.size() + 1);
+  auto grown = s.solver->grow(pairs);
+  if (!grown) return grown.take_error();
+  s.capacity.outgrown.push_back({std::move(*grown)});
+  return {};
+} catch (...) {
+  return caught("reserve_contacts");
 }
 
 }  // namespace weft

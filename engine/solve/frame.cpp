@@ -138,6 +138,7 @@ void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput&
   constexpr Use kOwn = Use::compute | Use::transfer | Use::indirect;
   // Earlier frames, and the renderer that still reads them.
   recorder.barrier(options.readers ? compute::Users(kOwn, *options.readers) : Use::all, kOwn);
+  record_growth(recorder);
   if (rollback.frame_is_torn) {
     copy_saved(commands, true);
     recorder.barrier(Use::transfer, kOwn);
@@ -155,7 +156,14 @@ void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput&
   };
   report(buffers::counters, sizeof(gpu::Counters), readback[2 * place]);
   if (solver->has(buffers::detection)) report(buffers::detection, sizeof(gpu::Detection), readback[2 * place + 1]);
+  const std::size_t event = recorded.next;
+  const bool tells = place == place_of_recorded() && recorded.done[event].get() != VK_NULL_HANDLE && !recorded.is_under_way[event];
+  if (tells) report(buffers::counters, sizeof(gpu::Counters), readback[2 * place_of_event(event)]);
   recorder.barrier(Use::transfer, Use::host | Use::transfer);
+  if (!tells) return;
+  recorder.tell_host(recorded.done[event].get());
+  recorded.is_under_way[event] = true;
+  recorded.next = (event + 1) % recorded.done.size();
 }
 
 Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits, bool save) {
@@ -194,6 +202,7 @@ Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<
   rollback.frame_is_torn = false;
   // Only what was really submitted may be waited for.
   slot.value = queue.submitted = value;
+  growth_is_recorded();
   queue.last_timed = timestamps != nullptr ? &slot : nullptr;
   return {};
 }
@@ -235,6 +244,7 @@ Result<Advance> Simulation::advance(double seconds) try {
   if (!advance) return advance;
   if (auto done = s.wait(); !done) return done.take_error();
   if (auto done = s.run_to_the_end(input); !done) return done.take_error();
+  advance->pairs_lost = s.lost_since_told();
   if (advance->substeps > 0) s.kinematic.are_dirty = false;
   return advance;
 } catch (...) {
@@ -246,7 +256,8 @@ Result<Advance> Simulation::submit(double seconds, std::span<const VkSemaphoreSu
   auto advance = state_->plan_frame(seconds, input);
   if (!advance) return advance;
   if (auto done = state_->wait_for_slot(); !done) return done.take_error();
-  if (auto done = state_->grow_later(); !done) return done.take_error();
+  advance->pairs_lost = state_->lost_since_told();
+  state_->make_room();
   if (auto done = state_->submit_frame(input, waits, false); !done) return done.take_error();
   if (advance->substeps > 0) state_->kinematic.are_dirty = false;
   return advance;
@@ -259,8 +270,12 @@ Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) try
   FrameInput input;
   auto advance = state_->plan_frame(seconds, input);
   if (!advance) return advance;
+  state_->hear_recorded();
+  advance->pairs_lost = state_->lost_since_told();
+  state_->make_room();
   state_->record_frame(commands, input, nullptr, false, state_->place_of_recorded());
   state_->has_recorded = true;
+  state_->growth_is_recorded();
   state_->rollback.frame_is_torn = false;
   if (advance->substeps > 0) state_->kinematic.are_dirty = false;
   return advance;

@@ -98,7 +98,6 @@ Result<Snapshot> Simulation::save() const try {
   snapshot.gravity = s.gravity;
   snapshot.phase = s.solver->phase();
   snapshot.capacity = s.solver->contact_settings().capacity;
-  snapshot.overflow_seen = s.capacity.overflow_seen;
   for (std::uint32_t k = 0; k < s.kinematic.is_host_driven.size(); ++k)
     if (s.kinematic.is_host_driven[k])
       snapshot.anchors.push_back({k, s.kinematic.pending[k].has_value(), s.kinematic.pending[k].value_or(Vec3())});
@@ -198,7 +197,7 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
   if (contacts && snapshot.capacity > solver->contact_settings().capacity) {
     // Growing discards the candidates; should anything fail from there on, they must be detected again.
     if (auto done = detect_anew(); !done) return done;
-    if (auto grown = solver->grow(snapshot.capacity); !grown) return grown;
+    if (auto grown = solver->grow(snapshot.capacity); !grown) return grown.take_error();
     if (auto done = create_saved(); !done) return done;
   }
   const std::vector<gpu::vec4> iterate = iterates_at(elements<gpu::vec4>(*find(snapshot, "positions")), fabric);
@@ -219,7 +218,8 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
   std::memcpy(&heard.counters, find(snapshot, "counters")->data(), sizeof heard.counters);
   heard.detection = detection_of(snapshot);
   solver->set_phase(snapshot.phase);
-  capacity.overflow_seen = snapshot.overflow_seen;
+  capacity.room = heard.counters.contacts_room;
+  capacity.lost = capacity.told = heard.counters.contacts_overflowed;
   clock.substeps = snapshot.substeps;
   clock.left_over = snapshot.left_over;
   gravity = snapshot.gravity;

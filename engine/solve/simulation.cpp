@@ -100,7 +100,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
     if (auto saved = state->cache.save(); !saved) state->fabric.notes.push_back(saved.error());
 
   std::vector<compute::BufferRequest> reports;
-  for (std::size_t place = 0; place <= state->place_of_recorded(); ++place) {
+  for (std::size_t place = 0; place < state->place_of_event(state->recorded.done.size()); ++place) {
     reports.push_back({"counters readback", sizeof(gpu::Counters), VK_BUFFER_USAGE_TRANSFER_DST_BIT});
     reports.push_back({"detection readback", sizeof(gpu::Detection), VK_BUFFER_USAGE_TRANSFER_DST_BIT});
   }
@@ -119,6 +119,12 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   auto pool = compute::CommandPool::create(device, "weft");
   if (!pool) return pool.take_error();
   state->queue.pool = std::move(*pool);
+  if (state->solver->has(buffers::candidates))
+    for (compute::OwnedEvent& event : state->recorded.done) {
+      auto made = compute::create_event(device, "weft recorded");
+      if (!made) return made.take_error();
+      event = std::move(*made);
+    }
   auto ready = compute::create_timeline(device, "weft ready");
   if (!ready) return ready.take_error();
   state->queue.ready = std::move(*ready);
@@ -315,7 +321,8 @@ std::vector<BufferUse> Simulation::buffers() const try {
 
 Counts Simulation::counts() const {
   const gpu::Counters counters = state_->newest_report().counters;
-  return {counters.non_finite, counters.coincident, counters.contacts_most, counters.contacts_overflowed, counters.truncated,
+  return {counters.non_finite, counters.coincident, counters.contacts_most, counters.contacts_overflowed,
+          counters.contacts_room, counters.truncated,
           counters.detections, std::bit_cast<float>(counters.tracking_error), counters.unconverged, counters.stopped,
           counters.residual, counters.unaccelerated};
 }

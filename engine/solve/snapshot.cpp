@@ -54,7 +54,7 @@ void fields(Walk& walk, T& content) {
 
 template <class Walk, Is<Snapshot> T>
 void fields(Walk& walk, T& s) {
-  walk(s.digest), walk(s.substeps), walk(s.left_over), walk(s.gravity), walk(s.phase), walk(s.capacity), walk(s.overflow_seen);
+  walk(s.digest), walk(s.substeps), walk(s.left_over), walk(s.gravity), walk(s.phase), walk(s.capacity);
   walk(s.anchors), walk(s.colliders), walk(s.contents), walk(s.note);
 }
 

@@ -216,7 +216,7 @@ Result<std::vector<Solver::Sets>> Solver::write_sets() const {
   return all;
 }
 
-Result<void> Solver::grow(std::uint32_t candidates) {
+Result<Solver::Outgrown> Solver::grow(std::uint32_t candidates) {
   if ((std::uint64_t(WEFT_NEAR) * candidates + workgroup_ - 1) / workgroup_ > device_->limits().max_workgroups_x)
     return fail(candidates, " contact candidates need more workgroups than the device's ", device_->limits().max_workgroups_x);
   const auto set_capacity = [&](std::uint32_t capacity) {
@@ -237,14 +237,18 @@ Result<void> Solver::grow(std::uint32_t candidates) {
     }
   };
   const std::uint32_t before = contacts_.capacity;
+  Outgrown outgrown;
+  outgrown.candidates = buffer(buffers::candidates).handle;
+  outgrown.bytes = buffer(buffers::candidates).bytes;
   set_capacity(candidates);
   auto arena = made_by([&] { return create_arena(true); });
   if (arena) {
     std::swap(growing_arena_, *arena);
     auto sets = made_by([&] { return write_sets(); });
     if (sets) {
-      sets_ = std::move(*sets);
-      return {};
+      outgrown.buffers = std::move(*arena);
+      outgrown.sets = std::exchange(sets_, std::move(*sets));
+      return outgrown;
     }
     std::swap(growing_arena_, *arena);
     arena = sets.take_error();

@@ -43,9 +43,19 @@ class Solver {
     std::uint32_t parity;  // which of the two iterates is `predicted`
     gpu::Push push;
   };
-  /// Sets the capacity for candidates. Those found so far are discarded, so the next substep must detect. The GPU must be done
-  /// with this solver. Errors: no memory; a device limit; the capacity then stays as it was.
-  Result<void> grow(std::uint32_t candidates);
+  struct Sets {
+    compute::DescriptorSet sets[2][2];     // by parity: storage, texels
+  };
+  /// What frames that were recorded before the capacity grew still use.
+  struct Outgrown {
+    compute::Arena buffers;
+    std::vector<Sets> sets;
+    VkBuffer candidates = VK_NULL_HANDLE;  // of `buffers`: those found so far
+    VkDeviceSize bytes = 0;
+  };
+  /// Sets the capacity for candidates. The new buffers are empty: the candidates found so far are to be copied into them, or the next
+  /// substep must detect. Errors: no memory; a device limit; the capacity then stays as it was.
+  Result<Outgrown> grow(std::uint32_t candidates);
 
   /// Lists a frame's dispatches and advances the parity of the iterates: call once a frame, then record all of it.
   std::span<const Step> frame(const FrameInput& input);
@@ -92,9 +102,6 @@ class Solver {
     compute::DescriptorLayout layouts[2];  // storage, texels: not every device can hold all bindings in one
     compute::OwnedPipelineLayout layout;
     compute::ComputePipeline pipeline;
-  };
-  struct Sets {
-    compute::DescriptorSet sets[2][2];     // by parity: storage, texels
   };
   Result<compute::Arena> create_arena(bool grows) const;
   Result<void> create_buffers(const Cooked& subject);

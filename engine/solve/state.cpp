@@ -12,7 +12,7 @@ Result<void> Simulation::State::wait() {
   if (queue.submitted > 0)
     if (auto done = compute::wait_for(*device, queue.ready.get(), queue.submitted); !done) return done;
   hear(queue.submitted);
-  return {};
+  return copy_outgrown();   // what follows may read the solver's buffers
 }
 
 // The next frame takes the place of the last but one.
@@ -34,7 +34,9 @@ Report Simulation::State::reported(std::size_t place) const {
 
 // Frame `frame` and all before it are done, and so are those that the host has recorded.
 void Simulation::State::hear(std::uint64_t frame) {
+  let_go_of_outgrown(frame);
   if (has_recorded) {
+    hear_recorded();
     heard = reported(place_of_recorded());
     queue.heard = queue.submitted;   // recorded after them
   } else if (frame > queue.heard) {
@@ -42,6 +44,7 @@ void Simulation::State::hear(std::uint64_t frame) {
     queue.heard = frame;
   }
   has_recorded = false;
+  learn(heard.counters);
 }
 
 // That of the last frame that is done, for those who ask while others are under way. What Weft itself does next must not depend on

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <utility>
 
 #include "compute/commands.h"
 #include "engine/effects/buffers.h"
@@ -64,10 +65,23 @@ struct Rollback {
   bool frame_is_torn = false;
 };
 
-/// Growth of the capacity for contact candidates: enlarged after each overflow, until the device has no more memory.
+/// Growth of the capacity for contact candidates: before it is needed or when it was, until the device has no more memory.
 struct ContactCapacity {
-  std::uint32_t overflow_seen = 0;             // Counters::contacts_overflowed when submit last enlarged the capacity
+  struct Outgrown {
+    Solver::Outgrown buffers;
+    bool is_copied = false;                    // by the frame `until`, or one of `record` after it
+    std::uint64_t until = 0;
+  };
+  std::vector<Outgrown> outgrown;              // oldest first: the candidates of each go to the next, and the last one's to the solver's
+  std::uint32_t room = 0, lost = 0, told = 0;  // Counters::contacts_room and contacts_overflowed as far as known; told to the host
   bool is_final = false;                       // the device had no memory for more: not asked for again
+};
+
+/// How the host learns that a frame of `record` is done, without waiting: it sets an event at its end, and leaves its counters.
+struct RecordedFrames {
+  std::array<compute::OwnedEvent, 4> done;
+  std::array<bool, 4> is_under_way{};
+  std::size_t next = 0;                        // the place of the next frame, if it is free
 };
 
 /// Frames that Weft submits. Frame n is done when `ready` has reached n; `submitted` is the last n, `heard` the last that the host has
@@ -102,6 +116,7 @@ struct Simulation::State {
   Rollback rollback;
   ContactCapacity capacity;
   FrameQueue queue;
+  RecordedFrames recorded;
 
   double now() const { return static_cast<double>(clock.substeps) * fabric.h; }
   bool timed_on_cpu() const;
@@ -119,11 +134,19 @@ struct Simulation::State {
   Result<void> create_saved();
   void copy_saved(VkCommandBuffer commands, bool back) const;
   Result<void> put_frame_back();
-  Result<bool> grow_capacity();
-  Result<void> grow_later();
+  Result<bool> grow_capacity(std::uint64_t wanted);
+  void make_room();
+  void record_growth(compute::Recorder& recorder) const;
+  void growth_is_recorded();
+  Result<void> copy_outgrown();
+  void let_go_of_outgrown(std::uint64_t frame);
+  void learn(const gpu::Counters& counters);
+  void hear_recorded();
+  std::uint32_t lost_since_told() { return capacity.lost - std::exchange(capacity.told, capacity.lost); }
   Result<void> detect_anew();
   std::size_t slot_of(std::uint64_t frame) const { return frame % queue.slots.size(); }
   std::size_t place_of_recorded() const { return queue.slots.size(); }
+  std::size_t place_of_event(std::size_t event) const { return place_of_recorded() + 1 + event; }
   Report reported(std::size_t place) const;
   Report newest_report() const;
   void hear(std::uint64_t frame);

@@ -22,5 +22,6 @@ void main() {
   }
   if (detection[0].steps > 0) return;
   counters[0].contacts_most = max(counters[0].contacts_most, found);
+  counters[0].contacts_room = max(counters[0].contacts_room, found);
   counters[0].contacts_overflowed += found - stored;
 }

@@ -51,7 +51,8 @@ void visit(Search search, uint k, bool any_row, ivec2 row) {
 // The entries of a row of cells are one run; among them are those of other rows that share its buckets.
 uvec2 run_of(Search search, int first, int last, ivec2 row) {
   const uint from = bucket_of(ivec3(first, row), search.level), to = bucket_of(ivec3(last, row), search.level);
-  return uvec2(FETCH_UINT(grid_starts, from), FETCH_UINT(grid_starts, to + 1) + (to < from ? contact_settings.clusters : 0));
+  const uint wrapped = to < from ? contact_settings.clusters : 0;
+  return uvec2(FETCH_UINT(grid_starts, from), FETCH_UINT(grid_starts, to + 1) + wrapped);
 }
 
 // Visits the cells of a level that the search's box overlaps. Where these are more than there are clusters (a fast one among small ones, one
@@ -68,7 +69,8 @@ void search_level(Search search) {
   for (int z = first.z; z <= last.z; ++z)
     for (int y = half_of_them && z == own_cell.z ? own_cell.y : first.y; y <= last.y; ++y) {
       const ivec2 row = ivec2(y, z);
-      const uvec2 run = all_entries ? uvec2(0, clusters) : run_of(search, half_of_them && row == own_cell.yz ? own_cell.x : first.x, last.x, row);
+      const int from = half_of_them && row == own_cell.yz ? own_cell.x : first.x;
+      const uvec2 run = all_entries ? uvec2(0, clusters) : run_of(search, from, last.x, row);
       for (uint k = run.x; k < run.y; ++k) visit(search, k < clusters ? k : k - clusters, all_entries, row);
     }
 }

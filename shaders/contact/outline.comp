@@ -21,7 +21,8 @@ Outline outline_of_face(uvec3 t) {
   const vec3 low = min(min(a.at, b.at), c.at), high = max(max(a.at, b.at), c.at);
   const vec3 trajectory = (a.trajectory + b.trajectory + c.trajectory) / 3;
   const float strays = max(max(distance(a.trajectory, trajectory), distance(b.trajectory, trajectory)), distance(c.trajectory, trajectory));
-  return Outline(0.5 * (low + high), 0.5 * (high - low), trajectory, reach_of(strays, sweep_of(a, b, c, FETCH(rest, t.x).w), FETCH(rest, t.x).w));
+  const float thickness = FETCH(rest, t.x).w;
+  return Outline(0.5 * (low + high), 0.5 * (high - low), trajectory, reach_of(strays, sweep_of(a, b, c, thickness), thickness));
 }
 
 // push.count: triangles, then edges.

@@ -62,7 +62,8 @@ void search(uint kind, uint cluster, bool all) {
   for (uint k = 0; k < (every_one ? contact_settings.clusters : listed); ++k) {
     const uint other = every_one ? k : FETCH_UINT(near_clusters, row + 1 + k);
     if (!all && other < cluster) continue;
-    if (any(greaterThan(FETCH(cluster_boxes, 2 * other).xyz, high)) || any(lessThan(FETCH(cluster_boxes, 2 * other + 1).xyz, low))) continue;
+    const vec3 its_low = FETCH(cluster_boxes, 2 * other).xyz, its_high = FETCH(cluster_boxes, 2 * other + 1).xyz;
+    if (any(greaterThan(its_low, high)) || any(lessThan(its_high, low))) continue;
     const uvec2 members = members_of(other);
     for (uint member = members.x; member < members.y; ++member) visit(kind, member);
   }

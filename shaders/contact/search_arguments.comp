@@ -15,5 +15,7 @@ void main() {
   const uint capacity = WEFT_NEAR * contact_settings.capacity, faces = detection[0].near[0], edges = detection[0].near[1];
   detection[0].near_faces = groups_of(searched ? min(faces, capacity) : 0);
   detection[0].near_edges = groups_of(searched ? min(edges, capacity) : 0);
-  if (searched) counters[0].contacts_overflowed += faces - min(faces, capacity) + edges - min(edges, capacity);
+  if (!searched) return;
+  counters[0].contacts_room = max(counters[0].contacts_room, (max(faces, edges) + WEFT_NEAR - 1) / WEFT_NEAR);
+  counters[0].contacts_overflowed += faces - min(faces, capacity) + edges - min(edges, capacity);
 }

@@ -17,7 +17,8 @@ uvec2 ends;
 bool may_meet(Outline other, vec3 m, vec3 relative, float reach) {
   const float squared = dot(m, m);
   const float stopped = max(abs(dot(m, own.trajectory)), abs(dot(m, other.trajectory))) * per_substep();
-  return squared * (1 - 4 * rounding) <= abs(dot(m, own.half_sides)) + abs(dot(m, other.half_sides)) + abs(dot(m, relative)) + stopped + sqrt(squared) * reach;
+  const float halves = abs(dot(m, own.half_sides)) + abs(dot(m, other.half_sides));
+  return squared * (1 - 4 * rounding) <= halves + abs(dot(m, relative)) + stopped + sqrt(squared) * reach;
 }
 
 uvec2 members_of(uint cluster) {

@@ -24,7 +24,6 @@ Snapshot example() {
   s.gravity = {1, -2, 3};
   s.phase = 2;
   s.capacity = 4096;
-  s.overflow_seen = 5;
   s.anchors = {{7, true, {1, 2, 3}}, {9, false, {}}};
   s.colliders = {{true, true, {{1, 2, 3}, {0, 0, 1}, {0, 0, 1, 0}}, {{4, 5, 6}, {1, 0, 0}, {1, 0, 0, 0}}}};
   s.contents = {{"positions", std::vector<std::byte>(48, std::byte{42})}, {"candidates", {}}};
@@ -57,7 +56,6 @@ TEST(Snapshots, what_is_written_is_read_back) {
   EXPECT_EQ(read->gravity, s.gravity);
   EXPECT_EQ(read->phase, s.phase);
   EXPECT_EQ(read->capacity, s.capacity);
-  EXPECT_EQ(read->overflow_seen, s.overflow_seen);
   EXPECT_EQ(read->anchors.at(0).target, s.anchors[0].target);
   EXPECT_EQ(read->colliders.at(0).pending.rotation, s.colliders[0].pending.rotation);
   EXPECT_EQ(read->contents.at(0).bytes, s.contents[0].bytes);

@@ -118,8 +118,12 @@ ClusterLists make_clusters(const CookedFabric& fabric) {
   sort_by_cluster(lists.edges, &gpu::uvec4::z);
   sort_by_cluster(lists.searchers, &gpu::uvec2::y);
   std::size_t face = 0, edge = 0, searcher = 0;
+  const auto begin_cluster = [&] {
+    const auto number = [](std::size_t value) { return static_cast<std::uint32_t>(value); };
+    lists.clusters.push_back({number(face), number(edge), number(lists.hulls.size()), 0});
+  };
   for (std::uint32_t k = 0; k < count; ++k) {
-    lists.clusters.push_back({static_cast<std::uint32_t>(face), static_cast<std::uint32_t>(edge), static_cast<std::uint32_t>(lists.hulls.size()), 0});
+    begin_cluster();
     std::vector<std::uint32_t> hull;
     for (; face < lists.faces.size() && lists.faces[face].w == k; ++face)
       hull.insert(hull.end(), {lists.faces[face].x, lists.faces[face].y, lists.faces[face].z});
@@ -129,7 +133,7 @@ ClusterLists make_clusters(const CookedFabric& fabric) {
     hull.erase(std::unique(hull.begin(), hull.end()), hull.end());
     lists.hulls.insert(lists.hulls.end(), hull.begin(), hull.end());
   }
-  lists.clusters.push_back({static_cast<std::uint32_t>(face), static_cast<std::uint32_t>(edge), static_cast<std::uint32_t>(lists.hulls.size()), 0});
+  begin_cluster();
   return lists;
 }
 

@@ -12,6 +12,8 @@
 
 namespace weft {
 
+constexpr std::size_t kUsualRoom = 2'000'000;   // candidate pairs: a hundred megabytes
+
 gpu::ContactSettings contact_settings(const Scene& scene, const CookedFabric& fabric) {
   gpu::ContactSettings settings{};
   if (fabric.rest.empty()) return settings;
@@ -36,8 +38,10 @@ gpu::ContactSettings contact_settings(const Scene& scene, const CookedFabric& fa
   settings.edges = static_cast<std::uint32_t>(lists.edges.size());
   settings.clusters = static_cast<std::uint32_t>(lists.clusters.empty() ? 0 : lists.clusters.size() - 1);
   settings.buckets = std::bit_ceil(std::max(64u, 2 * settings.clusters));
-  settings.capacity =
-      wanted.capacity > 0 ? wanted.capacity : static_cast<std::uint32_t>(std::max<std::size_t>(4096, 2 * fabric.positions.size()));
+  // Room for cloth that crumples, as far as every device has the memory.
+  const std::size_t particles = fabric.positions.size();
+  const std::size_t room = std::max({std::size_t{1} << 16, std::min(32 * particles, kUsualRoom), 2 * particles});
+  settings.capacity = wanted.capacity > 0 ? wanted.capacity : static_cast<std::uint32_t>(std::min<std::size_t>(room, kMostCandidates));
   return settings;
 }
 

@@ -286,8 +286,7 @@ TEST_F(ContactCase, submitted_frames_that_overflowed_are_safe_and_say_so) {
   EXPECT_EQ(simulation->counts().non_finite, 0u);
 }
 
-// The capacity of a host that records cannot grow. A sheet is thrown at another, so fast that pairs overflow before one of them is a
-// candidate.
+// A sheet is thrown at another, so fast that pairs overflow before there can be more room for them.
 TEST_F(ContactCase, recorded_frames_that_overflow_are_safe_and_say_so) {
   for (const std::uint32_t capacity : {1u, 8u, 64u, 512u}) {
     SCOPED_TRACE(capacity);

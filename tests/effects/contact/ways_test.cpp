@@ -1,0 +1,169 @@
+// Contacts in all three ways to run a frame: the same bits, no pair lost, and room that grows before it is needed, whoever waits for whom.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "compute/commands.h"
+#include "tests/support/printing.h"
+#include "tests/support/sheets.h"
+
+namespace weft {
+namespace {
+
+using ContactWays = GpuTest;
+
+constexpr int kFrames = 50;
+
+// Dropped flat onto a ball and the floor: thousands of pairs within a few frames, where there were none.
+Scene dropped() {
+  Scene scene;
+  scene.cloths.resize(1);
+  scene.cloths[0].grid = Grid{{0.8, 0.8}, 40, 40, Topology::diagonal, false};
+  scene.cloths[0].transform.translate = {0, 0.5f, 0};
+  scene.colliders.resize(2);
+  scene.colliders[0].shape = ColliderShape::sphere;
+  scene.colliders[0].radius = 0.2;
+  scene.colliders[0].centre = {0, 0.2f, 0};
+  scene.contacts.enabled = true;
+  return scene;
+}
+
+// Five sheets that fall onto each other.
+Scene piled() {
+  Scene scene;
+  for (int k = 0; k < 5; ++k) {
+    Cloth& cloth = scene.cloths.emplace_back();
+    cloth.grid = Grid{{0.3, 0.3}, 12, 12, Topology::diagonal, false};
+    cloth.transform.translate = {0.01f * static_cast<float>(k), 0.05f + 0.05f * static_cast<float>(k), 0};
+    cloth.transform.degrees = 7.0 * k;
+  }
+  scene.colliders.resize(1);
+  scene.contacts.enabled = true;
+  return scene;
+}
+
+std::uint64_t capacity_of(const Simulation& simulation) {
+  for (const BufferUse& use : simulation.buffers())
+    if (use.name == "candidates") return use.bytes / sizeof(gpu::uvec4);
+  return 0;
+}
+
+struct Outcome {
+  std::uint64_t hash, capacity;
+  std::uint32_t lost = 0;   // as Advance has told
+  Counts counts;
+};
+
+using Between = std::function<void(Simulation&, int frame)>;
+
+Outcome outcome_of(const Simulation& simulation, std::uint32_t lost) {
+  return {hash_of(simulation), capacity_of(simulation), lost, simulation.counts()};
+}
+
+Outcome advanced(const compute::Device& device, const Scene& scene) {
+  const auto simulation = must(Simulation::create(device, scene));
+  std::uint32_t lost = 0;
+  for (int frame = 0; frame < kFrames; ++frame) lost += must(simulation->advance(1.0 / 60)).pairs_lost;
+  return outcome_of(*simulation, lost);
+}
+
+Outcome submitted(const compute::Device& device, const Scene& scene, const Between& between = {}) {
+  const auto simulation = must(Simulation::create(device, scene));
+  std::uint32_t lost = 0;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    if (between) between(*simulation, frame);
+    lost += must(simulation->submit(1.0 / 60)).pairs_lost;
+  }
+  return outcome_of(*simulation, lost);
+}
+
+// A host that keeps up to `under_way` frames on the queue.
+Outcome recorded(const compute::Device& device, const Scene& scene, std::uint64_t under_way, const Between& between = {}) {
+  const auto simulation = must(Simulation::create(device, scene));
+  const auto pool = must(compute::CommandPool::create(device, "host"));
+  const auto done = must(compute::create_timeline(device, "host"));
+  std::uint32_t lost = 0;
+  for (std::uint64_t frame = 1; frame <= kFrames; ++frame) {
+    if (frame > under_way) must(compute::wait_for(device, done.get(), frame - under_way));
+    if (between) between(*simulation, static_cast<int>(frame));
+    const VkCommandBuffer commands = must(pool.allocate("host"));
+    const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
+                                         nullptr};
+    EXPECT_EQ(device.vk().vkBeginCommandBuffer(commands, &begin), VK_SUCCESS);
+    lost += must(simulation->record(commands, 1.0 / 60)).pairs_lost;
+    EXPECT_EQ(device.vk().vkEndCommandBuffer(commands), VK_SUCCESS);
+    const VkCommandBufferSubmitInfo work{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO, nullptr, commands, 0};
+    const VkSemaphoreSubmitInfo signal{
+        VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, done.get(), frame, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
+    must(device.submit({VK_STRUCTURE_TYPE_SUBMIT_INFO_2, nullptr, 0, 0, nullptr, 1, &work, 1, &signal}));
+  }
+  must(compute::wait_for(device, done.get(), kFrames));
+  return outcome_of(*simulation, lost);
+}
+
+TEST_F(ContactWays, advance_submit_and_record_give_the_same_bits_and_lose_no_pair) {
+  for (const Scene& scene : {dropped(), piled()}) {
+    const Outcome waited = advanced(device(), scene);
+    EXPECT_GT(waited.counts.contacts_most, 4000u) << "too few to tell anything";
+    for (const Outcome& other : {submitted(device(), scene), recorded(device(), scene, 1), recorded(device(), scene, 3)}) {
+      EXPECT_EQ(other.hash, waited.hash);
+      EXPECT_EQ(other.lost + other.counts.contacts_overflowed, 0u);
+      EXPECT_EQ(other.counts.contacts_room, waited.counts.contacts_room);
+    }
+  }
+}
+
+TEST_F(ContactWays, room_grows_before_it_is_needed_while_frames_are_under_way) {
+  Scene scene = piled();
+  const Outcome ample = advanced(device(), scene);
+  scene.contacts.capacity = ample.counts.contacts_room / 4;
+  const Outcome submitting = submitted(device(), scene), recording = recorded(device(), scene, 2);
+  for (const Outcome& grown : {submitting, recording}) {
+    EXPECT_GE(grown.capacity, ample.counts.contacts_room);
+    EXPECT_EQ(grown.counts.contacts_overflowed, 0u);
+    EXPECT_EQ(grown.hash, ample.hash);
+  }
+}
+
+TEST_F(ContactWays, room_that_is_reserved_while_frames_are_under_way_changes_nothing_else) {
+  Scene scene = piled();
+  const Outcome ample = advanced(device(), scene);
+  scene.contacts.capacity = ample.counts.contacts_room / 2;
+  const Between reserve = [&](Simulation& simulation, int frame) {
+    const std::uint32_t room = 4 * ample.counts.contacts_room + 1000 * static_cast<std::uint32_t>(frame);
+    if (frame == 3 || frame == 20 || frame == 21) must(simulation.reserve_contacts(room));
+    if (frame == 21) must(simulation.reserve_contacts(9 * ample.counts.contacts_room));   // twice before one frame
+    if (frame == 22) must(simulation.reserve_contacts(1));                                 // there is more
+  };
+  for (const Outcome& other : {submitted(device(), scene, reserve), recorded(device(), scene, 3, reserve)}) {
+    EXPECT_EQ(other.hash, ample.hash);
+    EXPECT_EQ(other.counts.contacts_overflowed, 0u);
+    EXPECT_EQ(other.capacity, 9 * ample.counts.contacts_room);
+  }
+}
+
+TEST_F(ContactWays, reserving_more_than_there_can_be_is_refused_and_nothing_without_contacts) {
+  Scene scene = piled();
+  const auto simulation = must(Simulation::create(device(), scene));
+  const std::uint64_t before = capacity_of(*simulation);
+  const auto refused = simulation->reserve_contacts(kMostCandidates + 1);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().find("67108865 candidate pairs"), std::string::npos) << refused.error();
+  EXPECT_EQ(capacity_of(*simulation), before);
+  scene.contacts.enabled = false;
+  must(must(Simulation::create(device(), scene))->reserve_contacts(1000));
+}
+
+TEST_F(ContactWays, what_is_lost_is_told_once) {
+  Scene scene = piled();
+  scene.contacts.capacity = 16;
+  const Outcome submitting = submitted(device(), scene), recording = recorded(device(), scene, 1);
+  for (const Outcome& small : {submitting, recording}) {
+    EXPECT_GT(small.lost, 0u);
+    EXPECT_EQ(small.lost, small.counts.contacts_overflowed) << "nothing is lost in the last frames any more";
+  }
+  EXPECT_EQ(advanced(device(), scene).lost, 0u);
+}
+
+}  // namespace
+}  // namespace weft
