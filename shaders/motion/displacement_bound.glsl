@@ -29,8 +29,12 @@ vec3 keep_within_bound(uint i, vec3 x, vec3 p, uint steps) {
   return bound > 0 ? within_bound(p, expected_at(i, steps), expected_at(i, steps + 1), bound) : x;
 }
 
-// Whether a prediction uses up more than half of the detection margin, so that less is left to the constraints: a detection is needed.
+// Whether a prediction uses up so much of the detection margin that constraints might not have what they need: a detection is needed. They
+// need little: asked for at a half, detections were a third more, and no fewer steps were cut short.
+const float used_up = 0.9;
+
 bool strays(vec3 prediction, vec3 expected, float margin) {
   const vec3 d = prediction - expected;
-  return !(4 * dot(d, d) <= margin * margin);
+  const float most = used_up * margin;
+  return !(dot(d, d) <= most * most);
 }
