@@ -51,8 +51,8 @@ inline double least_gap(const Vector& n, std::span<const Vector> from, std::span
   // Side A's (0) or B's (1) least height towards itself after s substeps.
   const auto least = [&](int side, double s) {
     double height = INFINITY;
-    for (int i = side == 0 ? 0 : a; i < (side == 0 ? a : 4); ++i)
-      height = std::min(height, (side == 0 ? 1 : -1) * n.dot(from[static_cast<std::size_t>(i)] + s / kHorizon * way[static_cast<std::size_t>(i)]));
+    for (std::size_t i = side == 0 ? 0 : static_cast<std::size_t>(a); i < (side == 0 ? static_cast<std::size_t>(a) : 4); ++i)
+      height = std::min(height, (side == 0 ? 1 : -1) * n.dot(from[i] + s / kHorizon * way[i]));
     return height;
   };
   double gap = INFINITY;

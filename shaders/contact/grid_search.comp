@@ -55,8 +55,8 @@ uvec2 run_of(Search search, int first, int last, ivec2 row) {
   return uvec2(FETCH_UINT(grid_starts, from), FETCH_UINT(grid_starts, to + 1) + wrapped);
 }
 
-// Visits the cells of a level that the search's box overlaps. Where these are more than there are clusters (a fast one among small ones, one
-// too large for the last level) or buckets, it visits all clusters instead.
+// Visits the cells of a level that the search's box overlaps. Where these are more than there are clusters (a fast one among small ones,
+// one too large for the last level) or buckets, it visits all clusters instead.
 void search_level(Search search) {
   const uint clusters = contact_settings.clusters;
   ivec3 first = cell_at(search.middle - search.near, search.level), last = cell_at(search.middle + search.near, search.level);

@@ -1,15 +1,15 @@
 // pair: the narrow phase's test, whether two primitives can come within their separation before the next detection, and the candidate.
 //
 // Bound. In a substep a particle moves from within its clearance of its trajectory to within that again, or is stopped on the straight
-// line between: there it is that close to a place on its trajectory up to a step behind. Seen along a direction n the heights of
-// particles on their trajectories are linear in the substeps s since the detection, so the least heights a(s) and b(s) of the sides, each towards
+// line between: there it is that close to a place on its trajectory up to a step behind. Seen along a direction n the heights of particles
+// on their trajectories are linear in the substeps s since the detection, so the least heights a(s) and b(s) of the sides, each towards
 // itself, are concave (contact_limit.comp has the drawing). Whoever is stopped, within substep s the gap along n is at least
 //     min(a(s), a(s - 1)) + min(b(s), b(s - 1)) - clearance_A - clearance_B,
 // the least of four sums, each concave in s, which are least where s is 1 or the lifetime H. So A and B cannot meet before the next
-// detection if that is at least their separation for some n. Tried are n between the closest points at the detection, and where trajectories end; the
-// coordinate axes; and for edges the line between their middles half-way. The search rejects pairs by bounds along the last two that are
-// never tighter, so that it does not matter which pairs it lists besides. Of a pair that moves as one only the step along n counts, by
-// which one of them may be stopped.
+// detection if that is at least their separation for some n. Tried are n between the closest points at the detection, and where
+// trajectories end; the coordinate axes; and for edges the line between their middles half-way. The search rejects pairs by bounds along
+// the last two that are never tighter, so that it does not matter which pairs it lists besides. Of a pair that moves as one only the step
+// along n counts, by which one of them may be stopped.
 
 #include "contact/grid.glsl"
 #include "contact/proximity.glsl"

@@ -151,8 +151,8 @@ TEST(Figures, a_scene_reports_what_it_calls_for_and_nothing_else) {
   counts.contacts_most = 7;
   counts.tracking_error = 0.002f;
   const auto figures = counted_figures(touching.scene, touching.fabric, counts);
-  EXPECT_EQ(names(figures), (std::set<std::string_view>{"contacts.max", "contacts.overflowed", "contacts.truncated", "contacts.detections",
-                                                        "contacts.tracking_error"}));
+  EXPECT_EQ(names(figures), (std::set<std::string_view>{"contacts.max", "contacts.room", "contacts.overflowed", "contacts.truncated",
+                                                        "contacts.detections", "contacts.tracking_error"}));
   EXPECT_EQ(std::get<std::uint64_t>(figures[0].value), 7u);
   const auto remarks = remarks_on(touching.scene, touching.fabric, counts);
   ASSERT_EQ(remarks.size(), 2u);

@@ -112,6 +112,7 @@ Result<void> cook_bodies(cooking::CookState& state, std::span<const Mesh> collid
 
 constexpr Figure kFigures[] = {
     {.name = "contacts.max", .counted = [](const Counts& c) { return std::uint64_t(c.contacts_most); }},
+    {.name = "contacts.room", .counted = [](const Counts& c) { return std::uint64_t(c.contacts_room); }},
     {.name = "contacts.overflowed", .counted = [](const Counts& c) { return std::uint64_t(c.contacts_overflowed); }},
     {.name = "contacts.truncated", .counted = [](const Counts& c) { return std::uint64_t(c.truncated); }},
     {.name = "contacts.detections", .counted = [](const Counts& c) { return std::uint64_t(c.detections); }},

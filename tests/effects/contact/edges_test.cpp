@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "engine/effects/contact/clusters.h"
 #include "tests/support/cooked.h"
 #include "tests/support/mesh_files.h"
 
@@ -53,6 +54,74 @@ TEST(FabricContacts, the_mean_edge_is_that_of_all_edges) {
   const CookedFabric fabric = cooked(two_sheets());
   const double x = 0.2, z = 2.0 / 7;
   EXPECT_NEAR(fabric.mean_edge, (40 * x + 42 * z + 35 * std::hypot(x, z)) / 117, 1e-7);   // of single precision
+}
+
+// Two sheets that lie in each other at rest, one torn along its middle: clusters must keep apart what does not hang together.
+CookedFabric tangled() {
+  Scene scene = two_sheets();
+  scene.cloths[1].transform.translate = {};
+  CookedFabric fabric = cooked(scene);
+  fabric.triangles.erase(fabric.triangles.begin() + 30, fabric.triangles.begin() + 40);
+  return fabric;
+}
+
+TEST(FabricContacts, every_triangle_edge_and_particle_is_in_one_cluster_whose_hull_has_it) {
+  for (const CookedFabric& fabric : {cooked(two_sheets()), tangled()}) {
+    const ClusterLists lists = cooking::make_clusters(fabric);
+    std::multiset<std::set<std::uint32_t>> wanted, found;
+    for (const Triangle& t : fabric.triangles) wanted.insert({t[0], t[1], t[2]});
+    for (const gpu::uvec4& face : lists.faces) found.insert({face.x, face.y, face.z});
+    EXPECT_EQ(found, wanted);
+    std::set<std::uint32_t> searching;
+    for (const gpu::uvec2& searcher : lists.searchers) searching.insert(searcher.x);
+    EXPECT_EQ(lists.searchers.size(), fabric.positions.size());
+    EXPECT_EQ(searching.size(), fabric.positions.size());
+    EXPECT_EQ(lists.clusters.back().x, lists.faces.size());
+    EXPECT_EQ(lists.clusters.back().z, lists.hulls.size());
+    for (std::uint32_t k = 0; k + 1 < lists.clusters.size(); ++k) {
+      const gpu::uvec4 &first = lists.clusters[k], &end = lists.clusters[k + 1];
+      std::set<std::uint32_t> hull(lists.hulls.begin() + first.z, lists.hulls.begin() + end.z), faces;
+      EXPECT_LE(end.x - first.x, WEFT_CLUSTER);
+      for (std::uint32_t f = first.x; f < end.x; ++f) {
+        EXPECT_EQ(lists.faces[f].w, k);
+        faces.insert({lists.faces[f].x, lists.faces[f].y, lists.faces[f].z});
+      }
+      EXPECT_TRUE(std::ranges::includes(hull, faces));
+      for (std::uint32_t e = first.y; e < end.y; ++e) {
+        EXPECT_EQ(lists.edges[e].z, k);
+        EXPECT_TRUE(hull.contains(lists.edges[e].x) && hull.contains(lists.edges[e].y));
+      }
+      for (const gpu::uvec2& searcher : lists.searchers) EXPECT_EQ(searcher.y == k, searcher.y == k && hull.contains(searcher.x));
+      // In one piece.
+      std::set<std::uint32_t> reached;
+      if (end.x > first.x) reached.insert(lists.faces[first.x].x);
+      for (std::size_t before = 0; reached.size() != before;) {
+        before = reached.size();
+        for (std::uint32_t f = first.x; f < end.x; ++f) {
+          const std::uint32_t corners[] = {lists.faces[f].x, lists.faces[f].y, lists.faces[f].z};
+          const bool touches = std::ranges::any_of(corners, [&](std::uint32_t i) { return reached.contains(i); });
+          if (touches) reached.insert(std::begin(corners), std::end(corners));
+        }
+      }
+      EXPECT_EQ(reached, faces) << "cluster " << k;
+    }
+  }
+}
+
+TEST(FabricContacts, most_clusters_of_a_sheet_are_full) {
+  Scene scene = two_sheets();
+  for (Cloth& cloth : scene.cloths) cloth.grid->cells_x = cloth.grid->cells_y = 64;
+  const ClusterLists lists = cooking::make_clusters(cooked(scene));
+  EXPECT_EQ(lists.clusters.size() - 1, 2u * 2 * 64 * 64 / WEFT_CLUSTER);
+}
+
+TEST(FabricContacts, particles_without_a_triangle_have_clusters_too) {
+  CookedFabric fabric = cooked(two_sheets());
+  fabric.triangles.clear();
+  fabric.edges.clear();
+  const ClusterLists lists = cooking::make_clusters(fabric);
+  EXPECT_EQ(lists.clusters.size() - 1, (fabric.positions.size() + WEFT_CLUSTER - 1) / WEFT_CLUSTER);
+  EXPECT_EQ(lists.hulls.size(), fabric.positions.size());
 }
 
 TEST(FabricContacts, without_contacts_there_is_nothing_but_the_number_of_triangles) {

@@ -63,7 +63,17 @@ void expect_agreement(const Detected& detected, const Oracle& oracle, double dou
   EXPECT_EQ(missed, 0u) << "of " << oracle.certain.size();
 }
 
+// Of a cluster's neighbours, at most.
+std::uint32_t longest_list(const Detected& detected) {
+  const std::size_t clusters = detected.fabric.own.of<ClusterLists>().clusters.size() - 1;
+  const auto lists = detected.passes.get<std::uint32_t>(buffers::near_clusters, (WEFT_NEAR_CLUSTERS + 1) * clusters);
+  std::uint32_t most = 0;
+  for (std::size_t k = 0; k < clusters; ++k) most = std::max(most, lists[(WEFT_NEAR_CLUSTERS + 1) * k]);
+  return most;
+}
+
 TEST_F(Detect, finds_every_pair_that_may_meet_once_and_no_other) {
+  std::uint32_t longest = 0;
   for (const bool gather_storage : {false, true})
     for (const std::uint32_t workgroup : {64u, 512u})
       for (const std::uint64_t seed : {1u, 2u}) {
@@ -78,7 +88,9 @@ TEST_F(Detect, finds_every_pair_that_may_meet_once_and_no_other) {
         ASSERT_GT(oracle.certain.size(), 500u);
         ASSERT_LT(oracle.doubtful.size(), 50u);
         expect_agreement(detected, oracle, doubt);
+        longest = std::max(longest, longest_list(detected));
       }
+  EXPECT_GT(longest, WEFT_NEAR_CLUSTERS) << "no list was too long";
 }
 
 // Where a level has no more primitives than a search has cells, the grid is not asked.
