@@ -22,6 +22,9 @@ void main() {
   }
   if (detection[0].steps > 0) return;
   counters[0].contacts_most = max(counters[0].contacts_most, found);
-  counters[0].contacts_room = max(counters[0].contacts_room, found);
-  counters[0].contacts_overflowed += found - stored;
+  // Of pairs that the broad phase found there is room for WEFT_NEAR times as many, of either kind.
+  const uint most = WEFT_NEAR * contact_settings.capacity, faces = detection[0].near[0], edges = detection[0].near[1];
+  const uint near = (max(faces, edges) + WEFT_NEAR - 1) / WEFT_NEAR;
+  counters[0].contacts_room = max(counters[0].contacts_room, max(found, near));
+  counters[0].contacts_overflowed += found - stored + faces - min(faces, most) + edges - min(edges, most);
 }

@@ -40,6 +40,7 @@ void begin_detection(bool settled) {
   detection[0].steps = 0;
   detection[0].candidates = 0;
   detection[0].near[0] = detection[0].near[1] = detection[0].levels = 0;
+  detection[0].near_faces = detection[0].near_edges = Groups(0, 1, 1);   // the search adds to them
   for (uint k = 0; k < WEFT_LEVELS; ++k) detection[0].extents[k] = 0;
   detection[0].particles = groups_of(push.count);
   detection[0].clusters = groups_of(contact_settings.clusters);
@@ -56,6 +57,8 @@ void skip_detection() {
   detection[0].clusters = none;
   detection[0].primitives = none;
   detection[0].edges = none;
+  detection[0].near_faces = none;
+  detection[0].near_edges = none;
   detection[0].blocks = none;
 }
 

@@ -4,4 +4,4 @@ weft_passes(
   grid_count grid_fill grid_scan grid_search grid_total
   outline
   pair_edges pair_faces
-  search_arguments search_edges search_faces)
+  search_edges search_faces)

@@ -39,7 +39,13 @@ uint outline_number(uint member);
 void add_near(uint kind, uint member, uvec4 particle) {
   const uint place = atomicAdd(detection[0].near[kind], 1u);
   const bool overflows = place >= WEFT_NEAR * contact_settings.capacity;
-  if (!overflows) put_near(place, member);
+  if (!overflows) {
+    put_near(place, member);
+    // The first pair of a workgroup's share adds the workgroup to the narrow phase's dispatch.
+    const uint groups = place / gl_WorkGroupSize.x + 1;
+    if (place % gl_WorkGroupSize.x == 0 && kind == of_triangles) atomicMax(detection[0].near_faces.x, groups);
+    if (place % gl_WorkGroupSize.x == 0 && kind == of_edges) atomicMax(detection[0].near_edges.x, groups);
+  }
   for (uint k = overflows ? 0 : 4; k < 4; ++k)
     atomicMin(displacement_bounds[k < 2 ? (k == 0 ? particle.x : particle.y) : k == 2 ? particle.z : particle.w], 0u);
 }

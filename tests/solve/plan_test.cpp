@@ -248,13 +248,13 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
             (Labels{"predict", "gauss_seidel", "finalize+tether", "triangle_search", "triangle_collide", "finalize+collide", "surface"}));
   EXPECT_EQ(labels({{Id::stretch, Id::contact}}),
             (Labels{"predict+watch", "detect_arguments", "detect_trajectory", "grid_count", "grid_total", "grid_scan",
-                    "grid_fill", "grid_search", "outline", "search_faces", "search_edges", "search_arguments", "pair_faces", "pair_edges",
+                    "grid_fill", "grid_search", "outline", "search_faces", "search_edges", "pair_faces", "pair_edges",
                     "contact_arguments", "contact_prepare", "stretch", "contact_penetration", "contact_solve",
                     "contact_apply", "contact_slide", "contact_slide_apply", "contact_unsafe", "contact_limit",
                     "contact_finalize", "surface"}));
   EXPECT_EQ(labels(with(all, {Id::contact})),
             (Labels{"predict+watch", "anchor+watch", "detect_arguments", "detect_trajectory", "grid_count", "grid_total",
-                    "grid_scan", "grid_fill", "grid_search", "outline", "search_faces", "search_edges", "search_arguments", "pair_faces", "pair_edges",
+                    "grid_scan", "grid_fill", "grid_search", "outline", "search_faces", "search_edges", "pair_faces", "pair_edges",
                     "contact_arguments", "contact_prepare", "stretch", "bend+tether+collide", "contact_penetration",
                     "contact_solve", "contact_apply+collide", "contact_slide", "contact_slide_apply",
                     "contact_unsafe", "contact_limit", "contact_finalize", "surface"}));

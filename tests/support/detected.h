@@ -100,7 +100,7 @@ struct Detected {
     passes.begin(frame_of(1));
     passes.put(buffers::predicted, soup.predicted);
     for (const char* name : {"detect_arguments", "detect_trajectory", "grid_count", "grid_total", "grid_scan", "grid_fill", "grid_search",
-                             "outline", "search_faces", "search_edges", "search_arguments", "pair_faces", "pair_edges"}) {
+                             "outline", "search_faces", "search_edges", "pair_faces", "pair_edges"}) {
       passes.run(name);
       if (name == last) break;
     }

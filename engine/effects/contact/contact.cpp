@@ -83,7 +83,6 @@ constexpr Pass kPasses[] = {
     {.name = "outline", .stage = Stage::detect, .threads = kPrimitives},
     {.name = "search_faces", .stage = Stage::detect, .threads = kDetectedParticles},
     {.name = "search_edges", .stage = Stage::detect, .threads = kEdges},
-    {.name = "search_arguments", .stage = Stage::detect, .threads = threads::once},
     {.name = "pair_faces", .stage = Stage::detect, .threads = kNearFaces},
     {.name = "pair_edges", .stage = Stage::detect, .threads = kNearEdges},
     {.name = "contact_arguments", .stage = Stage::detect, .threads = threads::once},

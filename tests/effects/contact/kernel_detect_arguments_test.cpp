@@ -131,29 +131,25 @@ TEST_F(DetectArguments, detect_arguments_detects_when_needed_and_adapts_the_marg
   EXPECT_EQ(passes.counters().detections, 12u);
 }
 
-TEST_F(DetectArguments, search_arguments_dispatches_a_thread_a_near_pair_after_a_search_and_none_without) {
+TEST_F(DetectArguments, the_search_dispatches_a_thread_a_near_pair_and_none_without_a_search) {
   Random random(12);
-  Soup soup = random_soup(random, 40);
-  Detected detected(device(), soup, {false, 64, 0.05, kMargin, 100}, "detect_arguments");
-  const auto dispatched = [&](std::uint32_t faces, std::uint32_t edges, std::uint32_t steps) {
-    gpu::Detection state = detected.detection();
-    state.near[0] = faces;
-    state.near[1] = edges;
-    state.steps = steps;
-    detected.passes.put(buffers::detection, std::vector{state});
-    detected.passes.run("search_arguments");
-    state = detected.detection();
-    return std::pair(state.near_faces.x, state.near_edges.x);
-  };
-  using Groups = std::pair<std::uint32_t, std::uint32_t>;
-  EXPECT_EQ(dispatched(0, 0, 0), Groups(0, 0));
-  EXPECT_EQ(dispatched(64, 65, 0), Groups(1, 2));
-  EXPECT_EQ(dispatched(64, 65, 1), Groups(0, 0));
-  EXPECT_EQ(detected.passes.counters().contacts_overflowed, 0u);
-  EXPECT_EQ(dispatched(1000, 207, 0), Groups(4, 4)) << "200 places of each kind";
-  EXPECT_EQ(detected.passes.counters().contacts_overflowed, 807u);
-  EXPECT_EQ(dispatched(1000, 207, 3), Groups(0, 0));
-  EXPECT_EQ(detected.passes.counters().contacts_overflowed, 807u) << "an old search is not counted again";
+  const Soup soup = random_soup(random, 100);
+  for (const std::uint32_t capacity : {100u, 1u << 16}) {
+    Detected detected(device(), soup, {false, 64, 0.05, kMargin, capacity}, "search_edges");
+    const gpu::Detection found = detected.detection();
+    ASSERT_GT(std::min(found.near[0], found.near[1]), 256u);
+    const auto groups = [&](std::uint32_t near) { return (std::min(near, WEFT_NEAR * capacity) + 63) / 64; };
+    EXPECT_EQ(found.near_faces.x, groups(found.near[0]));
+    EXPECT_EQ(found.near_edges.x, groups(found.near[1]));
+    detected.passes.run("contact_arguments");
+    const gpu::Counters counted = detected.passes.counters();
+    EXPECT_EQ(counted.contacts_overflowed, capacity > 100 ? 0u : found.near[0] + found.near[1] - 400);
+    EXPECT_EQ(counted.contacts_room, (std::max(found.near[0], found.near[1]) + 1) / 2);
+    detected.passes.run("detect_arguments");   // none is needed
+    EXPECT_EQ(detected.detection().near_faces.x + detected.detection().near_edges.x, 0u);
+    detected.passes.run("contact_arguments");
+    EXPECT_EQ(detected.passes.counters().contacts_overflowed, counted.contacts_overflowed) << "an old search is not counted again";
+  }
 }
 
 TEST_F(DetectArguments, contact_arguments_dispatches_what_there_is_capacity_for_and_counts_the_rest) {
