@@ -118,7 +118,7 @@ Scene folding_sheet() {
 Scene close_sheets() {
   Scene scene = sheet(4);
   scene.cloths.push_back(scene.cloths[0]);
-  scene.cloths[1].transform.translate = {0, 0.004f, 0};
+  scene.cloths[1].transform.translate = {0, 0.0025f, 0};   // half a millimetre more than they keep
   scene.contacts.enabled = true;
   scene.contacts.capacity = 16;
   return scene;
