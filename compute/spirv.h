@@ -1,4 +1,4 @@
-// The enumerants of SPIR-V that reflect.cpp looks at, under the specification's own names (SPIR-V 1.6, section 3).
+// The enumerants of SPIR-V that Weft looks at, under the specification's own names (SPIR-V 1.6, section 3).
 #pragma once
 
 #include <cstddef>
@@ -62,7 +62,9 @@ enum Decoration : uint32_t {
   kBinding = 33,
   kDescriptorSet = 34,
   kOffset = 35,
+  kNoContraction = 42,
 };
+constexpr uint32_t kFirstArithmetic = 126, kLastArithmetic = 148;   // OpSNegate to OpDot
 enum StorageClass : uint32_t { kUniformConstant = 0, kUniform = 2, kPushConstant = 9, kStorageBuffer = 12 };
 constexpr uint32_t kBuiltInWorkgroupSize = 25;
 constexpr uint32_t kLocalSize = 17;

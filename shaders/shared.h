@@ -174,6 +174,8 @@ struct Counters {
   uint stopped;       // implicit solves that broke off with the best there was
   float residual;     // the last implicit solve's, over that of the free flight
   uint unaccelerated; // substeps that fell back from Chebyshev to Jacobi
+  uint contacts_load; // of the substep before the last: how much one workgroup would have to do for all contacts, about: ten times the
+                      // active ones, and the candidates
   uint contacts_room; // the capacity for candidates that every detection so far would have had room in
 };
 
@@ -224,17 +226,20 @@ struct Collisions {
 // is missed). They serve for several substeps, their lifetime. Group counts are arguments of indirect dispatches, so that the GPU itself
 // decides whether there is anything to do.
 struct Detection {
-  Groups particles, clusters, primitives, edges, blocks;   // of the detection's passes; no groups in a substep without a detection
+  Groups outlined, grid, clusters, particles, edges;   // of the detection's passes; no groups in a substep without a detection
   Groups near_faces, near_edges;          // a thread a pair that the broad phase found
   Groups contacts;    // a thread a candidate
   Groups listed[2];   // a thread an active candidate, and an unsafe one
-  Groups touched;     // a thread a particle, where there are candidates
+  Groups touched;     // a thread a particle of an active candidate
+  Groups paired;      // a thread a particle, where there are candidates
+  Groups alone;       // the one workgroup that does all contacts, where there are candidates
   uint needs_detection;   // the next substep begins with one
   uint steps;         // substeps since the last detection, at most WEFT_LONGEST_LIFETIME
   uint lifetime;      // substeps that its candidates are meant to serve: the length of trajectories
   uint candidates;    // that it found; those beyond ContactSettings::capacity have overflowed
   float margin;       // m, detection margin: the length of displacement bounds
   uint listings[2];   // active candidates of this substep, and unsafe ones: those that could cross at its end
+  uint touchings;     // particles of active candidates
   uint changed[WEFT_LIMIT_PASSES - 1];   // 1: this pass of contact_limit lowered the step fraction of some particle
   uint falls_back;    // 1: its last pass still found a pair that crosses: the fallback fractions apply
   uint settled;       // 1: the last detection came after a full lifetime in which no particle left its displacement bound
@@ -244,6 +249,8 @@ struct Detection {
 };
 #define WEFT_ACTIVE 0u
 #define WEFT_UNSAFE 1u
+#define WEFT_PAIRED 0x80000000u  // a bit of a displacement bound, which is not negative: the particle has candidates
+#define WEFT_SLIDES 2u   // rounds of contact_slide in a substep: what a particle gives way to one pair the second takes into account for the others
 #define WEFT_CLUSTER 16u         // triangles that detection treats as one until it looks closer, at most
 #define WEFT_NEAR_CLUSTERS 63u   // that a cluster's list has room for; with more the search asks all
 #define WEFT_NEAR 2u   // capacity for pairs of the broad phase, of each kind, as a multiple of the capacity for candidates
@@ -269,10 +276,13 @@ struct Motion {
 };
 
 struct ContactSettings {
+  uint workgroup;     // threads
+  uint particles;
   uint triangles, edges;   // how many; together the primitives
   uint clusters;      // of them: the grid's entries
   uint buckets;       // of the grid, a power of two
   uint capacity;      // candidates
+  uint iterations;    // of contacts in an iteration of the solve
   float cell;         // m, at level 0
   float quantum;      // m, unit of contact_sums
   float recover;      // m: how much of a missing separation a substep may recover
@@ -304,8 +314,8 @@ SLICE(CollisionSettings, collision_settings)
 #ifdef __cplusplus
 
 static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 48 && sizeof(Push) == 28 && sizeof(Motion) == 40);
-static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 256 && sizeof(Acceleration) == 48);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 52 && sizeof(Push) == 28 && sizeof(Motion) == 40);
+static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 284 && sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);
 
 namespace constant {

@@ -33,7 +33,7 @@ inline constexpr std::size_t kEffects = 0 WEFT_EFFECTS(WEFT_COUNT);
 #undef WEFT_COUNT
 
 /// When a pass runs; engine/solve/frame_program.h says how often.
-enum class Stage { frame_begin, substep_begin, force, detect, assemble, linear, iteration, contact, slide, substep_end, frame_end };
+enum class Stage { frame_begin, substep_begin, force, detect, assemble, linear, iteration, contacts, contact, slide, substep_end, frame_end };
 
 /// Where the GPU writes how many workgroups an indirect dispatch has.
 struct Arguments {
@@ -67,6 +67,9 @@ enum class Changes {
   velocity      // only by motion/force.glsl, which keeps the prediction in step
 };
 
+/// In which frames a pass is recorded that does what others do, too, to the bit: those with few contacts, or with many.
+enum class Crowd { any, few, many };
+
 using Constants = std::array<std::uint32_t, gpu::constant::kCount>;
 
 /// What a scene calls for, as far as its passes depend on it.
@@ -83,6 +86,7 @@ struct Pass {
   Stage stage;
   Threads threads;
   Changes changes = Changes::nothing;
+  Crowd crowd = Crowd::any;
   bool can_finalize = false;                     // the last of these in an iteration ends it (motion/finalize.glsl)
   bool (*when)(const Needs&) = nullptr;          // null: always when the effect is called for
   const char* with_contacts = "";                // what its label ends in with contacts, which it watches, too

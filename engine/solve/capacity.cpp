@@ -141,7 +141,11 @@ void Simulation::State::let_go_of_outgrown(std::uint64_t frame) {
 void Simulation::State::learn(const gpu::Counters& counters) {
   capacity.room = std::max(capacity.room, counters.contacts_room);
   capacity.lost = std::max(capacity.lost, counters.contacts_overflowed);
+  capacity.load = counters.contacts_load;
 }
+
+// On a GPU a dispatch costs as much as a workgroup needs for a thousand contacts; the software driver has two threads or so.
+bool Simulation::State::contacts_are_few() const { return capacity.load <= (device->is_software() ? 1000u : 8000u); }
 
 // Of the frames of `record` those that are done by now.
 void Simulation::State::hear_recorded() {

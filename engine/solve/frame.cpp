@@ -53,6 +53,7 @@ Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input)
   clock.left_over = std::max(0.0, clock.left_over + taken - advance.simulated);
   input.substeps = advance.substeps;
   input.gravity = gravity;
+  input.few_contacts = contacts_are_few();
   if (advance.substeps == 0) return advance;
   clock.substeps += advance.substeps;
   move_scene(input);

@@ -4,7 +4,7 @@
 //     for each substep:
 //       substep_begin   force   detect
 //       [assemble   linear x iterations]                 the method implicit, which then has a single iteration
-//       for each iteration:   iteration   contact x contact iterations
+//       for each iteration:   iteration   contacts   contact x contact iterations
 //       slide x 2
 //       substep_end
 //     frame_end
@@ -34,9 +34,6 @@ struct Moment {
   std::uint32_t substep = 0, iteration = 0;
 };
 
-/// Rounds of contact_slide in a substep: what a particle gives way to one pair the second takes into account for the others.
-inline constexpr std::uint32_t kSlides = 2;
-
 template <class Visit>
 void walk_frame(const FrameShape& shape, std::uint32_t substeps, Visit&& visit) {
   visit(Moment{Stage::frame_begin});
@@ -50,9 +47,10 @@ void walk_frame(const FrameShape& shape, std::uint32_t substeps, Visit&& visit) 
     }
     for (std::uint32_t k = 0; k < shape.solver_iterations(); ++k) {
       visit(Moment{Stage::iteration, s, k});
+      visit(Moment{Stage::contacts, s, k});
       for (std::uint32_t c = 0; c < shape.contact_iterations; ++c) visit(Moment{Stage::contact, s, k});
     }
-    for (std::uint32_t k = 0; k < kSlides; ++k) visit(Moment{Stage::slide, s, k});
+    for (std::uint32_t k = 0; k < WEFT_SLIDES; ++k) visit(Moment{Stage::slide, s, k});
     visit(Moment{Stage::substep_end, s});
   }
   visit(Moment{Stage::frame_end});

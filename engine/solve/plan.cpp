@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "compute/contraction.h"
 #include "shaders/embedded.h"
 
 namespace weft {
@@ -70,7 +71,7 @@ std::string label_of(const Part& part, const Needs& needs) {
     const bool is_part = EffectId(k) == EffectId::tether ? part.holds_tethers : part.finalizes;
     if (needs.effects[k] && is_part) label += all_effects()[k]->part_of_finalize;
   }
-  if (part.finalizes && !needs.has(EffectId::contact) && !is_own_finalizer(*part.pass)) label += "+finalize";
+  if (part.finalizes && !is_own_finalizer(*part.pass)) label += "+finalize";
   return label;
 }
 
@@ -114,7 +115,9 @@ Result<PlannedPass> planned(const Part& part, const Needs& needs, compute::Speci
   if (!part.holds_tethers) constants[gpu::constant::tether_pairs].value = 0;
   const auto spirv = specializer.specialize(module, constants);
   if (!spirv) return refuse(spirv.error());
-  made.spirv.assign(spirv->begin(), spirv->end());
+  // Passes that do the same in another way must get the same bits.
+  if (pass.crowd == Crowd::any) made.spirv.assign(spirv->begin(), spirv->end());
+  else made.spirv = compute::without_contraction(*spirv);
   const auto touched = compute::reflect(made.spirv);
   if (!touched) return refuse(touched.error());
   if (touched->local_size[0] != width || touched->push_constant_bytes > sizeof(gpu::Push))

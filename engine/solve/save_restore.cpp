@@ -165,13 +165,17 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
       for (const gpu::vec4& at : elements<gpu::vec4>(*bytes))
         if (!is_finite(at)) return unfit("its buffer ", buffer.name, " has a vector that is not finite");
     if (row == &buffers::displacement_bounds)
-      for (const float bound : elements<float>(*bytes))
-        if (!(bound >= 0 && bound < kTooLarge)) return unfit("its buffer ", buffer.name, " has one of ", bound, " m");
+      for (const std::uint32_t bits : elements<std::uint32_t>(*bytes))
+        if (const float bound = std::bit_cast<float>(bits & ~WEFT_PAIRED); !(bound >= 0 && bound < kTooLarge))
+          return unfit("its buffer ", buffer.name, " has one of ", bound, " m");
     if (row != &buffers::candidates) continue;
+    const auto bounds = elements<std::uint32_t>(*find(snapshot, "displacement_bounds"));   // checked before
     for (const gpu::uvec4& packed : elements<gpu::uvec4>(*bytes)) {
       const gpu::Candidate candidate = gpu::unpack_candidate(packed);
-      for (const std::uint32_t particle : candidate.particle)
+      for (const std::uint32_t particle : candidate.particle) {
         if (particle >= fabric.positions.size()) return unfit("a candidate has particle ", particle, " of ", fabric.positions.size());
+        if ((bounds[particle] & WEFT_PAIRED) == 0) return unfit("a candidate has particle ", particle, ", which is marked to have none");
+      }
       if (!(candidate.separation >= 0 && candidate.separation < kTooLarge))
         return unfit("a candidate has a separation of ", candidate.separation, " m");
     }

@@ -90,6 +90,8 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   if (auto made = solver.create_runs(subject, cache); !made) return made.take_error();
   solver.motion_.origin = {options.origin.x, options.origin.y, options.origin.z};
   solver.set_uniforms("motion", solver.motion_);
+  solver.contacts_.workgroup = solver.workgroup_;
+  solver.set_uniforms("contact_settings", solver.contacts_);
   if (!solver.uniforms_.empty())
     if (auto done = compute::upload(device, solver.arena_[solver.arena_.size() - 1], solver.uniforms_); !done) return done.take_error();
   return solver;
@@ -307,7 +309,7 @@ std::span<const Solver::Step> Solver::surface() {
 void Solver::list(Stage stage, const FrameInput& input, const gpu::Push& push) {
   for (std::uint32_t k = 0; k < plan_.passes.size(); ++k) {
     const Pass& pass = *plan_.passes[k].pass;
-    if (pass.stage != stage) continue;
+    if (pass.stage != stage || pass.crowd == (input.few_contacts ? Crowd::many : Crowd::few)) continue;
     const bool at_targets = pass.only_towards_targets && !input.anchors_move;
     // With contacts, an anchor that cloth held back may not have reached its target.
     if (at_targets && !has(buffers::detection)) continue;

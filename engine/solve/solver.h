@@ -28,6 +28,7 @@ struct FrameInput {
   std::uint32_t substeps = 0;
   Vec3 gravity;
   bool anchors_move = false;
+  bool few_contacts = false;                  // Crowd::few; the same bits either way
   std::span<const gpu::Anchor> anchors;       // when they move
   std::span<const gpu::Collider> colliders;   // by shape, as the buffer has them
 };

@@ -45,7 +45,7 @@ vec3 among_contacts(vec3 target, Anchor anchor) {
   const vec3 x = FETCH(positions, anchor.particle).xyz;
   count_tracking_error(x, anchor);
   const vec3 next = next_place(target, x, anchor);
-  if (strays(next, expected_at(anchor.particle, detection[0].steps + 2), detection[0].margin)) detection[0].needs_detection = 1;
+  if (strays(next, expected_of(anchor.particle, detection[0].steps).next, detection[0].margin)) detection[0].needs_detection = 1;
   return next;
 }
 

@@ -1,6 +1,5 @@
-// cluster: the box of a cluster, which its members cannot leave before the next detection, and its place in the grid.
-
-#include "contact/grid.glsl"
+// cluster: the box of a cluster, which its members cannot leave before the next detection, and its place in the grid. Needs
+// contact/grid.glsl.
 
 struct Box {
   vec3 low, high;   // m

@@ -4,7 +4,7 @@
 
 WRITE(uint, contact_list)
 
-// kind: WEFT_ACTIVE or WEFT_UNSAFE. Both lists begin empty (contact_arguments), and the second overwrites the first.
+// kind: WEFT_ACTIVE or WEFT_UNSAFE. Both lists begin empty (detect_arguments), and the second overwrites the first.
 void list(uint kind, uint candidate) {
   const uint place = atomicAdd(detection[0].listings[kind], 1);
   contact_list[place] = candidate;

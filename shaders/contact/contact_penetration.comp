@@ -3,18 +3,21 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 
+GATHER(positions)
+GATHER(predicted)
+GATHER_UINT4(candidates)
+GATHER(contact_normals)
+GATHER(contact_weights)
+GATHER_UINT(contact_counts)
+GATHER_UINT(contact_list)
+READ(Detection, detection)
 READ_WRITE(uint, contact_penetrations)
 
+#include "contact/wide.glsl"
 #include "contact/contact_share.glsl"
+#include "contact/penetration.glsl"
 
 void main() {
   const uint place = gl_GlobalInvocationID.x;
-  if (place >= detection[0].listings[WEFT_ACTIVE]) return;
-  const ActiveContact contact = active_contact_at(place);
-  if (!contact.penetrates) return;
-  for (int j = 0; j < 4; ++j) {
-    const uint i = contact.pair.particle[j];
-    if (contact.weights[j] != 0 && FETCH(positions, i).w != 0)
-      atomicAdd(contact_penetrations[i], penetration_of(contact.weights[j], contact.depth, FETCH_UINT(contact_counts, i)));
-  }
+  if (place < detection[0].listings[WEFT_ACTIVE]) add_penetrations(place);
 }

@@ -17,6 +17,7 @@ READ_WRITE(Detection, detection)
 WRITE(vec4, contact_normals)
 WRITE(vec4, contact_weights)
 READ_WRITE(uint, contact_counts)
+WRITE(uint, touched_particles)
 
 #include "contact/proximity.glsl"
 #include "contact/contact.glsl"
@@ -52,10 +53,13 @@ vec3 direction(vec3 d, vec4 weights, mat4x3 x, bool edges) {
   return separation(of_features, x, edges) > separation(n, x, edges) ? of_features : n;
 }
 
-// Counts the contacts of a particle that can move. Kinematic ones are left out: the corner of a large triangle has thousands of contacts,
-// whose impulses its count would scale down (contact_solve), and a count of 0 need not be cleared (contact_finalize).
-void count(uint particle, float weight) {
-  if (weight != 0 && FETCH(positions, particle).w != 0) atomicAdd(contact_counts[particle], 1);
+// Counts the contacts of a particle that can move, and lists it at the first, for the passes that move particles. Kinematic ones are left
+// out: the corner of a large triangle has thousands of contacts, whose impulses its count would scale down (contact_solve).
+void count(uint particle) {
+  if (FETCH(positions, particle).w == 0 || atomicAdd(contact_counts[particle], 1) != 0) return;
+  const uint place = atomicAdd(detection[0].touchings, 1);
+  touched_particles[place] = particle;
+  if (place % gl_WorkGroupSize.x == 0) atomicMax(detection[0].touched.x, place / gl_WorkGroupSize.x + 1);
 }
 
 void main() {
@@ -84,8 +88,8 @@ void main() {
   if (!is_active) return;
   list(WEFT_ACTIVE, i);
   contact_weights[i] = weights;
-  count(a, weights.x);
-  count(b, weights.y);
-  count(c, weights.z);
-  count(d, weights.w);
+  count(a);
+  count(b);
+  count(c);
+  count(d);
 }

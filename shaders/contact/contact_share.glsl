@@ -5,15 +5,8 @@
 // contact in a dozen carries the load, and the others are satisfied up to rounding: with even shares it would correct a twelfth of its
 // penetration in an iteration, and contact_limit would have to hold the cloth. The shares sum to 1 in any case, so momentum is conserved
 // and no particle is moved further than its contacts ask for.
-
-GATHER(positions)
-GATHER(predicted)
-GATHER_UINT4(candidates)
-GATHER(contact_normals)
-GATHER(contact_weights)
-GATHER_UINT(contact_counts)
-GATHER_UINT(contact_list)
-READ(Detection, detection)
+//
+// Needs ITERATE(i), particle i's iterate, and LISTED(place), an entry of contact_list.
 
 struct ActiveContact {
   Candidate pair;
@@ -24,15 +17,15 @@ struct ActiveContact {
 };
 
 ActiveContact active_contact_at(uint place) {
-  const uint i = FETCH_UINT(contact_list, place);
+  const uint i = LISTED(place);
   ActiveContact contact;
   contact.pair = unpack_candidate(FETCH(candidates, i));
   contact.normal = FETCH(contact_normals, i);
   contact.weights = FETCH(contact_weights, i);
-  const vec3 origin = FETCH(predicted, contact.pair.particle[0]).xyz;
-  contact.iterate = mat4x3(vec3(0), FETCH(predicted, contact.pair.particle[1]).xyz - origin,
-                           FETCH(predicted, contact.pair.particle[2]).xyz - origin,
-                           FETCH(predicted, contact.pair.particle[3]).xyz - origin);
+  const vec3 origin = ITERATE(contact.pair.particle[0]).xyz;
+  contact.iterate = mat4x3(vec3(0), ITERATE(contact.pair.particle[1]).xyz - origin,
+                           ITERATE(contact.pair.particle[2]).xyz - origin,
+                           ITERATE(contact.pair.particle[3]).xyz - origin);
   // precise: contact_penetration and contact_solve must get the same bits, so that shares sum to 1.
   precise const vec3 between = contact.iterate * contact.weights;
   precise const float depth = contact.normal.w - dot(contact.normal.xyz, between);

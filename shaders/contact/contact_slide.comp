@@ -17,31 +17,12 @@ GATHER_UINT(contact_list)
 READ(Detection, detection)
 READ_WRITE(uvec4, slides)
 
+#include "contact/wide.glsl"
 #include "contact/contact.glsl"
 #include "contact/sides.glsl"
-
-void ask(uint place, vec3 way) {
-  if (way.x > 0) atomicMax(slides[place].x, floatBitsToUint(way.x));
-  if (way.y > 0) atomicMax(slides[place].y, floatBitsToUint(way.y));
-  if (way.z > 0) atomicMax(slides[place].z, floatBitsToUint(way.z));
-}
+#include "contact/slide.glsl"
 
 void main() {
   const uint place = gl_GlobalInvocationID.x;
-  if (place >= detection[0].listings[WEFT_ACTIVE]) return;
-  const uint i = FETCH_UINT(contact_list, place);
-  const vec3 n = FETCH(contact_normals, i).xyz;
-  const Candidate pair = unpack_candidate(FETCH(candidates, i));
-  const Sides sides = sides_of(pair, n);
-  const vec4 end = sides.height + sides.displacement;
-  const vec2 least = least_of_sides(end, sides.edges);
-  if (least.x + least.y >= sides.least_gap) return;
-  const vec2 stopping = stopping_heights(sides, end);
-  const vec4 missing = (sides.edges ? stopping.xxyy : stopping.xyyy) + 2 * sides.rounding_error - end;
-  for (int j = 0; j < 4; ++j) {
-    if (sides.kinematic[j] || !(missing[j] > 0)) continue;
-    const vec3 way = signs(sides.edges)[j] * missing[j] * n;
-    ask(2 * pair.particle[j], way);
-    ask(2 * pair.particle[j] + 1, -way);
-  }
+  if (place < detection[0].listings[WEFT_ACTIVE]) ask_for_ways(place);
 }

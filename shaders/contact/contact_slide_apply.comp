@@ -6,16 +6,15 @@
 GATHER(positions)
 GATHER_WRITE(predicted)
 READ(Detection, detection)
+GATHER_UINT(touched_particles)
 READ_WRITE(uvec4, slides)
 
 #include "motion/displacement_bound.glsl"
 
+#define ITERATE(i) FETCH(predicted, i)
+#include "contact/slide_apply.glsl"
+
 void main() {
-  const uint i = gl_GlobalInvocationID.x;
-  if (i >= push.count) return;
-  const uvec3 up = slides[2 * i].xyz, down = slides[2 * i + 1].xyz;
-  if ((up | down) == uvec3(0)) return;
-  slides[2 * i].xyz = slides[2 * i + 1].xyz = uvec3(0);
-  const vec3 end = FETCH(predicted, i).xyz + uintBitsToFloat(up) - uintBitsToFloat(down);
-  predicted[i].xyz = keep_within_bound(i, FETCH(positions, i).xyz, end, detection[0].steps);
+  const uint place = gl_GlobalInvocationID.x;
+  if (place < detection[0].touchings) slide_along(FETCH_UINT(touched_particles, place));
 }

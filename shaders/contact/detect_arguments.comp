@@ -1,5 +1,5 @@
 // detect_arguments: decides whether this substep begins with a detection, chooses the detection margin, and writes the dispatch arguments
-// of the detection's passes, which are empty without one. One thread.
+// of the detection's passes, which are empty without one; and empties the substep's lists. One thread.
 //
 // A large margin finds more candidates, a small one asks for detections more often. It grows while detections follow each other closely,
 // or while candidates are so few that they cost next to nothing, and shrinks while they serve their whole lifetime.
@@ -42,29 +42,45 @@ void begin_detection(bool settled) {
   detection[0].near[0] = detection[0].near[1] = detection[0].levels = 0;
   detection[0].near_faces = detection[0].near_edges = Groups(0, 1, 1);   // the search adds to them
   for (uint k = 0; k < WEFT_LEVELS; ++k) detection[0].extents[k] = 0;
-  detection[0].particles = groups_of(push.count);
+  detection[0].contacts = detection[0].paired = detection[0].alone = Groups(0, 1, 1);   // and the narrow phase to these
+  const uint particles = contact_settings.particles, primitives = contact_settings.triangles + contact_settings.edges;
+  detection[0].outlined = groups_of(particles + contact_settings.clusters + primitives);
+  detection[0].grid = Groups(1, 1, 1);
   detection[0].clusters = groups_of(contact_settings.clusters);
-  detection[0].primitives = groups_of(contact_settings.triangles + contact_settings.edges);
+  detection[0].particles = groups_of(particles);
   detection[0].edges = groups_of(contact_settings.edges);
-  detection[0].blocks = groups_of((contact_settings.buckets + 7) / 8);   // scan.glsl: eight buckets a thread
   ++counters[0].detections;
 }
 
 void skip_detection() {
   detection[0].steps = min(detection[0].steps + 1, WEFT_LONGEST_LIFETIME);
   const Groups none = Groups(0, 1, 1);
-  detection[0].particles = none;
+  detection[0].outlined = none;
+  detection[0].grid = none;
   detection[0].clusters = none;
-  detection[0].primitives = none;
+  detection[0].particles = none;
   detection[0].edges = none;
   detection[0].near_faces = none;
   detection[0].near_edges = none;
-  detection[0].blocks = none;
+}
+
+// Those of the substep before.
+void empty_lists() {
+  counters[0].contacts_load = min(detection[0].candidates, contact_settings.capacity) + 10 * detection[0].listings[WEFT_ACTIVE];
+  for (uint pass = 0; pass < WEFT_LIMIT_PASSES - 1; ++pass) detection[0].changed[pass] = 0;
+  detection[0].falls_back = 0;
+  detection[0].touchings = 0;
+  detection[0].touched = Groups(0, 1, 1);
+  for (uint kind = 0; kind < 2; ++kind) {
+    detection[0].listings[kind] = 0;
+    detection[0].listed[kind] = Groups(0, 1, 1);
+  }
 }
 
 // push.count: particles.
 void main() {
-  if (gl_GlobalInvocationID.x != 0) return;
+  if (gl_LocalInvocationID.x != 0) return;
+  empty_lists();
   const bool needed = detection[0].needs_detection != 0;
   const bool settled = !needed && detection[0].steps >= WEFT_LONGEST_LIFETIME && detection[0].settled == 0 &&
                        detection[0].candidates > push.count;

@@ -8,8 +8,6 @@
 //
 // Boxes and cells are `precise`: counting, filling and searching must agree to the bit. Needs push and detection.
 
-GATHER(detected_positions)
-GATHER(trajectories)
 GATHER(rest)
 
 // Four units in the last place of the largest coordinate: rounding errors of sums of trajectories and of comparisons.
@@ -23,8 +21,6 @@ const uint of_triangles = 0, of_edges = 1;   // kinds of pairs
 struct Track {
   vec3 at, trajectory;
 };
-
-Track track_of(uint i) { return Track(FETCH(detected_positions, i).xyz, FETCH(trajectories, i).xyz); }
 
 struct Sweep {
   vec3 low, high;    // corners of the box that the primitive's surface cannot leave (m)

@@ -1,22 +1,67 @@
-// grid_fill: puts every cluster into its bucket. A bucket's count falls back to zero on the way, ready for the next detection. The order
-// of entries within a bucket depends on the order of threads; nothing else does.
+// grid_fill: puts every cluster into its bucket, in one workgroup: clusters are few. Counts the clusters of every bucket, adds the counts up
+// to where its entries start, and finds the longest box on each level. The place after the last bucket holds the number of all entries.
+//
+// A bucket's count falls back to zero in the end, ready for the next detection. The order of entries within a bucket depends on the order
+// of threads; nothing else does.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 
 GATHER(cluster_boxes)
-READ_WRITE(uint, grid_counts)
-READ(Detection, detection)
-GATHER_UINT(grid_starts)
+READ_WRITE(Detection, detection)
+SHARE(uint, grid_counts)
+SHARE(uint, grid_starts)
 WRITE(vec4, grid_entries)
 
+#include "contact/grid.glsl"
 #include "contact/cluster.glsl"
+#include "contact/scan.glsl"
+
+void wait() {
+  memoryBarrierBuffer();
+  barrier();
+}
+
+Place place_at(uint cluster) {
+  return place_of(Box(FETCH(cluster_boxes, 2 * cluster).xyz, FETCH(cluster_boxes, 2 * cluster + 1).xyz));
+}
+
+void count(Place place) {
+  atomicAdd(grid_counts[place.bucket], 1u);
+  // Bits of floats that are not negative order like integers. Most boxes are no longer than the longest so far, and need no atomic.
+  const uint bits = floatBitsToUint(place.half_side);
+  if (detection[0].extents[place.level] < bits) {
+    atomicMax(detection[0].extents[place.level], bits);
+    atomicOr(detection[0].levels, 1u << place.level);
+  }
+}
+
+// Every thread has a run of buckets.
+void find_starts(uint thread) {
+  const uint buckets = contact_settings.buckets, run = (buckets + workgroup - 1) / workgroup;
+  const uint first = min(thread * run, buckets), end = min(first + run, buckets);
+  uint sum = 0;
+  for (uint k = first; k < end; ++k) sum += grid_counts[k];
+  uint start = sum_before_thread(sum);
+  for (uint k = first; k < end; ++k) {
+    grid_starts[k] = start;
+    start += grid_counts[k];
+  }
+  if (first < end && end == buckets) grid_starts[end] = start;
+}
+
+void enter(uint cluster) {
+  const Place place = place_at(cluster);
+  const uint left = atomicAdd(grid_counts[place.bucket], 0xffffffffu);
+  grid_entries[grid_starts[place.bucket] + left - 1] = vec4(place.middle, uintBitsToFloat(cluster | place.level << level_shift));
+}
 
 // push.count: clusters.
 void main() {
-  const uint i = gl_GlobalInvocationID.x;
-  if (i >= push.count) return;
-  const Place place = place_of(Box(FETCH(cluster_boxes, 2 * i).xyz, FETCH(cluster_boxes, 2 * i + 1).xyz));
-  const uint left = atomicAdd(grid_counts[place.bucket], 0xffffffffu);
-  grid_entries[FETCH_UINT(grid_starts, place.bucket) + left - 1] = vec4(place.middle, uintBitsToFloat(i | place.level << level_shift));
+  const uint thread = gl_LocalInvocationID.x;
+  for (uint k = thread; k < push.count; k += workgroup) count(place_at(k));
+  wait();
+  find_starts(thread);
+  wait();
+  for (uint k = thread; k < push.count; k += workgroup) enter(k);
 }

@@ -11,6 +11,7 @@ GATHER(grid_entries)
 READ_WRITE(uint, near_clusters)
 READ(Detection, detection)
 
+#include "contact/grid.glsl"
 #include "contact/cluster.glsl"
 
 struct Search {

@@ -1,6 +1,4 @@
-// outline: a triangle or an edge as it is at the detection, and one trajectory for all of it.
-
-#include "contact/grid.glsl"
+// outline: a triangle or an edge as it is at the detection, and one trajectory for all of it. Needs contact/grid.glsl.
 
 struct Outline {
   vec3 middle;       // m

@@ -11,7 +11,8 @@
 // the last two that are never tighter, so that it does not matter which pairs it lists besides. Of a pair that moves as one only the step
 // along n counts, by which one of them may be stopped.
 
-#include "contact/grid.glsl"
+#include "contact/track.glsl"
+#include "contact/groups.glsl"
 #include "contact/proximity.glsl"
 #include "contact/contact.glsl"
 
@@ -19,6 +20,7 @@ GATHER(positions)
 GATHER(velocities)
 WRITE(uvec4, candidates)
 READ_WRITE(uint, displacement_bounds)
+READ_WRITE(Counters, counters)
 
 float inverse_mass(uint i) { return FETCH(positions, i).w; }
 
@@ -68,12 +70,25 @@ float rest_separation(uint a, uint b, float thickness, float at_rest) {
 }
 
 // A candidate beyond the capacity overflows: no contact keeps its sides apart, so its particles are held in place, by a displacement bound
-// of 0.
+// of 0. A bit of the bound says that the particle has candidates.
 void add_candidate(uvec4 particle, float separation, bool edges) {
   const uint index = atomicAdd(detection[0].candidates, 1u);
-  if (index < contact_settings.capacity) {
-    candidates[index] = pack_candidate(particle.x, particle.y, particle.z, particle.w, separation, edges);
+  if (counters[0].contacts_most <= index) atomicMax(counters[0].contacts_most, index + 1);
+  if (counters[0].contacts_room <= index) atomicMax(counters[0].contacts_room, index + 1);
+  const bool overflows = index >= contact_settings.capacity;
+  if (overflows) {
+    atomicAdd(counters[0].contacts_overflowed, 1u);
   } else {
-    for (uint k = 0; k < 4; ++k) atomicMin(displacement_bounds[particle[k]], 0u);
+    candidates[index] = pack_candidate(particle.x, particle.y, particle.z, particle.w, separation, edges);
+    // The first candidate of a workgroup's share adds the workgroup to the dispatches.
+    if (index % gl_WorkGroupSize.x == 0) atomicMax(detection[0].contacts.x, index / gl_WorkGroupSize.x + 1);
+    if (index == 0) {
+      detection[0].paired = groups_of(contact_settings.particles);
+      detection[0].alone = Groups(1, 1, 1);
+    }
+  }
+  for (uint k = 0; k < 4; ++k) {
+    if (overflows) atomicAnd(displacement_bounds[particle[k]], WEFT_PAIRED);
+    else if ((displacement_bounds[particle[k]] & WEFT_PAIRED) == 0) atomicOr(displacement_bounds[particle[k]], WEFT_PAIRED);
   }
 }

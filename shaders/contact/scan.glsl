@@ -1,7 +1,5 @@
 // scan: sums over a workgroup, in shared memory (Hillis and Steele 1986). All of its threads must call these together.
 
-const uint buckets_per_thread = 8;
-
 shared uint partial[gl_WorkGroupSize.x];
 
 // Afterwards partial[k] is the sum of the values of threads 0 to k.
@@ -16,11 +14,6 @@ void sum_up(uint value) {
     partial[thread] += before;
   }
   barrier();
-}
-
-uint sum_of_group(uint value) {
-  sum_up(value);
-  return partial[gl_WorkGroupSize.x - 1];
 }
 
 uint sum_before_thread(uint value) {

@@ -8,6 +8,7 @@
 // Bound, as in pair.glsl. Two outlines whose middles are m apart at the detection and whose trajectories differ by r are, s substeps of H
 // later, m + (s/H) r apart, which is within r/2 of m + r/2; and if one of them is stopped, another step of its trajectory.
 
+#include "contact/track.glsl"
 #include "contact/outline.glsl"
 
 GATHER_UINT4(clusters)
@@ -15,6 +16,7 @@ GATHER(cluster_boxes)
 GATHER_UINT(near_clusters)
 GATHER(outlines)
 READ_WRITE(uint, displacement_bounds)
+READ_WRITE(Counters, counters)
 
 Outline outline_at(uint primitive) {
   const vec4 middle = FETCH(outlines, 3 * primitive);
@@ -38,6 +40,9 @@ uint outline_number(uint member);
 // A pair beyond the capacity overflows: its particles are held in place, by a displacement bound of 0.
 void add_near(uint kind, uint member, uvec4 particle) {
   const uint place = atomicAdd(detection[0].near[kind], 1u);
+  // There is room for WEFT_NEAR times as many pairs of either kind as for candidates.
+  if (place % WEFT_NEAR == 0 && counters[0].contacts_room <= place / WEFT_NEAR)
+    atomicMax(counters[0].contacts_room, place / WEFT_NEAR + 1);
   const bool overflows = place >= WEFT_NEAR * contact_settings.capacity;
   if (!overflows) {
     put_near(place, member);
@@ -45,8 +50,10 @@ void add_near(uint kind, uint member, uvec4 particle) {
     const uint groups = place / gl_WorkGroupSize.x + 1;
     if (place % gl_WorkGroupSize.x == 0 && kind == of_triangles) atomicMax(detection[0].near_faces.x, groups);
     if (place % gl_WorkGroupSize.x == 0 && kind == of_edges) atomicMax(detection[0].near_edges.x, groups);
+    return;
   }
-  for (uint k = overflows ? 0 : 4; k < 4; ++k)
+  atomicAdd(counters[0].contacts_overflowed, 1u);
+  for (uint k = 0; k < 4; ++k)
     atomicMin(displacement_bounds[k < 2 ? (k == 0 ? particle.x : particle.y) : k == 2 ? particle.z : particle.w], 0u);
 }
 

@@ -1,5 +1,5 @@
 // sides: the two sides of a pair seen along its normal, and the heights at which steps that would cross must stop. contact_limit.comp
-// derives them and numbers the stages.
+// derives them and numbers the stages. Needs ITERATE(i), particle i's iterate.
 
 // Of a gap that may not shrink: a change as small as this is no motion.
 const float kNegligible = 1e-4;
@@ -25,8 +25,8 @@ vec3 step_of(vec3 x, vec3 p) { return dot(p, p) < 1e20 ? p - x : vec3(0); }
 Sides sides_of(Candidate pair, vec3 n) {
   const uint a = pair.particle[0], b = pair.particle[1], c = pair.particle[2], d = pair.particle[3];
   const mat4 x = mat4(FETCH(positions, a), FETCH(positions, b), FETCH(positions, c), FETCH(positions, d));
-  const mat4x3 steps = mat4x3(step_of(x[0].xyz, FETCH(predicted, a).xyz), step_of(x[1].xyz, FETCH(predicted, b).xyz),
-                              step_of(x[2].xyz, FETCH(predicted, c).xyz), step_of(x[3].xyz, FETCH(predicted, d).xyz));
+  const mat4x3 steps = mat4x3(step_of(x[0].xyz, ITERATE(a).xyz), step_of(x[1].xyz, ITERATE(b).xyz),
+                              step_of(x[2].xyz, ITERATE(c).xyz), step_of(x[3].xyz, ITERATE(d).xyz));
   const vec4 towards = signs(pair.edges);
   Sides sides;
   sides.edges = pair.edges;

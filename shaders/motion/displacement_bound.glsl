@@ -3,13 +3,24 @@
 
 GATHER(detected_positions)
 GATHER(trajectories)
-READ(uint, displacement_bounds)
+GATHER_UINT(displacement_bounds)
 
-// The place of particle i on its predicted trajectory so many substeps after the last detection (m).
-vec3 expected_at(uint i, uint substeps) {
+float bound_of(uint i) { return uintBitsToFloat(FETCH_UINT(displacement_bounds, i) & ~WEFT_PAIRED); }
+
+// Whether the last detection has found candidates of particle i.
+bool is_paired(uint i) { return (FETCH_UINT(displacement_bounds, i) & WEFT_PAIRED) != 0; }
+
+// Places of a particle on its predicted trajectory (m).
+struct Expected {
+  vec3 before, now, next;   // where the substep begins, where it ends, and where the next one does
+};
+
+// Of particle i, in a substep `steps` substeps after the last detection. All that it needs is read once.
+Expected expected_of(uint i, uint steps) {
+  const vec3 at = FETCH(detected_positions, i).xyz, trajectory = FETCH(trajectories, i).xyz;
   const uint lifetime = max(detection[0].lifetime, 1);
-  const float passed = float(min(substeps, lifetime)) / float(lifetime);
-  return FETCH(detected_positions, i).xyz + passed * FETCH(trajectories, i).xyz;
+  const vec3 passed = vec3(min(uvec3(steps, steps + 1, steps + 2), lifetime)) / float(lifetime);
+  return Expected(at + passed.x * trajectory, at + passed.y * trajectory, at + passed.z * trajectory);
 }
 
 // p, if it is within the bound of the part of the trajectory that belongs to this substep, or else the nearest point that is. A particle
@@ -22,11 +33,9 @@ vec3 within_bound(vec3 p, vec3 from, vec3 to, float bound) {
   return squared > bound * bound ? passed + (bound / sqrt(squared)) * d : p;
 }
 
-// p, kept within the displacement bound of particle i, `steps` substeps after the detection; x, the substep's start, if a candidate of it
-// has overflowed (bound 0).
-vec3 keep_within_bound(uint i, vec3 x, vec3 p, uint steps) {
-  const float bound = uintBitsToFloat(displacement_bounds[i]);
-  return bound > 0 ? within_bound(p, expected_at(i, steps), expected_at(i, steps + 1), bound) : x;
+// p, kept within the displacement bound; x, the substep's start, if a candidate of the particle has overflowed (bound 0).
+vec3 keep_within_bound(float bound, Expected expected, vec3 x, vec3 p) {
+  return bound > 0 ? within_bound(p, expected.before, expected.now, bound) : x;
 }
 
 // Whether a prediction uses up so much of the detection margin that constraints might not have what they need: a detection is needed. They

@@ -1,13 +1,17 @@
 // finalize: what a particle can do alone at the end of an iteration: [tethers] [colliders] and, after a substep's last iteration, the
 // velocity update. Fused into the last pass that moves the particle, because each part costs less than reading the particle again, and
 // specialised to the parts that the scene has. Where triangles collide (triangle_collide), tethers come before that, in the last pass
-// of the constraints. A scene with contacts ends its substeps after them, in the pass contact_finalize.
+// of the constraints. With contacts a particle is kept within its displacement bound first, and one that has candidates ends its substep
+// after these, in the pass contact_finalize.
 //
 // `predicted` is the iterate at hand and `next_iterate` the next; the host swaps them after a pass that changes iterates.
 //
 // Needs predicted, next_iterate and counters.
 
+READ_WRITE(Detection, detection)
+
 #include "motion/update_velocity.glsl"
+#include "motion/watch_bound.glsl"
 #include "collide/colliders.glsl"
 #include "tether/tether.glsl"
 
@@ -33,10 +37,12 @@ Asked asked_by_triangles(uint i) {
 
 // p is the particle's iterate after the pass that this is part of.
 void finalize(uint i, vec4 p) {
-  const bool last = !has_contacts && (push.flags & WEFT_LAST_ITERATION) != 0;
+  const bool last = (push.flags & WEFT_LAST_ITERATION) != 0;
+  const uint bits = has_contacts && last ? FETCH_UINT(displacement_bounds, i) : 0;
+  const bool ends = last && (bits & WEFT_PAIRED) == 0;
   if (triangles_collide > 0 && i == 0) collisions[0] = Collisions(Groups(0, 0, 0), 0);   // for the next iteration
   if (p.w == 0) {
-    if (last) positions[i].xyz = p.xyz;
+    if (ends) positions[i].xyz = p.xyz;
     next_iterate[i] = p;
     return;
   }
@@ -53,7 +59,19 @@ void finalize(uint i, vec4 p) {
   }
   if (has_colliders) p.xyz = out_of_colliders(start, p.xyz, material);
   if (is_accelerated) chebyshev_iterates[3 * i + 1] = vec4(p.xyz, 0);
-  if (last) p = update_velocity(i, x.xyz, p, v.xyz, material.x);
+  if (has_contacts && last) {
+    const float bound = uintBitsToFloat(bits & ~WEFT_PAIRED);
+    const Expected expected = expected_of(i, detection[0].steps);
+    const vec3 end = keep_within_bound(bound, expected, x.xyz, p.xyz);
+    if (end != p.xyz) atomicAdd(counters[0].truncated, 1);
+    p.xyz = end;
+    if (ends) {
+      p = update_velocity(i, x.xyz, p, v.xyz, material.x);
+      watch_bound(bound, expected, end, p.xyz);
+    }
+  } else if (last) {
+    p = update_velocity(i, x.xyz, p, v.xyz, material.x);
+  }
   next_iterate[i] = p;
 }
 

@@ -65,7 +65,9 @@ void stretch_pass(benchmark::State& state) {
   stir(fabric);
   const auto cache = need(compute::PipelineCache::create(device()));
   Solver solver = need(Solver::create(device(), cache, scene, fabric, {.gather_storage = state.range(1) != 0}));
-  const FrameInput input{1, scene.gravity, false, {}, {}};
+  FrameInput input;
+  input.substeps = 1;
+  input.gravity = scene.gravity;
   const auto steps = solver.frame(input);
   const auto stretch =
       std::find_if(steps.begin(), steps.end(), [&](const Solver::Step& s) { return solver.plan().passes[s.pass].label == "stretch"; });

@@ -6,7 +6,9 @@
 #include <set>
 #include <string>
 
+#include "compute/contraction.h"
 #include "compute/reflect.h"
+#include "compute/spirv.h"
 #include "shaders/embedded.h"
 #include "shaders/shared.h"
 
@@ -43,6 +45,29 @@ TEST(Specialize, what_a_constant_turns_off_is_gone_with_its_bindings) {
   std::set<std::pair<uint32_t, uint32_t>> numbers;
   for (const Binding& binding : reflection->bindings)
     EXPECT_TRUE(numbers.emplace(binding.set, binding.binding).second) << binding.name << " shares its number";
+}
+
+TEST(Specialize, what_may_not_be_contracted_is_decorated_once) {
+  const auto solve = specialize(shader("contact_solve"), kPlain);
+  ASSERT_TRUE(solve);
+  const auto counted = [](const Words& words) {   // products of floats, and the arithmetic that is decorated
+    std::pair<int, std::multiset<uint32_t>> count;
+    for (size_t at = spirv::kHeaderWords; at < words.size(); at += words[at] >> 16) {
+      count.first += (words[at] & 0xffff) == 133;
+      if ((words[at] & 0xffff) == spirv::OpDecorate && words[at + 2] == spirv::kNoContraction) count.second.insert(words[at + 1]);
+    }
+    return count;
+  };
+  const Words free = *solve, strict = without_contraction(free);
+  const auto before = counted(free), after = counted(strict);
+  EXPECT_GT(before.first, 0);
+  EXPECT_EQ(after.first, before.first);
+  EXPECT_GT(before.second.size(), 0u) << "those that are `precise` anyway";
+  EXPECT_GE(after.second.size(), before.second.size() + 5);
+  for (const uint32_t id : after.second) EXPECT_EQ(after.second.count(id), 1u);
+  EXPECT_EQ(without_contraction(strict), strict);
+  EXPECT_EQ(names(strict), names(free));
+  EXPECT_EQ(without_contraction(Words(3, 7)), Words(3, 7));
 }
 
 TEST(Specialize, words_that_are_no_module_are_refused_in_a_sentence) {

@@ -29,7 +29,7 @@ TEST(Plan, exactly_one_pass_finalizes_and_it_is_the_last_of_its_iteration) {
     EXPECT_TRUE(iteration.back()->pass->can_finalize && iteration.back()->pass->changes == Changes::iterate);
     const bool alone = std::string(iteration.back()->pass->name) == "finalize";
     const bool ends_in_tethers = calls.has(Id::tether) && !calls.has(Id::triangle);
-    const bool something = ends_in_tethers || calls.has(Id::collide) || (!calls.has(Id::contact) && !alone);
+    const bool something = ends_in_tethers || calls.has(Id::collide) || !alone;
     // Tethers end the constraints, before triangles collide; nothing else is a part of another pass than the last.
     int with_tethers = 0;
     for (const PlannedPass* planned : iteration) {
@@ -52,7 +52,7 @@ TEST(Plan, velocities_change_in_free_flight_by_forces_and_where_a_substep_ends_a
       if (planned.pass->changes == Changes::velocity) { EXPECT_EQ(planned.pass->stage, Stage::force); }
       enders += planned.pass->stage > Stage::force && planned.writes.contains(number_of(buffers::velocities));
     }
-    EXPECT_EQ(enders, 1);
+    EXPECT_EQ(enders, calls.has(Id::contact) ? 2 : 1);   // contact_finalize for particles that have candidates
     EXPECT_EQ(std::any_of(plan.passes.begin(), plan.passes.end(), [](const PlannedPass& p) { return p.label == "contact_finalize"; }),
               calls.has(Id::contact));
   });
@@ -192,8 +192,9 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(calls.has(Id::contact),
            {&b::clusters, &b::cluster_faces, &b::cluster_edges, &b::cluster_searchers, &b::cluster_hulls, &b::cluster_boxes, &b::near_clusters,
             &b::outlines, &b::rest, &b::detected_positions, &b::trajectories, &b::displacement_bounds, &b::grid_counts,
-            &b::grid_starts, &b::grid_totals, &b::grid_entries, &b::detection, &b::candidates, &b::contact_normals, &b::contact_weights,
-            &b::contact_counts, &b::contact_sums, &b::contact_penetrations, &b::slides, &b::step_fractions, &b::contact_list});
+            &b::grid_starts, &b::grid_entries, &b::detection, &b::candidates, &b::contact_normals, &b::contact_weights,
+            &b::contact_counts, &b::contact_sums, &b::contact_penetrations, &b::slides, &b::step_fractions, &b::contact_list,
+            &b::touched_particles});
     expect(true, {&b::positions, &b::velocities, &b::predicted, &b::next_iterate, &b::materials, &b::surface_rows, &b::corners,
                   &b::vertex_positions, &b::vertex_normals, &b::counters});
   });
@@ -247,17 +248,15 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   EXPECT_EQ(labels({{Id::gauss_seidel, Id::tether, Id::collide, Id::triangle}}),
             (Labels{"predict", "gauss_seidel", "finalize+tether", "triangle_search", "triangle_collide", "finalize+collide", "surface"}));
   EXPECT_EQ(labels({{Id::stretch, Id::contact}}),
-            (Labels{"predict+watch", "detect_arguments", "detect_trajectory", "grid_count", "grid_total", "grid_scan",
-                    "grid_fill", "grid_search", "outline", "search_faces", "search_edges", "pair_faces", "pair_edges",
-                    "contact_arguments", "contact_prepare", "stretch", "contact_penetration", "contact_solve",
-                    "contact_apply", "contact_slide", "contact_slide_apply", "contact_unsafe", "contact_limit",
+            (Labels{"predict+watch", "detect_arguments", "detect_trajectory", "grid_fill", "grid_search", "search_faces", "search_edges",
+                    "pair_faces", "pair_edges", "contact_prepare", "stretch+finalize", "contact_alone", "contact_penetration",
+                    "contact_solve", "contact_apply", "contact_slide", "contact_slide_apply", "contact_unsafe", "contact_limit",
                     "contact_finalize", "surface"}));
   EXPECT_EQ(labels(with(all, {Id::contact})),
-            (Labels{"predict+watch", "anchor+watch", "detect_arguments", "detect_trajectory", "grid_count", "grid_total",
-                    "grid_scan", "grid_fill", "grid_search", "outline", "search_faces", "search_edges", "pair_faces", "pair_edges",
-                    "contact_arguments", "contact_prepare", "stretch", "bend+tether+collide", "contact_penetration",
-                    "contact_solve", "contact_apply+collide", "contact_slide", "contact_slide_apply",
-                    "contact_unsafe", "contact_limit", "contact_finalize", "surface"}));
+            (Labels{"predict+watch", "anchor+watch", "detect_arguments", "detect_trajectory", "grid_fill", "grid_search", "search_faces",
+                    "search_edges", "pair_faces", "pair_edges", "contact_prepare", "stretch", "bend+tether+collide+finalize",
+                    "contact_alone+collide", "contact_penetration", "contact_solve", "contact_apply+collide", "contact_slide",
+                    "contact_slide_apply", "contact_unsafe", "contact_limit", "contact_finalize", "surface"}));
 }
 
 }  // namespace

@@ -55,7 +55,7 @@ class Passes : public SinglePass {
     put(buffers::velocities, leading_to(p, fabric));
     put_iterate(p);
     put(buffers::detected_positions, fabric.positions);
-    put(buffers::displacement_bounds, std::vector<float>(t.x.size(), 100));
+    put(buffers::displacement_bounds, std::vector<std::uint32_t>(t.x.size(), std::bit_cast<std::uint32_t>(100.0f) | WEFT_PAIRED));
     put_pairs(t.pairs);
     begin(frame_of(1));
     recover = static_cast<float>(scene.contacts.recover * fabric.h);
@@ -69,7 +69,9 @@ class Passes : public SinglePass {
     std::vector<gpu::Detection> detection(1);
     const auto groups = [](std::size_t threads) { return gpu::Groups{static_cast<std::uint32_t>(threads + 63) / 64, 1, 1}; };
     detection[0].contacts = groups(pairs.size());
-    detection[0].touched = groups(t_.x.size());
+    detection[0].paired = groups(t_.x.size());
+    detection[0].alone = {1, 1, 1};
+    detection[0].touched = {0, 1, 1};
     for (gpu::Groups& listed : detection[0].listed) listed = {0, 1, 1};
     detection[0].candidates = static_cast<std::uint32_t>(pairs.size());
     detection[0].lifetime = WEFT_LONGEST_LIFETIME;
@@ -86,8 +88,19 @@ class Passes : public SinglePass {
     }
     return contacts;
   }
+  /// As contact_prepare does where each particle that can move has active contacts.
+  void touch_all() {
+    std::vector<std::uint32_t> touched;
+    for (std::uint32_t i = 0; i < t_.x.size(); ++i)
+      if (t_.inverse_masses[i] > 0) touched.push_back(i);
+    put(buffers::touched_particles, touched);
+    std::vector<gpu::Detection> state{detection()};
+    state[0].touchings = static_cast<std::uint32_t>(touched.size());
+    state[0].touched = {(state[0].touchings + 63) / 64, 1, 1};
+    put(buffers::detection, state);
+  }
   void slide() {
-    for (std::uint32_t round = 0; round < kSlides; ++round)
+    for (std::uint32_t round = 0; round < WEFT_SLIDES; ++round)
       for (const char* pass : {"contact_slide", "contact_slide_apply"}) run(pass);
   }
   void limit() {

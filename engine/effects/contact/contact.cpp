@@ -34,6 +34,8 @@ gpu::ContactSettings contact_settings(const Scene& scene, const CookedFabric& fa
   settings.recover = static_cast<float>(wanted.recover * fabric.h);
   settings.kinematic_lag_limit = static_cast<float>(wanted.kinematic_lag_limit);
   const ClusterLists& lists = fabric.own.of<ClusterLists>();
+  settings.particles = static_cast<std::uint32_t>(fabric.positions.size());
+  settings.iterations = wanted.iterations;
   settings.triangles = static_cast<std::uint32_t>(lists.faces.size());
   settings.edges = static_cast<std::uint32_t>(lists.edges.size());
   settings.clusters = static_cast<std::uint32_t>(lists.clusters.empty() ? 0 : lists.clusters.size() - 1);
@@ -52,49 +54,47 @@ constexpr const Buffer* kBuffers[] = {
     &buffers::clusters, &buffers::cluster_faces, &buffers::cluster_edges, &buffers::cluster_searchers, &buffers::cluster_hulls,
     &buffers::cluster_boxes, &buffers::near_clusters, &buffers::outlines, &buffers::rest, &buffers::detection, &buffers::detected_positions,
     &buffers::trajectories, &buffers::displacement_bounds, &buffers::candidates, &buffers::grid_counts,
-    &buffers::grid_starts, &buffers::grid_totals, &buffers::grid_entries, &buffers::contact_normals,
-    &buffers::contact_weights, &buffers::near_edges, &buffers::near_faces, &buffers::contact_list,
+    &buffers::grid_starts, &buffers::grid_entries, &buffers::contact_normals,
+    &buffers::contact_weights, &buffers::near_edges, &buffers::near_faces, &buffers::contact_list, &buffers::touched_particles,
     &buffers::contact_counts, &buffers::contact_sums, &buffers::contact_penetrations, &buffers::slides, &buffers::step_fractions,
 };
 
 // Indirect dispatches, in the order of the passes: a detection, where one is needed; the pairs of its broad phase; its
-// candidates; the particles, where there are candidates; the active candidates; the unsafe ones.
-constexpr Threads kDetectedParticles{lengths::particles, nullptr, {&buffers::detection, offsetof(gpu::Detection, particles)}};
+// candidates; the active ones and their particles; the unsafe ones; all particles, where there are candidates.
+constexpr Threads kOutlined{lengths::outlined, nullptr, {&buffers::detection, offsetof(gpu::Detection, outlined)}};
+constexpr Threads kGrid{lengths::clusters, lengths::one, {&buffers::detection, offsetof(gpu::Detection, grid)}};
 constexpr Threads kClusters{lengths::clusters, nullptr, {&buffers::detection, offsetof(gpu::Detection, clusters)}};
+constexpr Threads kDetectedParticles{lengths::particles, nullptr, {&buffers::detection, offsetof(gpu::Detection, particles)}};
 constexpr Threads kEdges{lengths::edges, nullptr, {&buffers::detection, offsetof(gpu::Detection, edges)}};
-constexpr Threads kPrimitives{lengths::primitives, nullptr, {&buffers::detection, offsetof(gpu::Detection, primitives)}};
-constexpr Threads kBuckets{lengths::buckets, nullptr, {&buffers::detection, offsetof(gpu::Detection, blocks)}};
 constexpr Threads kNearFaces{buffers::near_faces.length, nullptr, {&buffers::detection, offsetof(gpu::Detection, near_faces)}, true};
 constexpr Threads kNearEdges{buffers::near_edges.length, nullptr, {&buffers::detection, offsetof(gpu::Detection, near_edges)}, true};
 constexpr Threads kCandidates{lengths::candidates, nullptr, {&buffers::detection, offsetof(gpu::Detection, contacts)}, true};
 constexpr Threads kTouchedParticles{lengths::particles, nullptr, {&buffers::detection, offsetof(gpu::Detection, touched)}};
 constexpr Threads kContacts{lengths::candidates, nullptr, {&buffers::detection, offsetof(gpu::Detection, listed)}, true};
+constexpr Threads kPairedParticles{lengths::particles, nullptr, {&buffers::detection, offsetof(gpu::Detection, paired)}};
+constexpr Threads kContactsAlone{lengths::particles, lengths::one, {&buffers::detection, offsetof(gpu::Detection, alone)}};
 constexpr Threads kUnsafeCandidates{lengths::candidates, nullptr,
                                     {&buffers::detection, offsetof(gpu::Detection, listed) + WEFT_UNSAFE * sizeof(gpu::Groups)}, true};
 
 constexpr Pass kPasses[] = {
-    {.name = "detect_arguments", .stage = Stage::detect, .threads = threads::once},
-    {.name = "detect_trajectory", .stage = Stage::detect, .threads = kDetectedParticles},
-    {.name = "grid_count", .stage = Stage::detect, .threads = kClusters},
-    {.name = "grid_total", .stage = Stage::detect, .threads = kBuckets},
-    {.name = "grid_scan", .stage = Stage::detect, .threads = kBuckets},
-    {.name = "grid_fill", .stage = Stage::detect, .threads = kClusters},
+    {.name = "detect_arguments", .stage = Stage::detect, .threads = threads::once, .alone = true},
+    {.name = "detect_trajectory", .stage = Stage::detect, .threads = kOutlined},
+    {.name = "grid_fill", .stage = Stage::detect, .threads = kGrid, .alone = true},
     {.name = "grid_search", .stage = Stage::detect, .threads = kClusters},
-    {.name = "outline", .stage = Stage::detect, .threads = kPrimitives},
     {.name = "search_faces", .stage = Stage::detect, .threads = kDetectedParticles},
     {.name = "search_edges", .stage = Stage::detect, .threads = kEdges},
     {.name = "pair_faces", .stage = Stage::detect, .threads = kNearFaces},
     {.name = "pair_edges", .stage = Stage::detect, .threads = kNearEdges},
-    {.name = "contact_arguments", .stage = Stage::detect, .threads = threads::once},
     {.name = "contact_prepare", .stage = Stage::detect, .threads = kCandidates},
-    {.name = "contact_penetration", .stage = Stage::contact, .threads = kContacts},
-    {.name = "contact_solve", .stage = Stage::contact, .threads = kContacts},
-    {.name = "contact_apply", .stage = Stage::contact, .threads = kTouchedParticles, .collides = true},
-    {.name = "contact_slide", .stage = Stage::slide, .threads = kContacts},
-    {.name = "contact_slide_apply", .stage = Stage::slide, .threads = kTouchedParticles},
-    {.name = "contact_unsafe", .stage = Stage::substep_end, .threads = kCandidates},
-    {.name = "contact_limit", .stage = Stage::substep_end, .threads = kUnsafeCandidates, .rounds = WEFT_LIMIT_PASSES},
-    {.name = "contact_finalize", .stage = Stage::substep_end, .threads = threads::particles},
+    {.name = "contact_alone", .stage = Stage::contacts, .threads = kContactsAlone, .crowd = Crowd::few, .collides = true, .alone = true},
+    {.name = "contact_penetration", .stage = Stage::contact, .threads = kContacts, .crowd = Crowd::many},
+    {.name = "contact_solve", .stage = Stage::contact, .threads = kContacts, .crowd = Crowd::many},
+    {.name = "contact_apply", .stage = Stage::contact, .threads = kTouchedParticles, .crowd = Crowd::many, .collides = true},
+    {.name = "contact_slide", .stage = Stage::slide, .threads = kContacts, .crowd = Crowd::many},
+    {.name = "contact_slide_apply", .stage = Stage::slide, .threads = kTouchedParticles, .crowd = Crowd::many},
+    {.name = "contact_unsafe", .stage = Stage::substep_end, .threads = kCandidates, .crowd = Crowd::many},
+    {.name = "contact_limit", .stage = Stage::substep_end, .threads = kUnsafeCandidates, .crowd = Crowd::many, .rounds = WEFT_LIMIT_PASSES},
+    {.name = "contact_finalize", .stage = Stage::substep_end, .threads = kPairedParticles},
 };
 
 Result<void> cook_bodies(cooking::CookState& state, std::span<const Mesh> collider_meshes) {

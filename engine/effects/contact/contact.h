@@ -16,6 +16,7 @@ namespace lengths {
 inline std::uint64_t edges(const Cooked& s) { return s.fabric.own.of<ClusterLists>().edges.size(); }
 inline std::uint64_t primitives(const Cooked& s) { return triangles(s) + edges(s); }
 inline std::uint64_t clusters(const Cooked& s) { return s.contacts.clusters; }
+inline std::uint64_t outlined(const Cooked& s) { return particles(s) + clusters(s) + primitives(s); }
 inline std::uint64_t buckets(const Cooked& s) { return s.contacts.buckets; }
 }  // namespace lengths
 
@@ -49,7 +50,7 @@ inline constexpr Buffer detected_positions = buffer<gpu::vec4>("detected_positio
 /// xyz predicted trajectory from there: the displacement in Detection::lifetime substeps (m), w unused.
 inline constexpr Buffer trajectories = buffer<gpu::vec4>("trajectories", Lifetime::persistent, lengths::particles);
 /// Displacement bound: how far the particle may be from its predicted trajectory (m, bits of a float); 0: a candidate of it has
-/// overflowed, and it stays where it is.
+/// overflowed, and it stays where it is. WEFT_PAIRED, in place of the sign: it has candidates.
 inline constexpr Buffer displacement_bounds = buffer<gpu::uint>("displacement_bounds", Lifetime::persistent, lengths::particles);
 /// Candidate pairs: those that could touch before the next detection (pack_candidate).
 inline constexpr Buffer candidates = growing(buffer<gpu::uvec4>("candidates", Lifetime::persistent, lengths::candidates));
@@ -60,8 +61,6 @@ inline constexpr Buffer candidates = growing(buffer<gpu::uvec4>("candidates", Li
 inline constexpr Buffer grid_counts = cleared<gpu::uint>("grid_counts", lengths::buckets);
 /// First entry of each bucket, and the end of the last bucket.
 inline constexpr Buffer grid_starts = scratch<gpu::uint>("grid_starts", [](const Cooked& s) { return lengths::buckets(s) + 1; });
-/// Number of entries of a workgroup's buckets, of which it has at least 8.
-inline constexpr Buffer grid_totals = scratch<gpu::uint>("grid_totals", [](const Cooked& s) { return lengths::buckets(s) / 8 + 1; });
 /// xyz middle of a cluster's box (m), w bits of level << 28 | its number.
 inline constexpr Buffer grid_entries = scratch<gpu::vec4>("grid_entries", lengths::clusters);
 /// Two a cluster: xyz of its box's corners (m).
@@ -93,7 +92,9 @@ inline constexpr Buffer near_faces = [] {
 }();
 /// Numbers of the active candidates, at the substep's end those of the unsafe ones (contact_list.glsl).
 inline constexpr Buffer contact_list = growing(scratch<gpu::uint>("contact_list", lengths::candidates));
-/// Number of active contacts of each particle in this substep.
+/// Particles of active candidates that are not kinematic.
+inline constexpr Buffer touched_particles = scratch<gpu::uint>("touched_particles", lengths::particles);
+/// Number of active contacts of each particle in this substep; 0 for kinematic ones.
 inline constexpr Buffer contact_counts = cleared<gpu::uint>("contact_counts", lengths::particles);
 /// xyz sum of a particle's corrections in units of ContactSettings::quantum, w unused; 0 between iterations.
 inline constexpr Buffer contact_sums = cleared<gpu::ivec4>("contact_sums", lengths::particles);

@@ -13,64 +13,70 @@ using ContactEdgeCase = GpuTest;
 
 // What the detection left for every particle: a predicted trajectory, the displacement bound about it, and the steps since then.
 void put_bound(Passes& passes, std::size_t particles, const gpu::vec4& detected, const gpu::vec4& trajectory, float bound,
-               std::uint32_t steps) {
+               std::uint32_t steps, bool paired = true) {
   passes.put(buffers::detected_positions, std::vector<gpu::vec4>(particles, detected));
   passes.put(buffers::trajectories, std::vector<gpu::vec4>(particles, trajectory));
-  passes.put(buffers::displacement_bounds, std::vector<float>(particles, bound));
+  passes.put(buffers::displacement_bounds, std::vector<std::uint32_t>(particles, std::bit_cast<std::uint32_t>(bound) | (paired ? WEFT_PAIRED : 0)));
   auto detection = passes.detection();
   detection.steps = steps;
   passes.put(buffers::detection, std::vector<gpu::Detection>{detection});
 }
 
+// By its contacts, or where the solve's last iteration ends.
 TEST_F(ContactEdgeCase, a_particle_ends_on_its_displacement_bound) {
-  Random random(16);
-  const Tufts t = reference::tufts(random, 10, 1, 0.5);
-  const Scene scene = scene_of(t);
-  const CookedFabric fabric = fabric_of(t, scene.solver);
-  Passes passes(device(), scene, fabric, t, false);
-  put_bound(passes, t.x.size(), {0.1f, 0.2f, 0.3f, 0}, {1, 0, -2, 0}, 0.5f, 3);
-  passes.run("contact_apply");
-  const auto got = passes.iterate();
-  const reference::Vector step = 1.0 / WEFT_LONGEST_LIFETIME * reference::Vector(1, 0, -2);
-  const reference::Vector from = reference::Vector(0.1, 0.2, 0.3) + 3 * step;
-  std::uint32_t held = 0;
-  for (std::size_t i = 0; i < got.size(); ++i) {
-    // The nearest point of the part of its trajectory that belongs to the substep.
-    const reference::Vector expected = from + std::clamp((t.p[i] - from).dot(step) / step.squaredNorm(), 0.0, 1.0) * step;
-    const bool leaves = t.inverse_masses[i] > 0 && (t.p[i] - expected).norm() > 0.5;
-    held += leaves;
-    const reference::Vector wanted = leaves ? reference::Vector(expected + 0.5 * (t.p[i] - expected).normalized()) : t.p[i];
-    EXPECT_LT((vector(got[i]) - wanted).norm(), 8 * kRounding) << i;
+  for (const char* pass : {"contact_apply", "stretch"}) {
+    Random random(16);
+    const Tufts t = reference::tufts(random, 10, 1, 0.5);
+    const Scene scene = scene_of(t);
+    const CookedFabric fabric = fabric_of(t, scene.solver);
+    Passes passes(device(), scene, fabric, t, false);
+    put_bound(passes, t.x.size(), {0.1f, 0.2f, 0.3f, 0}, {1, 0, -2, 0}, 0.5f, 3);
+    passes.touch_all();
+    passes.run(pass);
+    const auto got = passes.iterate();
+    const reference::Vector step = 1.0 / WEFT_LONGEST_LIFETIME * reference::Vector(1, 0, -2);
+    const reference::Vector from = reference::Vector(0.1, 0.2, 0.3) + 3 * step;
+    std::uint32_t held = 0;
+    for (std::size_t i = 0; i < got.size(); ++i) {
+      // The nearest point of the part of its trajectory that belongs to the substep.
+      const reference::Vector expected = from + std::clamp((t.p[i] - from).dot(step) / step.squaredNorm(), 0.0, 1.0) * step;
+      const bool leaves = t.inverse_masses[i] > 0 && (t.p[i] - expected).norm() > 0.5;
+      held += leaves;
+      const reference::Vector wanted = leaves ? reference::Vector(expected + 0.5 * (t.p[i] - expected).normalized()) : t.p[i];
+      EXPECT_LT((vector(got[i]) - wanted).norm(), 8 * kRounding) << pass << " " << i;
+    }
+    EXPECT_GT(held, 10u);
+    EXPECT_EQ(passes.counters().truncated, held);
   }
-  EXPECT_GT(held, 10u);
-  EXPECT_EQ(passes.counters().truncated, held);
 }
 
 TEST_F(ContactEdgeCase, a_particle_of_displacement_bound_zero_stays) {
-  Random random(17);
-  const Tufts t = reference::tufts(random, 10, 1, 0.5);
-  const Scene scene = scene_of(t);
-  const CookedFabric fabric = fabric_of(t, scene.solver);
-  Passes passes(device(), scene, fabric, t, false);
-  put_bound(passes, t.x.size(), {0, 0, 0, 0}, {0, 0, 0, 0}, 0, 0);
-  passes.run("contact_apply");
-  const auto got = passes.iterate();
-  for (std::size_t i = 0; i < got.size(); ++i) EXPECT_EQ(vector(got[i]), t.inverse_masses[i] == 0 ? t.p[i] : t.x[i]) << i;
+  for (const char* pass : {"contact_apply", "stretch"}) {
+    Random random(17);
+    const Tufts t = reference::tufts(random, 10, 1, 0.5);
+    const Scene scene = scene_of(t);
+    const CookedFabric fabric = fabric_of(t, scene.solver);
+    Passes passes(device(), scene, fabric, t, false);
+    put_bound(passes, t.x.size(), {0, 0, 0, 0}, {0, 0, 0, 0}, 0, 0);
+    passes.touch_all();
+    passes.run(pass);
+    const auto got = passes.iterate();
+    for (std::size_t i = 0; i < got.size(); ++i) EXPECT_EQ(vector(got[i]), t.inverse_masses[i] == 0 ? t.p[i] : t.x[i]) << pass << " " << i;
+  }
 }
 
-// Pairs may overflow where no candidate was stored, and then contact_apply has no threads.
-TEST_F(ContactEdgeCase, a_particle_of_displacement_bound_zero_stays_where_there_are_no_candidates) {
+// Pairs may overflow where none of a particle's was stored: it ends its substep with the solve.
+TEST_F(ContactEdgeCase, a_particle_of_displacement_bound_zero_stays_where_it_has_no_candidates) {
   Random random(17);
   const Tufts t = reference::tufts(random, 10, 1, 0.5);
   const Scene scene = scene_of(t);
   const CookedFabric fabric = fabric_of(t, scene.solver);
   Passes passes(device(), scene, fabric, t, false);
-  put_bound(passes, t.x.size(), {0, 0, 0, 0}, {1, 0, -2, 0}, 0, 0);
+  put_bound(passes, t.x.size(), {0, 0, 0, 0}, {1, 0, -2, 0}, 0, 0, false);
   auto detection = passes.detection();
-  detection.touched.x = detection.candidates = 0;
   detection.margin = 1000;   // m: no particle leaves its bound
   passes.put(buffers::detection, std::vector<gpu::Detection>{detection});
-  passes.run("contact_finalize");
+  passes.run("stretch");
   const auto got = passes.particles(buffers::positions);
   for (std::size_t i = 0; i < got.size(); ++i) EXPECT_EQ(vector(got[i]), t.inverse_masses[i] == 0 ? t.p[i] : t.x[i]) << i;
   EXPECT_EQ(passes.detection().needs_detection, 1u) << "they wait for a detection";
@@ -93,7 +99,8 @@ Tufts four(double first_inverse_mass) {
 struct Watched {
   std::uint32_t needed_by_finalize, needed_by_predict;
 };
-Watched watched(const compute::Device& device, const reference::Vector& expected, const reference::Vector& way, std::uint32_t substeps) {
+Watched watched(const compute::Device& device, const reference::Vector& expected, const reference::Vector& way, std::uint32_t substeps,
+                bool paired) {
   Tufts t = four(10);
   for (std::size_t i = 0; i < 4; ++i) t.p[i] = (t.x[i] + (i == 0 ? way : expected)).cast<float>().cast<double>();
   const Scene scene = scene_of(t);
@@ -103,10 +110,10 @@ Watched watched(const compute::Device& device, const reference::Vector& expected
   passes.put(buffers::trajectories, std::vector<gpu::vec4>(t.x.size(), with(WEFT_LONGEST_LIFETIME * expected, 0)));
   auto detection = passes.detection();
   detection.margin = 0.001f;
-  detection.touched.x = detection.candidates = 0;
   passes.put(buffers::detection, std::vector<gpu::Detection>{detection});
+  if (!paired) passes.put(buffers::displacement_bounds, std::vector<float>(t.x.size(), 100));
   passes.begin(frame_of(substeps));
-  passes.run("contact_finalize");
+  passes.run(paired ? "contact_finalize" : "stretch");
   const std::uint32_t needed_by_finalize = passes.detection().needs_detection;
   passes.begin(frame_of(1));
   passes.run("predict");
@@ -115,15 +122,17 @@ Watched watched(const compute::Device& device, const reference::Vector& expected
 
 TEST_F(ContactEdgeCase, a_particle_on_its_trajectory_needs_no_detection_and_one_about_to_leave_it_does) {
   const reference::Vector fast(0.01, 0, 0.02), off(0.0005, 0, 0), far(0.0006, 0, 0);   // of a margin of 1 mm
-  for (const std::uint32_t substeps : {1u, 2u}) {   // at a frame's end there is no prediction to look at
-    const auto [on_it, still_on_it] = watched(device(), fast, fast, substeps);
+  for (const std::uint32_t k : {0u, 1u, 2u, 3u}) {
+    const std::uint32_t substeps = 1 + k / 2;   // at a frame's end there is no prediction to look at
+    const bool paired = k % 2 == 1;             // which of the passes ends its substep
+    const auto [on_it, still_on_it] = watched(device(), fast, fast, substeps, paired);
     EXPECT_EQ(on_it, 0u) << substeps;
     EXPECT_EQ(still_on_it, 0u) << substeps;
     // It is half a millimetre off and about to be a whole one.
-    const auto [leaving, left] = watched(device(), fast, fast + off, substeps);
+    const auto [leaving, left] = watched(device(), fast, fast + off, substeps, paired);
     EXPECT_EQ(leaving, substeps == 1 ? 0u : 1u);
     EXPECT_EQ(left, 1u) << substeps;
-    const auto [gone, anyway] = watched(device(), fast, fast + 2 * far, substeps);
+    const auto [gone, anyway] = watched(device(), fast, fast + 2 * far, substeps, paired);
     EXPECT_EQ(gone, 1u) << substeps;
     EXPECT_EQ(anyway, 1u) << substeps;
   }
@@ -162,7 +171,7 @@ TEST_F(ContactEdgeCase, contacts_do_not_push_into_colliders) {
   FrameInput input = frame_of(1);
   input.colliders = {&floor, 1};
   passes.begin(input);
-  for (const char* pass : {"contact_prepare", "contact_penetration", "contact_solve", "contact_apply"}) passes.run(pass);
+  for (const char* pass : {"contact_prepare", "stretch", "contact_penetration", "contact_solve", "contact_apply"}) passes.run(pass);
   const auto got = passes.iterate();
   for (std::size_t i = 0; i < got.size(); ++i) EXPECT_TRUE(t.inverse_masses[i] == 0 || got[i].y >= 0.002f - kRounding) << i;
 }

@@ -2,7 +2,7 @@
 // offsets, and the dispatch arguments of the passes after them.
 #include <gtest/gtest.h>
 
-#include <numeric>
+#include <cmath>
 #include <set>
 
 #include "tests/support/detected.h"
@@ -12,42 +12,41 @@ namespace {
 
 using DetectArguments = GpuTest;
 
-TEST_F(DetectArguments, grid_lists_every_cluster_in_its_bucket_and_leaves_the_counts_at_zero) {
-  Random random(8);
-  const Soup soup = random_soup(random, 200);
-  const gpu::ContactSettings settings = contact_settings(Detected::scene({}), with_clusters(soup.fabric));
-  const std::size_t clusters = settings.clusters, buckets = settings.buckets;
-  ASSERT_GT(clusters, 30u);
-  const Detected counted(device(), soup, {}, "grid_scan");
-  const auto counts = counted.passes.get<std::uint32_t>(buffers::grid_counts, buckets);
-  EXPECT_EQ(std::accumulate(counts.begin(), counts.end(), std::size_t{0}), clusters);
-  const Detected filled(device(), soup, {}, "grid_fill");
-  EXPECT_EQ(filled.passes.get<std::uint32_t>(buffers::grid_counts, buckets), std::vector<std::uint32_t>(buckets, 0));
-  std::set<std::uint32_t> listed;
-  const auto entries = filled.passes.get<gpu::vec4>(buffers::grid_entries, clusters);
-  for (const gpu::vec4& entry : entries) listed.insert(std::bit_cast<std::uint32_t>(entry.w) & 0x0fffffffu);
-  EXPECT_EQ(listed.size(), clusters);
-  EXPECT_EQ(*listed.rbegin(), clusters - 1);
+// As grid.glsl has it.
+std::uint32_t bucket_of(const gpu::vec4& entry, const gpu::ContactSettings& settings) {
+  const std::uint32_t level = std::bit_cast<std::uint32_t>(entry.w) >> 28;
+  const float inverse = 1.0f / settings.cell * std::bit_cast<float>((127 - level) << 23);
+  const auto cell = [&](float x) { return static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(x))); };
+  std::uint32_t hash = cell(entry.y * inverse) * 19349663u + cell(entry.z * inverse) * 83492791u + level * 2654435761u;
+  hash = (hash ^ (hash >> 15)) * 739982445u;
+  return ((hash ^ (hash >> 13)) + cell(entry.x * (inverse * 4))) & (settings.buckets - 1);
 }
 
-TEST_F(DetectArguments, starts_are_the_sums_of_the_counts_before_them) {
-  // Buckets: the least, a block or less than one, and several blocks.
-  for (const std::uint32_t workgroup : {64u, 512u})
-    for (const std::size_t buckets : {64u, 512u, 4096u, 32768u}) {
-      Random random(9);
-      // Particles without triangles, sixteen a cluster; two buckets a cluster.
-      const Soup soup = soup_of(random, static_cast<std::uint32_t>(8 * buckets - 40));
-      Detected detected(device(), soup, {false, workgroup}, "detect_arguments");
-      ASSERT_EQ(contact_settings(Detected::scene({}), with_clusters(soup.fabric)).buckets, buckets);
-      std::vector<std::uint32_t> counts(buckets), wanted(buckets + 1);
-      for (std::uint32_t& count : counts) count = static_cast<std::uint32_t>(random() % 5 == 0 ? random() % 1000 : 0);
-      std::partial_sum(counts.begin(), counts.end(), wanted.begin() + 1);
-      detected.passes.put(buffers::grid_counts, counts);
-      detected.passes.run("grid_total");
-      detected.passes.run("grid_scan");
-      EXPECT_EQ(detected.passes.get<std::uint32_t>(buffers::grid_starts, buckets + 1), wanted)
-          << buckets << " buckets, " << workgroup << " threads";
+// Buckets: the least, fewer and many more than threads. Sixteen particles without triangles are a cluster, too.
+TEST_F(DetectArguments, grid_lists_every_cluster_in_its_bucket_and_leaves_the_counts_at_zero) {
+  for (const std::uint32_t particles : {100u, 2000u, 40'000u}) {
+    Random random(8);
+    const Soup soup = particles > 100 ? soup_of(random, particles) : random_soup(random, 200);
+    const gpu::ContactSettings settings = contact_settings(Detected::scene({}), with_clusters(soup.fabric));
+    const std::size_t clusters = settings.clusters, buckets = settings.buckets;
+    ASSERT_GT(clusters, 30u);
+    const Detected filled(device(), soup, {}, "grid_fill");
+    EXPECT_EQ(filled.passes.get<std::uint32_t>(buffers::grid_counts, buckets), std::vector<std::uint32_t>(buckets, 0));
+    const auto starts = filled.passes.get<std::uint32_t>(buffers::grid_starts, buckets + 1);
+    EXPECT_EQ(starts.front(), 0u);
+    EXPECT_EQ(starts.back(), clusters);
+    std::set<std::uint32_t> listed;
+    const auto entries = filled.passes.get<gpu::vec4>(buffers::grid_entries, clusters);
+    for (std::uint32_t bucket = 0; bucket < buckets; ++bucket) {
+      ASSERT_LE(starts[bucket], starts[bucket + 1]);
+      for (std::uint32_t k = starts[bucket]; k < starts[bucket + 1]; ++k) {
+        EXPECT_EQ(bucket_of(entries[k], settings), bucket) << k;
+        listed.insert(std::bit_cast<std::uint32_t>(entries[k].w) & 0x0fffffffu);
+      }
     }
+    EXPECT_EQ(listed.size(), clusters);
+    EXPECT_EQ(*listed.rbegin(), clusters - 1);
+  }
 }
 
 TEST_F(DetectArguments, trajectories_are_the_substep_ahead_ten_times_but_no_longer_than_32_cells_a_substep) {
@@ -77,16 +76,17 @@ TEST_F(DetectArguments, detect_arguments_detects_when_needed_and_adapts_the_marg
   EXPECT_EQ(d.steps, 0u);
   EXPECT_EQ(d.particles.x, 1u);
   const auto primitives = static_cast<std::uint32_t>(soup.fabric.triangles.size() + soup.fabric.edges.size());
-  EXPECT_EQ(d.primitives.x, (primitives + 63) / 64);
-  EXPECT_EQ(d.blocks.x, 1u);
-  for (const gpu::Groups& groups : {d.particles, d.primitives, d.blocks}) EXPECT_EQ(std::pair(groups.y, groups.z), std::pair(1u, 1u));
+  const std::uint32_t clusters = contact_settings(Detected::scene({}), with_clusters(soup.fabric)).clusters;
+  EXPECT_EQ(d.outlined.x, (60 + clusters + primitives + 63) / 64);
+  EXPECT_EQ(d.grid.x, 1u);
+  for (const gpu::Groups& groups : {d.outlined, d.grid, d.clusters, d.particles, d.edges}) EXPECT_EQ(std::pair(groups.y, groups.z), std::pair(1u, 1u));
   EXPECT_EQ(passes.counters().detections, 1u);
   // None is needed: nothing to dispatch, and the steps since the last are counted.
   for (std::uint32_t steps = 1; steps < WEFT_LONGEST_LIFETIME + 3; ++steps) {
     passes.run("detect_arguments");
     d = detected.detection();
     EXPECT_EQ(d.steps, std::min(steps, WEFT_LONGEST_LIFETIME));
-    for (const gpu::Groups& groups : {d.particles, d.primitives, d.blocks}) EXPECT_EQ(groups.x, 0u);
+    for (const gpu::Groups& groups : {d.outlined, d.grid, d.clusters, d.particles, d.edges}) EXPECT_EQ(groups.x, 0u);
   }
   const auto margin_after = [&](float margin, std::uint32_t steps, std::uint32_t candidates = 100'000) {
     gpu::Detection state = detected.detection();
@@ -141,42 +141,59 @@ TEST_F(DetectArguments, the_search_dispatches_a_thread_a_near_pair_and_none_with
     const auto groups = [&](std::uint32_t near) { return (std::min(near, WEFT_NEAR * capacity) + 63) / 64; };
     EXPECT_EQ(found.near_faces.x, groups(found.near[0]));
     EXPECT_EQ(found.near_edges.x, groups(found.near[1]));
-    detected.passes.run("contact_arguments");
     const gpu::Counters counted = detected.passes.counters();
     EXPECT_EQ(counted.contacts_overflowed, capacity > 100 ? 0u : found.near[0] + found.near[1] - 400);
     EXPECT_EQ(counted.contacts_room, (std::max(found.near[0], found.near[1]) + 1) / 2);
     detected.passes.run("detect_arguments");   // none is needed
     EXPECT_EQ(detected.detection().near_faces.x + detected.detection().near_edges.x, 0u);
-    detected.passes.run("contact_arguments");
-    EXPECT_EQ(detected.passes.counters().contacts_overflowed, counted.contacts_overflowed) << "an old search is not counted again";
   }
 }
 
-TEST_F(DetectArguments, contact_arguments_dispatches_what_there_is_capacity_for_and_counts_the_rest) {
+TEST_F(DetectArguments, the_narrow_phase_dispatches_what_there_is_capacity_for_and_counts_the_rest) {
   Random random(12);
-  Soup soup = random_soup(random, 40);
-  Detected detected(device(), soup, {false, 64, 0.05, kMargin, 100}, "detect_arguments");
-  const auto dispatched = [&](std::uint32_t candidates, std::uint32_t steps) {
-    gpu::Detection state = detected.detection();
-    state.candidates = candidates;
-    state.steps = steps;
-    for (std::uint32_t& changed : state.changed) changed = 1;
-    state.falls_back = 1;
+  const Soup soup = random_soup(random, 100);
+  for (const std::uint32_t capacity : {300u, 1u << 16}) {
+    Detected detected(device(), soup, {false, 64, 0.05, kMargin, capacity});
+    const gpu::Detection found = detected.detection();
+    const std::uint32_t stored = std::min(found.candidates, capacity);
+    EXPECT_EQ(found.contacts.x, (stored + 63) / 64);
+    EXPECT_EQ(found.paired.x, (soup.predicted.size() + 63) / 64);
+    EXPECT_EQ(found.alone.x, 1u);
+    const gpu::Counters counted = detected.passes.counters();
+    EXPECT_EQ(counted.contacts_most, found.candidates);
+    EXPECT_GE(counted.contacts_room, found.candidates);
+    std::uint32_t lost = found.candidates - stored;
+    for (const std::uint32_t near : found.near) lost += near - std::min(near, WEFT_NEAR * capacity);
+    EXPECT_EQ(counted.contacts_overflowed, lost);
+    EXPECT_EQ(lost > 0, capacity == 300);
+    std::set<std::uint32_t> paired;
+    for (const gpu::Candidate& c : detected.candidates(stored)) paired.insert(std::begin(c.particle), std::end(c.particle));
+    const auto bounds = detected.passes.get<std::uint32_t>(buffers::displacement_bounds, soup.predicted.size());
+    for (std::uint32_t i = 0; i < bounds.size(); ++i) EXPECT_EQ((bounds[i] & WEFT_PAIRED) != 0, paired.contains(i)) << i;
+  }
+}
+
+TEST_F(DetectArguments, lists_are_empty_when_a_substep_begins_and_candidates_last_until_the_next_detection) {
+  Random random(12);
+  const Soup soup = random_soup(random, 40);
+  Detected detected(device(), soup, {}, "detect_arguments");
+  gpu::Detection state = detected.detection();
+  for (std::uint32_t& changed : state.changed) changed = 1;
+  state.falls_back = state.touchings = state.touched.x = 1;
+  state.listings[WEFT_ACTIVE] = state.listings[WEFT_UNSAFE] = state.listed[WEFT_ACTIVE].x = state.listed[WEFT_UNSAFE].x = 7;
+  state.candidates = 300;
+  state.contacts.x = state.paired.x = 5;
+  for (const std::uint32_t needed : {0u, 1u}) {
+    state.needs_detection = needed;
     detected.passes.put(buffers::detection, std::vector{state});
-    detected.passes.run("contact_arguments");
-    state = detected.detection();
-    for (const std::uint32_t changed : state.changed) EXPECT_EQ(changed, 0u);
-    EXPECT_EQ(state.falls_back, 0u);
-    return std::pair(state.contacts.x, state.touched.x);
-  };
-  using Groups = std::pair<std::uint32_t, std::uint32_t>;
-  EXPECT_EQ(dispatched(0, 0), Groups(0, 0));
-  EXPECT_EQ(dispatched(65, 0), Groups(2, 2));
-  EXPECT_EQ(dispatched(130, 0), Groups(2, 2));
-  EXPECT_EQ(dispatched(140, 1), Groups(2, 2)) << "an old detection is not counted again";
-  EXPECT_EQ(dispatched(3, 0), Groups(1, 2));
-  EXPECT_EQ(detected.passes.counters().contacts_most, 130u);
-  EXPECT_EQ(detected.passes.counters().contacts_overflowed, 30u);
+    detected.passes.run("detect_arguments");
+    const gpu::Detection begun = detected.detection();
+    for (const std::uint32_t changed : begun.changed) EXPECT_EQ(changed, 0u);
+    EXPECT_EQ(begun.falls_back + begun.touchings + begun.touched.x + begun.listings[WEFT_ACTIVE] + begun.listings[WEFT_UNSAFE] +
+                  begun.listed[WEFT_ACTIVE].x + begun.listed[WEFT_UNSAFE].x, 0u);
+    EXPECT_EQ(std::pair(begun.contacts.x, begun.paired.x), needed ? std::pair(0u, 0u) : std::pair(5u, 5u));
+    EXPECT_EQ(detected.passes.counters().contacts_load, 370u) << "of the substep before";
+  }
 }
 
 }  // namespace

@@ -49,11 +49,19 @@ void compare_prepared(const compute::Device& device, bool gather_storage) {
     for (int j = 0; j < 4; ++j) {
       EXPECT_GE(got[k].weights[j] * (pair.on_a(j) ? 1 : -1), 0);
       const std::uint32_t i = pair.particle[static_cast<std::size_t>(j)];
-      counts[i] += got[k].weights[j] != 0 && t.inverse_masses[i] > 0;   // only a particle with mass has a share
+      counts[i] += t.inverse_masses[i] > 0;   // only a particle with mass has a share
     }
   }
   EXPECT_GT(active, 50);
   EXPECT_EQ(passes.get<std::uint32_t>(buffers::contact_counts, t.x.size()), counts);
+  // Those with contacts are listed, each once.
+  std::vector<std::uint32_t> touched = passes.get<std::uint32_t>(buffers::touched_particles, passes.detection().touchings), wanted_touched;
+  for (std::uint32_t i = 0; i < counts.size(); ++i)
+    if (counts[i] > 0) wanted_touched.push_back(i);
+  std::ranges::sort(touched);
+  EXPECT_EQ(touched, wanted_touched);
+  const std::size_t workgroup = passes.solver().contact_settings().workgroup;
+  EXPECT_EQ(passes.detection().touched.x, (touched.size() + workgroup - 1) / workgroup);
 }
 
 TEST_F(ContactKernel, prepares_as_its_twin) { compare_prepared(device(), false); }
@@ -168,6 +176,47 @@ TEST_F(ContactKernel, the_order_of_candidates_does_not_matter) {
   }
 }
 
+// One workgroup that does it all, and the passes with a thread a contact.
+TEST_F(ContactKernel, few_contacts_are_solved_to_the_same_bits) {
+  for (const double violence : {0.001, 0.02, 2.0})
+    for (const bool gather_storage : {false, true})
+      for (const bool collides : {false, true}) {
+        Random random(30);
+        const Tufts t = reference::tufts(random, 40, 12, violence);
+        Scene scene = scene_of(t);
+        if (collides) scene.colliders.resize(1);
+        if (collides) scene.colliders[0].shape = ColliderShape::plane;
+        const CookedFabric fabric = fabric_of(t, scene.solver);
+        Passes many(device(), scene, fabric, t, gather_storage), few(device(), scene, fabric, t, gather_storage);
+        gpu::Collider floor{};
+        floor.normal_from = floor.normal_to = {0, 1, 0};
+        for (Passes* passes : {&few, &many}) {
+          FrameInput input = frame_of(1);
+          input.few_contacts = passes == &few;
+          if (collides) input.colliders = {&floor, 1};
+          passes->begin(input);
+        }
+        many.run("contact_prepare");
+        for (std::uint32_t k = 0; k < scene.contacts.iterations; ++k)
+          for (const char* pass : {"contact_penetration", "contact_solve", "contact_apply"}) many.run(pass);
+        many.slide();
+        many.limit();
+        few.run("contact_prepare");
+        few.run("contact_alone");
+        ASSERT_TRUE(violence < 0.01 || few.detection().listings[WEFT_UNSAFE] > 10);
+        EXPECT_GT(few.detection().listings[WEFT_ACTIVE], 10u);
+        EXPECT_EQ(few.detection().listings[WEFT_UNSAFE], many.detection().listings[WEFT_UNSAFE]);
+        EXPECT_EQ(few.detection().falls_back, many.detection().falls_back);
+        EXPECT_TRUE(same_bits(few.iterate(), many.iterate()));
+        for (const Buffer* row : {&buffers::step_fractions, &buffers::contact_sums})
+          EXPECT_TRUE(same_bits(few.get<gpu::uvec4>(*row, t.x.size()), many.get<gpu::uvec4>(*row, t.x.size()))) << row->name;
+        EXPECT_TRUE(same_bits(few.get<std::uint32_t>(buffers::contact_penetrations, t.x.size()), std::vector<std::uint32_t>(t.x.size())));
+        EXPECT_EQ(few.counters().truncated, many.counters().truncated);
+        for (Passes* passes : {&few, &many}) passes->run("contact_finalize");
+        EXPECT_TRUE(same_bits(few.particles(buffers::positions), many.particles(buffers::positions)));
+      }
+}
+
 void compare_slid(const compute::Device& device, double violence, bool gather_storage) {
   const Tufts t = violent_tufts(16, violence);
   const Scene scene = scene_of(t);
@@ -176,7 +225,7 @@ void compare_slid(const compute::Device& device, double violence, bool gather_st
   passes.run("contact_prepare");
   reference::Points p = t.p;
   int slid = 0;
-  for (std::uint32_t round = 0; round < kSlides; ++round) {
+  for (std::uint32_t round = 0; round < WEFT_SLIDES; ++round) {
     for (const char* pass : {"contact_slide", "contact_slide_apply"}) passes.run(pass);
     const auto wanted = reference::slide(t.pairs, passes.contacts(), t.x, p, t.inverse_masses);
     const auto got = points(passes.iterate());

@@ -1,0 +1,24 @@
+// apply: what contact_apply does for particle i. Needs collide/colliders.glsl, motion/displacement_bound.glsl, and ITERATE(i).
+
+vec3 moved_by_contacts(uint i, vec3 p) {
+  if (contact_penetrations[i] != 0) contact_penetrations[i] = 0;
+  const ivec3 sum = contact_sums[i].xyz;
+  if (sum == ivec3(0)) return p;
+  contact_sums[i].xyz = ivec3(0);
+  return p + contact_settings.quantum * vec3(sum);
+}
+
+void apply_corrections(uint i) {
+  const vec4 before = ITERATE(i);
+  vec3 p = moved_by_contacts(i, before.xyz);
+  if (has_colliders) {
+    const vec3 start = FETCH(positions, i).xyz + (triangles_collide > 0 ? ways_out[i].xyz : vec3(0));   // as in finalize.glsl
+    p = out_of_colliders(start, p, FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)));
+  }
+  if ((push.flags & WEFT_LAST_ITERATION) != 0) {
+    const vec3 end = keep_within_bound(bound_of(i), expected_of(i, detection[0].steps), FETCH(positions, i).xyz, p);
+    if (end != p) atomicAdd(counters[0].truncated, 1);
+    p = end;
+  }
+  if (p != before.xyz) predicted[i].xyz = p;
+}

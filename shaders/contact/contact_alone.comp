@@ -1,0 +1,86 @@
+// contact_alone: the iterations of contacts, and after a substep's last one the slides and limits, in one workgroup that waits for itself,
+// where contacts are few: it is a single dispatch instead of two dozen. What it does is to the bit what the passes do that have a thread a
+// contact (wide.glsl), so that the host may choose by what it knows of earlier frames (Solver::few_contacts): sums are of integers, and
+// step fractions, ways and lists do not depend on the order of threads.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+GATHER(positions)
+GATHER(velocities)
+GATHER(materials)
+GATHER_UINT4(candidates)
+GATHER(contact_normals)
+GATHER(contact_weights)
+GATHER_UINT(contact_counts)
+GATHER_UINT(touched_particles)
+READ(vec4, ways_out)
+READ_WRITE(Counters, counters)
+// This dispatch has written what it reads of these.
+SHARE(vec4, predicted)
+SHARE(ivec4, contact_sums)
+SHARE(uint, contact_penetrations)
+SHARE(uvec4, slides)
+SHARE(uvec4, step_fractions)
+SHARE(uint, contact_list)
+SHARE(Detection, detection)
+#define ITERATE(i) predicted[i]
+#define LISTED(place) contact_list[place]
+#define PENETRATIONS(i) contact_penetrations[i]
+
+#include "collide/colliders.glsl"
+#include "motion/displacement_bound.glsl"
+#include "contact/contact.glsl"
+#include "contact/contact_share.glsl"
+#include "contact/penetration.glsl"
+#include "contact/solve.glsl"
+#include "contact/apply.glsl"
+#include "contact/sides.glsl"
+#include "contact/slide.glsl"
+#include "contact/slide_apply.glsl"
+#include "contact/unsafe.glsl"
+#include "contact/limit.glsl"
+
+void wait() {
+  memoryBarrierBuffer();
+  barrier();
+}
+
+void iterate(uint thread, uint contacts, uint touched) {
+  for (uint k = thread; k < contacts; k += workgroup) add_penetrations(k);
+  wait();
+  for (uint k = thread; k < contacts; k += workgroup) solve_contact(k);
+  wait();
+  for (uint k = thread; k < touched; k += workgroup) apply_corrections(FETCH_UINT(touched_particles, k));
+  wait();
+}
+
+void slide(uint thread, uint contacts, uint touched) {
+  for (uint k = thread; k < contacts; k += workgroup) ask_for_ways(k);
+  wait();
+  for (uint k = thread; k < touched; k += workgroup) slide_along(FETCH_UINT(touched_particles, k));
+  wait();
+}
+
+// The list of active candidates is overwritten by that of the unsafe ones.
+void limit_all(uint thread) {
+  const uint stored = min(detection[0].candidates, contact_settings.capacity);
+  for (uint k = thread; k < stored; k += workgroup)
+    if (is_unsafe(k)) contact_list[atomicAdd(detection[0].listings[WEFT_UNSAFE], 1u)] = k;
+  wait();
+  const uint unsafe = detection[0].listings[WEFT_UNSAFE];
+  for (uint pass = 0; pass < WEFT_LIMIT_PASSES; ++pass) {
+    if (pass > 0 && detection[0].changed[pass - 1] == 0) return;
+    for (uint k = thread; k < unsafe; k += workgroup) limit(k, pass);
+    wait();
+  }
+}
+
+void main() {
+  const uint thread = gl_LocalInvocationID.x;
+  const uint contacts = detection[0].listings[WEFT_ACTIVE], touched = detection[0].touchings;
+  for (uint k = 0; k < contact_settings.iterations; ++k) iterate(thread, contacts, touched);
+  if ((push.flags & WEFT_LAST_ITERATION) == 0) return;
+  for (uint k = 0; k < WEFT_SLIDES; ++k) slide(thread, contacts, touched);
+  limit_all(thread);
+}

@@ -1,0 +1,8 @@
+// track: what the last detection has written about particles (detect_trajectory.comp).
+
+#include "contact/grid.glsl"
+
+GATHER(detected_positions)
+GATHER(trajectories)
+
+Track track_of(uint i) { return Track(FETCH(detected_positions, i).xyz, FETCH(trajectories, i).xyz); }
