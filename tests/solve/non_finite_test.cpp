@@ -104,6 +104,7 @@ TEST_F(NonFinite, a_particle_that_turns_non_finite_in_a_substep_is_put_back_at_r
     SCOPED_TRACE(subject.name);
     Scene& scene = subject.scene;
     scene.colliders.clear();   // without them only constraints connect a particle with others
+    scene.contacts.capacity = 0;   // enough: which particles an overflow holds depends on the order of threads
     for (Anchor& anchor : scene.cloths[0].anchors) anchor.keys.clear();
     const std::uint32_t cells = 40;
     scene.cloths[0].grid = Grid{{2, 2}, cells, cells, Topology::diagonal, false};
