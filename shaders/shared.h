@@ -253,6 +253,8 @@ struct Detection {
 #define WEFT_SLIDES 2u   // rounds of contact_slide in a substep: what a particle gives way to one pair the second takes into account for the others
 #define WEFT_CLUSTER 16u         // triangles that detection treats as one until it looks closer, at most
 #define WEFT_NEAR_CLUSTERS 63u   // that a cluster's list has room for; with more the search asks all
+#define WEFT_MOTION 8u           // elements of cluster_motions a cluster
+#define WEFT_TOUCHING 0x80000000u   // a bit of its entries: the two share a particle
 #define WEFT_NEAR 2u   // capacity for pairs of the broad phase, of each kind, as a multiple of the capacity for candidates
 
 /// What changes from dispatch to dispatch: push constants.

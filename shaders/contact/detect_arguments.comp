@@ -44,7 +44,7 @@ void begin_detection(bool settled) {
   for (uint k = 0; k < WEFT_LEVELS; ++k) detection[0].extents[k] = 0;
   detection[0].contacts = detection[0].paired = detection[0].alone = Groups(0, 1, 1);   // and the narrow phase to these
   const uint particles = contact_settings.particles, primitives = contact_settings.triangles + contact_settings.edges;
-  detection[0].outlined = groups_of(particles + contact_settings.clusters + primitives);
+  detection[0].outlined = groups_of(particles + primitives);
   detection[0].grid = Groups(1, 1, 1);
   detection[0].clusters = groups_of(contact_settings.clusters);
   detection[0].particles = groups_of(particles);

@@ -1,4 +1,5 @@
 // grid_search: every cluster looks into the grid for the clusters whose boxes overlap its own, and each of a pair is listed with the other.
+// One that it touches in the mesh is marked, and clusters are found smooth: the search then passes over what cannot meet (search.glsl).
 // The order of a list differs from run to run; no result depends on it. Where a list has no room the count alone goes on, and those who
 // read it ask all clusters instead (search.glsl).
 #version 460
@@ -9,10 +10,12 @@ GATHER(cluster_boxes)
 GATHER_UINT(grid_starts)
 GATHER(grid_entries)
 READ_WRITE(uint, near_clusters)
+WRITE(uint, smooth_clusters)
 READ(Detection, detection)
 
 #include "contact/grid.glsl"
 #include "contact/cluster.glsl"
+#include "contact/smooth.glsl"
 
 struct Search {
   vec3 middle, near;   // m: no box of the level overlaps whose middle is farther away than `near`
@@ -45,8 +48,10 @@ void visit(Search search, uint k, bool any_row, ivec2 row) {
   if (search.among_equals && (cell == search.own_cell ? other <= own : comes_before(cell, search.own_cell))) return;
   const vec3 low = FETCH(cluster_boxes, 2 * other).xyz, high = FETCH(cluster_boxes, 2 * other + 1).xyz;
   if (any(greaterThan(low, own_box.high)) || any(lessThan(high, own_box.low))) return;
-  add_near(own, other);
-  add_near(other, own);
+  // Where only one of them has surroundings it is the one that may be smooth.
+  const uint mark = touches(own, other) || touches(other, own) ? WEFT_TOUCHING : 0;
+  add_near(own, other | mark);
+  add_near(other, own | mark);
 }
 
 // The entries of a row of cells are one run; among them are those of other rows that share its buckets.
@@ -82,7 +87,8 @@ void main() {
   if (own >= push.count) return;
   own_box = Box(FETCH(cluster_boxes, 2 * own).xyz, FETCH(cluster_boxes, 2 * own + 1).xyz);
   const Place place = place_of(own_box);
-  add_near(own, own);
+  add_near(own, own | WEFT_TOUCHING);
+  smooth_clusters[own] = uint(is_smooth(own));
   const vec3 half_size = (1 + rounding) * (0.5 * (own_box.high - own_box.low));
   for (uint levels = detection[0].levels >> place.level << place.level; levels != 0; levels &= levels - 1) {
     const uint level = uint(findLSB(levels));

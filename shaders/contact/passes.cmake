@@ -1,5 +1,5 @@
 weft_passes(
-  contact_alone contact_apply contact_finalize contact_limit contact_unsafe contact_prepare contact_solve contact_slide contact_slide_apply contact_penetration
+  cluster_box contact_alone contact_apply contact_finalize contact_limit contact_unsafe contact_prepare contact_solve contact_slide contact_slide_apply contact_penetration
   detect_arguments detect_trajectory
   grid_fill grid_search
   pair_edges pair_faces

@@ -14,6 +14,7 @@
 GATHER_UINT4(clusters)
 GATHER(cluster_boxes)
 GATHER_UINT(near_clusters)
+GATHER_UINT(smooth_clusters)
 GATHER(outlines)
 READ_WRITE(uint, displacement_bounds)
 READ_WRITE(Counters, counters)
@@ -71,10 +72,11 @@ void search(uint kind, uint cluster, bool all) {
   const vec3 size = abs(own.half_sides) + own.reach, end = own.middle + own.trajectory;
   const vec3 low = min(own.middle, end) - size, high = max(own.middle, end) + size;
   const uint row = (WEFT_NEAR_CLUSTERS + 1) * cluster, listed = FETCH_UINT(near_clusters, row);
-  const bool every_one = listed > WEFT_NEAR_CLUSTERS;
+  const bool every_one = listed > WEFT_NEAR_CLUSTERS, is_smooth = FETCH_UINT(smooth_clusters, cluster) != 0;
   for (uint k = 0; k < (every_one ? contact_settings.clusters : listed); ++k) {
-    const uint other = every_one ? k : FETCH_UINT(near_clusters, row + 1 + k);
+    const uint entry = every_one ? k : FETCH_UINT(near_clusters, row + 1 + k), other = entry & ~WEFT_TOUCHING;
     if (!all && other < cluster) continue;
+    if (other != entry && (is_smooth || FETCH_UINT(smooth_clusters, other) != 0)) continue;   // they cannot meet (smooth.glsl)
     const vec3 its_low = FETCH(cluster_boxes, 2 * other).xyz, its_high = FETCH(cluster_boxes, 2 * other + 1).xyz;
     if (any(greaterThan(its_low, high)) || any(lessThan(its_high, low))) continue;
     const uvec2 members = members_of(other);

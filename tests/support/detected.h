@@ -99,7 +99,7 @@ struct Detected {
       : fabric(with_clusters(of.fabric)), passes(device, scene(setting), fabric, setting.gather_storage, setting.workgroup), soup(of) {
     passes.begin(frame_of(1));
     passes.put(buffers::predicted, soup.predicted);
-    for (const char* name : {"detect_arguments", "detect_trajectory", "grid_fill", "grid_search", "search_faces", "search_edges",
+    for (const char* name : {"detect_arguments", "detect_trajectory", "cluster_box", "grid_fill", "grid_search", "search_faces", "search_edges",
                              "pair_faces", "pair_edges"}) {
       passes.run(name);
       if (name == last) break;

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "engine/cook/parts.h"
+#include "engine/effects/contact/smooth.h"
 
 namespace weft::cooking {
 namespace {
@@ -134,6 +135,7 @@ ClusterLists make_clusters(const CookedFabric& fabric) {
     lists.hulls.insert(lists.hulls.end(), hull.begin(), hull.end());
   }
   begin_cluster();
+  find_surroundings(fabric, lists);
   return lists;
 }
 

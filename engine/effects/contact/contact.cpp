@@ -52,7 +52,8 @@ namespace {
 
 constexpr const Buffer* kBuffers[] = {
     &buffers::clusters, &buffers::cluster_faces, &buffers::cluster_edges, &buffers::cluster_searchers, &buffers::cluster_hulls,
-    &buffers::cluster_boxes, &buffers::near_clusters, &buffers::outlines, &buffers::rest, &buffers::detection, &buffers::detected_positions,
+    &buffers::cluster_surroundings, &buffers::clusters_around,
+    &buffers::cluster_boxes, &buffers::cluster_motions, &buffers::smooth_clusters, &buffers::near_clusters, &buffers::outlines, &buffers::rest, &buffers::detection, &buffers::detected_positions,
     &buffers::trajectories, &buffers::displacement_bounds, &buffers::candidates, &buffers::grid_counts,
     &buffers::grid_starts, &buffers::grid_entries, &buffers::contact_normals,
     &buffers::contact_weights, &buffers::near_edges, &buffers::near_faces, &buffers::contact_list, &buffers::touched_particles,
@@ -79,6 +80,7 @@ constexpr Threads kUnsafeCandidates{lengths::candidates, nullptr,
 constexpr Pass kPasses[] = {
     {.name = "detect_arguments", .stage = Stage::detect, .threads = threads::once, .alone = true},
     {.name = "detect_trajectory", .stage = Stage::detect, .threads = kOutlined},
+    {.name = "cluster_box", .stage = Stage::detect, .threads = kClusters},
     {.name = "grid_fill", .stage = Stage::detect, .threads = kGrid, .alone = true},
     {.name = "grid_search", .stage = Stage::detect, .threads = kClusters},
     {.name = "search_faces", .stage = Stage::detect, .threads = kDetectedParticles},

@@ -16,7 +16,7 @@ namespace lengths {
 inline std::uint64_t edges(const Cooked& s) { return s.fabric.own.of<ClusterLists>().edges.size(); }
 inline std::uint64_t primitives(const Cooked& s) { return triangles(s) + edges(s); }
 inline std::uint64_t clusters(const Cooked& s) { return s.contacts.clusters; }
-inline std::uint64_t outlined(const Cooked& s) { return particles(s) + clusters(s) + primitives(s); }
+inline std::uint64_t outlined(const Cooked& s) { return particles(s) + primitives(s); }
 inline std::uint64_t buckets(const Cooked& s) { return s.contacts.buckets; }
 }  // namespace lengths
 
@@ -30,6 +30,8 @@ inline constexpr Buffer cluster_faces = own<gpu::uvec4, &ClusterLists::faces>("c
 inline constexpr Buffer cluster_edges = own<gpu::uvec4, &ClusterLists::edges>("cluster_edges");
 inline constexpr Buffer cluster_searchers = own<gpu::uvec2, &ClusterLists::searchers>("cluster_searchers");
 inline constexpr Buffer cluster_hulls = own<gpu::uint, &ClusterLists::hulls>("cluster_hulls");
+inline constexpr Buffer cluster_surroundings = own<gpu::uvec4, &ClusterLists::surroundings>("cluster_surroundings");
+inline constexpr Buffer clusters_around = own<gpu::uint, &ClusterLists::around>("clusters_around");
 /// xyz rest position (m), w thickness (m).
 inline constexpr Buffer rest = cooked<gpu::vec4, &CookedFabric::rest>("rest");
 
@@ -65,7 +67,13 @@ inline constexpr Buffer grid_starts = scratch<gpu::uint>("grid_starts", [](const
 inline constexpr Buffer grid_entries = scratch<gpu::vec4>("grid_entries", lengths::clusters);
 /// Two a cluster: xyz of its box's corners (m).
 inline constexpr Buffer cluster_boxes = scratch<gpu::vec4>("cluster_boxes", [](const Cooked& s) { return 2 * lengths::clusters(s); });
-/// WEFT_NEAR_CLUSTERS + 1 a cluster: how many clusters' boxes overlap its own, and which.
+/// Seven a cluster (cluster_box.comp): columns of the mean deformation gradient at the detection, w how far a triangle's is from it, the
+/// largest gradient of a barycentric coordinate at rest (1/m), how far a particle may be from its trajectory (m); columns of the gradient
+/// where trajectories end; xyz its trajectory, w how far a particle's is from it (m).
+inline constexpr Buffer cluster_motions = scratch<gpu::vec4>("cluster_motions", [](const Cooked& s) { return WEFT_MOTION * lengths::clusters(s); });
+/// 1: no two places of the cluster and those that it touches can meet, but neighbours (smooth.glsl).
+inline constexpr Buffer smooth_clusters = scratch<gpu::uint>("smooth_clusters", lengths::clusters);
+/// WEFT_NEAR_CLUSTERS + 1 a cluster: how many clusters' boxes overlap its own, and which (WEFT_TOUCHING marks some).
 inline constexpr Buffer near_clusters =
     scratch<gpu::uint>("near_clusters", [](const Cooked& s) { return (WEFT_NEAR_CLUSTERS + 1) * lengths::clusters(s); });
 /// Three a primitive, triangles first: its Outline (outline.glsl): xyz middle, w reach; xyz half sides; xyz trajectory (m).

@@ -115,6 +115,56 @@ TEST(FabricContacts, most_clusters_of_a_sheet_are_full) {
   EXPECT_EQ(lists.clusters.size() - 1, 2u * 2 * 64 * 64 / WEFT_CLUSTER);
 }
 
+// Of a sheet of 32 x 32 cells without the triangles that `torn` names, and bent at rest to a radius, if that is not 0.
+ClusterLists sheet_clusters(double thickness, double radius, bool (*torn)(double x, double z)) {
+  Scene scene = two_sheets();
+  scene.cloths.resize(1);
+  scene.cloths[0].grid = Grid{{1, 1}, 32, 32, Topology::diagonal, false};
+  scene.cloths[0].fabric.thickness = thickness;
+  CookedFabric fabric = cooked(scene);
+  std::erase_if(fabric.triangles, [&](const Triangle& t) {
+    double x = 0, z = 0;
+    for (const std::uint32_t i : t) x += fabric.rest[i].x / 3, z += fabric.rest[i].z / 3;
+    return torn(x, z);
+  });
+  for (gpu::vec4& x : fabric.rest)
+    if (radius > 0) x = {float(radius * std::sin(x.x / radius)), float(radius * std::cos(x.x / radius)), x.z, x.w};
+  return cooking::make_clusters(fabric);
+}
+
+std::size_t with_surroundings(const ClusterLists& lists) {
+  return static_cast<std::size_t>(std::ranges::count_if(lists.surroundings, [](const gpu::uvec4& s) { return s.z > s.x; }));
+}
+
+TEST(FabricContacts, clusters_of_a_flat_sheet_know_those_about_them_unless_a_hole_or_a_slit_is_near) {
+  const auto whole = [](double, double) { return false; };
+  const ClusterLists lists = sheet_clusters(0.002, 0, whole);
+  ASSERT_EQ(lists.surroundings.size(), lists.clusters.size() - 1);
+  EXPECT_EQ(with_surroundings(lists), lists.surroundings.size());
+  for (std::uint32_t k = 0; k < lists.surroundings.size(); ++k) {
+    const gpu::uvec4& own = lists.surroundings[k];
+    std::set<std::uint32_t> touching, listed(lists.around.begin() + own.x, lists.around.begin() + own.y);
+    const auto corners = [&](std::uint32_t cluster) {
+      std::set<std::uint32_t> all;
+      for (const gpu::uvec4& face : lists.faces)
+        if (face.w == cluster) all.insert({face.x, face.y, face.z});
+      return all;
+    };
+    const std::set<std::uint32_t> mine = corners(k);
+    for (std::uint32_t other = 0; other < lists.surroundings.size(); ++other)
+      if (std::ranges::any_of(corners(other), [&](std::uint32_t i) { return mine.contains(i); })) touching.insert(other);
+    EXPECT_EQ(listed, touching) << k;
+    EXPECT_LE(own.y, own.z);
+    // A tenth more than the thickness over the height of a triangle.
+    EXPECT_NEAR(std::bit_cast<float>(own.w), 1.1 * 0.002 / (std::sqrt(0.5) / 32), 1e-5);
+  }
+  EXPECT_EQ(with_surroundings(sheet_clusters(0.03, 0, whole)), 0u) << "thicker than its triangles";
+  EXPECT_EQ(with_surroundings(sheet_clusters(0.002, 0.5, whole)), 0u) << "not flat at rest";
+  const ClusterLists holed = sheet_clusters(0.002, 0, [](double x, double z) { return std::max(std::abs(x), std::abs(z)) < 0.04; });
+  EXPECT_GT(with_surroundings(holed), holed.surroundings.size() / 2);
+  EXPECT_LT(with_surroundings(holed), holed.surroundings.size() - 8) << "a hole is in the way";
+}
+
 TEST(FabricContacts, particles_without_a_triangle_have_clusters_too) {
   CookedFabric fabric = cooked(two_sheets());
   fabric.triangles.clear();

@@ -76,8 +76,7 @@ TEST_F(DetectArguments, detect_arguments_detects_when_needed_and_adapts_the_marg
   EXPECT_EQ(d.steps, 0u);
   EXPECT_EQ(d.particles.x, 1u);
   const auto primitives = static_cast<std::uint32_t>(soup.fabric.triangles.size() + soup.fabric.edges.size());
-  const std::uint32_t clusters = contact_settings(Detected::scene({}), with_clusters(soup.fabric)).clusters;
-  EXPECT_EQ(d.outlined.x, (60 + clusters + primitives + 63) / 64);
+  EXPECT_EQ(d.outlined.x, (60 + primitives + 63) / 64);
   EXPECT_EQ(d.grid.x, 1u);
   for (const gpu::Groups& groups : {d.outlined, d.grid, d.clusters, d.particles, d.edges}) EXPECT_EQ(std::pair(groups.y, groups.z), std::pair(1u, 1u));
   EXPECT_EQ(passes.counters().detections, 1u);

@@ -162,23 +162,127 @@ TEST_F(Detect, holds_the_four_particles_of_an_overflowed_pair_and_no_other) {
 }
 
 TEST_F(Detect, a_flat_sheet_at_rest_has_no_candidates_when_the_margin_is_small_against_its_edges) {
-  constexpr std::uint32_t kSide = 17;
+  constexpr std::uint32_t kFew = 17;
   Random random(7);
-  Soup soup = soup_of(random, kSide * kSide);
-  for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
-    const gpu::vec4 x{0.05f * static_cast<float>(i % kSide), 0, 0.05f * static_cast<float>(i / kSide), 10};
+  Soup soup = soup_of(random, kFew * kFew);
+  for (std::uint32_t i = 0; i < kFew * kFew; ++i) {
+    const gpu::vec4 x{0.05f * static_cast<float>(i % kFew), 0, 0.05f * static_cast<float>(i / kFew), 10};
     soup.fabric.positions[i] = x;
     soup.fabric.velocities[i].w = 0;
     soup.fabric.rest[i] = {x.x, x.y, x.z, 0.5f};   // far thicker than an edge
     soup.predicted[i] = x;
-    if (i % kSide == kSide - 1 || i / kSide == kSide - 1) continue;
-    add_triangle(soup, i, i + 1, i + kSide);
-    add_triangle(soup, i + 1, i + kSide + 1, i + kSide);
+    if (i % kFew == kFew - 1 || i / kFew == kFew - 1) continue;
+    add_triangle(soup, i, i + 1, i + kFew);
+    add_triangle(soup, i + 1, i + kFew + 1, i + kFew);
   }
   for (const double speed : {0.0, 0.002}) {
     for (gpu::vec4& p : soup.predicted) p.y = static_cast<float>(speed);
     EXPECT_EQ(Detected(device(), soup, {false, 64, 0.08, 5e-4}).detection().candidates, 0u) << "falling " << speed << " m a substep";
   }
+}
+
+// ---- smooth cloth
+
+constexpr double kCell = 0.05, kThickness = 0.01;   // m
+
+// A flat sheet that is now `bent`, with its particles off by up to `noise`, and on its way by `way` in a substep.
+Soup sheet_of(Random& random, reference::Vector (*bent)(double, double), double noise, const reference::Vector& way,
+              std::uint32_t side = 25) {
+  Soup soup = soup_of(random, side * side);
+  for (std::uint32_t i = 0; i < side * side; ++i) {
+    const double u = kCell * (i % side), v = kCell * (i / side);
+    const reference::Vector at = bent(u, v);
+    const gpu::vec4 x = sum({static_cast<float>(at.x()), static_cast<float>(at.y()), static_cast<float>(at.z()), 10}, anywhere(random, noise, 0));
+    soup.fabric.positions[i] = {x.x, x.y, x.z, 10};
+    soup.fabric.velocities[i].w = 0;
+    soup.fabric.rest[i] = {static_cast<float>(u), 0, static_cast<float>(v), static_cast<float>(kThickness)};
+    const reference::Vector step = between(random, 0.95, 1) * way;
+    soup.predicted[i] = sum(x, {static_cast<float>(step.x()), static_cast<float>(step.y()), static_cast<float>(step.z()), 0});
+  }
+  for (std::uint32_t i = 0; i < side * side; ++i) {
+    if (i % side == side - 1 || i / side == side - 1) continue;
+    add_triangle(soup, i, i + 1, i + side);
+    add_triangle(soup, i + 1, i + side + 1, i + side);
+  }
+  return soup;
+}
+
+// Somewhere on their trajectories, each up to a step behind and off it by the margin: towards a plane that parts the two, or anywhere.
+reference::Points astray(Random& random, const reference::Tracks& t, const Particles& p, int a, double lifetime) {
+  const double passed = between(random, 0, 1);
+  reference::Points at;
+  for (const std::uint32_t i : p)
+    at.push_back(t.references[i] + std::max(0.0, passed - between(random, 0, 1 / lifetime)) * t.paths[i]);
+  reference::Vector towards = reference::Vector::Zero();
+  for (std::size_t j = 0; j < 4; ++j) towards += (static_cast<int>(j) < a ? -1.0 / a : 1.0 / (4 - a)) * at[j];
+  for (std::size_t j = 0; j < 4; ++j) {
+    reference::Vector way = static_cast<int>(j) < a ? towards : reference::Vector(-towards);
+    if (random() % 2 == 0) way = vector(anywhere(random, 1, 0));
+    at[j] += t.margin / std::max(way.norm(), 1e-12) * way;
+  }
+  return at;
+}
+
+// The share of clusters that are smooth; none may have two places that can meet with one that it touches.
+double smooth_share(const compute::Device& device, const Soup& soup, double margin, Random& random) {
+  const Detected detected(device, soup, {false, 64, 0.08, margin}, "grid_search");
+  const ClusterLists& lists = detected.fabric.own.of<ClusterLists>();
+  const auto smooth = detected.passes.get<std::uint32_t>(buffers::smooth_clusters, lists.surroundings.size());
+  const reference::Tracks t = detected.tracks();
+  const double lifetime = detected.detection().lifetime;
+  double nearest = INFINITY;
+  for (std::uint32_t k = 0; k < smooth.size(); ++k) {
+    if (smooth[k] == 0) continue;
+    const gpu::uvec4 &own = lists.surroundings[k], &first = lists.clusters[k], &end = lists.clusters[k + 1];
+    for (int sample = 0; sample < 600; ++sample) {
+      const std::uint32_t other = lists.around[own.x + random() % (own.y - own.x)];
+      const gpu::uvec4 &from = lists.clusters[other], &to = lists.clusters[other + 1];
+      const gpu::uvec4 &e = lists.edges[first.y + random() % (end.y - first.y)], &f = lists.edges[from.y + random() % std::max(1u, to.y - from.y)];
+      const gpu::uvec4& face = lists.faces[from.x + random() % (to.x - from.x)];
+      const bool edges = sample % 2 == 0 && to.y > from.y;
+      const Particles p = edges ? Particles{e.x, e.y, f.x, f.y} : Particles{e.x, face.x, face.y, face.z};
+      const int a = edges ? 2 : 1;
+      if (!reference::can_be_pair(t, p, a)) continue;
+      const reference::Points at = astray(random, t, p, a, lifetime);
+      nearest = std::min(nearest, reference::closest({at[0], at[1], at[2], at[3]}, a).distance);
+    }
+  }
+  EXPECT_GE(nearest, kThickness) << "margin " << margin;
+  return double(std::ranges::count(smooth, 1u)) / double(smooth.size());
+}
+
+TEST_F(Detect, two_places_of_smooth_cloth_that_are_no_neighbours_cannot_meet) {
+  using reference::Vector;
+  const auto flat = [](double u, double v) { return Vector(u, 0, v); };
+  const auto rolled = [](double u, double v) { return Vector(0.5 * std::sin(u / 0.5), 0.5 * std::cos(u / 0.5), v); };
+  const auto pleated = [](double u, double v) { return Vector(0.45 * u, 0.06 * std::sin(20 * u), v); };
+  const auto folded = [](double u, double v) { return Vector(std::abs(u - 0.6), u > 0.6 ? 0.012 : 0, v); };   // onto itself
+  const auto pressed = [](double u, double v) { return Vector(0.25 * u, 0, v); };                              // less than its thickness wants
+  const Vector still(0, 0, 0), across(0, 0.03, 0), along(0.03, 0, 0);
+  Random random(40);
+  EXPECT_GE(smooth_share(device(), sheet_of(random, flat, 0, still), 0.001, random), 1);
+  EXPECT_GT(smooth_share(device(), sheet_of(random, flat, 0.001, across), 0.001, random), 0.5) << "falling on its flat side";
+  EXPECT_GT(smooth_share(device(), sheet_of(random, rolled, 0.001, still), 0.002, random), 0.5);
+  const double in_pleats = smooth_share(device(), sheet_of(random, pleated, 0.001, still), 0.001, random);
+  const double about_a_fold = smooth_share(device(), sheet_of(random, folded, 0, still), 0.001, random);
+  EXPECT_LT(in_pleats, 0.5);
+  EXPECT_GT(about_a_fold, 0.25);
+  EXPECT_LT(about_a_fold, 0.9);
+  EXPECT_EQ(smooth_share(device(), sheet_of(random, flat, 0, still), 0.025, random), 0) << "particles may be anywhere";
+  EXPECT_EQ(smooth_share(device(), sheet_of(random, flat, 0, along), 0.001, random), 0) << "those before may be stopped";
+  EXPECT_EQ(smooth_share(device(), sheet_of(random, pressed, 0, still), 0.001, random), 0);
+  EXPECT_EQ(smooth_share(device(), sheet_of(random, flat, 0.03, still), 0.001, random), 0) << "crumpled";
+}
+
+// Pairs that meet are found in spite of it.
+TEST_F(Detect, finds_the_pairs_of_a_folded_sheet_whose_halves_are_smooth) {
+  Random random(41);
+  const Soup soup = sheet_of(random, [](double u, double v) { return reference::Vector(std::abs(u - 0.3), u > 0.3 ? 0.012 : 0, v); }, 0,
+                             reference::Vector(0, 0, 0), 13);
+  const Detected detected(device(), soup, {false, 64, 0.08, 0.002});
+  const Oracle oracle = all_pairs(soup, detected.tracks(), doubt_of(2));
+  ASSERT_GT(oracle.certain.size(), 1000u);
+  expect_agreement(detected, oracle, doubt_of(2));
 }
 
 }  // namespace
