@@ -238,6 +238,8 @@ struct Detection {
   uint lifetime;      // substeps that its candidates are meant to serve: the length of trajectories
   uint candidates;    // that it found; those beyond ContactSettings::capacity have overflowed
   float margin;       // m, detection margin: the length of displacement bounds
+  float most_pushed;  // m, by how much bounds may exceed it where kinematic particles push (predicted_track.glsl)
+  uint fastest;       // bits of the longest step of a kinematic particle in this substep (m)
   uint listings[2];   // active candidates of this substep, and unsafe ones: those that could cross at its end
   uint touchings;     // particles of active candidates
   uint changed[WEFT_LIMIT_PASSES - 1];   // 1: this pass of contact_limit lowered the step fraction of some particle
@@ -254,6 +256,7 @@ struct Detection {
 #define WEFT_CLUSTER 16u         // triangles that detection treats as one until it looks closer, at most
 #define WEFT_NEAR_CLUSTERS 63u   // that a cluster's list has room for; with more the search asks all
 #define WEFT_MOTION 8u           // elements of cluster_motions a cluster
+#define WEFT_MOST_PUSHED 0.3f    // relative to the cell of the grid, which is four and a half edges long: Detection::most_pushed at most
 #define WEFT_TOUCHING 0x80000000u   // a bit of its entries: the two share a particle
 #define WEFT_NEAR 2u   // capacity for pairs of the broad phase, of each kind, as a multiple of the capacity for candidates
 
@@ -317,7 +320,7 @@ SLICE(CollisionSettings, collision_settings)
 
 static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 52 && sizeof(Push) == 28 && sizeof(Motion) == 40);
-static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 284 && sizeof(Acceleration) == 48);
+static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 292 && sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);
 
 namespace constant {

@@ -15,6 +15,7 @@ GATHER(positions)
 GATHER(velocities)
 GATHER(materials)
 READ_WRITE(Detection, detection)
+WRITE(uint, kinematic_lags)
 READ_WRITE(Counters, counters)
 #include "motion/displacement_bound.glsl"
 
@@ -25,27 +26,31 @@ const float kLeast = 0.08;               // relative to its thickness: what it r
 const float kRounding = 1.0 / 1048576;   // 2^-20, relative to the largest coordinate
 
 // Records the tracking error: the distance from where it should be at the substep's start (m).
-void count_tracking_error(vec3 x, Anchor anchor) {
-  const float error = length(place_at(anchor, push.fraction_from) - x);
+void count_tracking_error(vec3 x, float error) {
   const vec3 size = abs(x);
   // Positive floats are ordered like their bits.
   if (error > kRounding * max(size.x, max(size.y, size.z))) atomicMax(counters[0].tracking_error, floatBitsToUint(error));
 }
 
-// Where it goes from x in this substep. Beyond its kinematic lag limit (contact_limit) it goes to its target at once.
-vec3 next_place(vec3 target, vec3 x, Anchor anchor) {
+// Where it goes from x in this substep. `lag`: its tracking error at the substep's start (m). Beyond its kinematic lag limit (contact_limit)
+// it goes to its target at once.
+vec3 next_place(vec3 target, vec3 x, float lag, Anchor anchor) {
   const float thickness = FETCH(materials, floatBitsToUint(FETCH(velocities, anchor.particle).w)).z;
   const float error = length(target - x), motion_of_target = (push.fraction_to - push.fraction_from) * length(anchor.to - anchor.from);
   const float step = motion_of_target + max(contact_settings.recover, kLeast * thickness);
-  return error > step && error <= contact_settings.kinematic_lag_limit * thickness ? x + (step / error) * (target - x) : target;
+  return error > step && lag <= contact_settings.kinematic_lag_limit * thickness ? x + (step / error) * (target - x) : target;
 }
 
 // Where it goes among contacts; asks for a detection if that is about to leave its displacement bound.
 vec3 among_contacts(vec3 target, Anchor anchor) {
   const vec3 x = FETCH(positions, anchor.particle).xyz;
-  count_tracking_error(x, anchor);
-  const vec3 next = next_place(target, x, anchor);
-  if (strays(next, expected_of(anchor.particle, detection[0].steps).next, detection[0].margin)) detection[0].needs_detection = 1;
+  const float lag = length(place_at(anchor, push.fraction_from) - x);
+  count_tracking_error(x, lag);
+  kinematic_lags[anchor.particle] = floatBitsToUint(lag);
+  const vec3 next = next_place(target, x, lag, anchor);
+  if (strays(next, expected_of(anchor.particle, detection[0].steps).next, bound_of(anchor.particle))) detection[0].needs_detection = 1;
+  const float step = distance(next, x);
+  if (step > detection[0].margin) atomicMax(detection[0].fastest, floatBitsToUint(step));   // it may push (predicted_track.glsl)
   return next;
 }
 

@@ -10,9 +10,14 @@ READ(Detection, detection)
 WRITE(vec4, cluster_boxes)
 WRITE(vec4, cluster_motions)
 WRITE(uint, near_clusters)
+WRITE(uint, cluster_pushes)
 
 #include "contact/grid.glsl"
 #include "contact/cluster.glsl"
+
+// Boxes are made before it is known who is pushed (grid_search), so large enough for all.
+float pushed(uint i) { return detection[0].most_pushed; }
+
 #include "contact/predicted_track.glsl"
 
 // Deformation gradients of a triangle where trajectories begin and where they end: of the rest pose's directions; 0 across it.
@@ -43,7 +48,7 @@ vec3 normal_of(Gradients mean, uvec3 t) {
 }
 
 // The mean of its triangles' gradients, how far one of them is from that, and how far particles may be from their trajectories.
-void write_motion(uint cluster, Box box, vec3 trajectory, float strays) {
+void write_motion(uint cluster, Box box, vec3 trajectory, float strays, bool kinematic) {
   const uint first = FETCH(clusters, cluster).x, end = FETCH(clusters, cluster + 1).x;
   Gradients mean = Gradients(mat3(0), mat3(0), 0);
   for (uint k = first; k < end; ++k) {
@@ -65,14 +70,14 @@ void write_motion(uint cluster, Box box, vec3 trajectory, float strays) {
     off.y = max(off.y, max(across.x, across.y));
   }
   const vec3 far = max(abs(box.low), abs(box.high));
-  const float clearance = detection[0].margin + rounding * max(far.x, max(far.y, far.z));
+  const float clearance = detection[0].margin + detection[0].most_pushed + rounding * max(far.x, max(far.y, far.z));
   const uint row = WEFT_MOTION * cluster;
   cluster_motions[row] = vec4(mean.first[0], off.x);
   cluster_motions[row + 1] = vec4(mean.first[1], mean.slope);
   cluster_motions[row + 2] = vec4(mean.first[2], clearance);
   for (int k = 0; k < 3; ++k) cluster_motions[row + 3 + k] = vec4(mean.last[k], normal[k]);
   cluster_motions[row + 6] = vec4(trajectory, strays);
-  cluster_motions[row + 7] = vec4(off.y, 0, 0, 0);
+  cluster_motions[row + 7] = vec4(off.y, kinematic ? 1 : 0, 0, 0);
 }
 
 // push.count: clusters.
@@ -80,16 +85,19 @@ void main() {
   const uint cluster = gl_GlobalInvocationID.x;
   if (cluster >= push.count) return;
   Box box = Box(vec3(1e30), vec3(-1e30)), trajectories = box;
+  bool kinematic = false;
   const uint end = FETCH(clusters, cluster + 1).z;
   for (uint k = FETCH(clusters, cluster).z; k < end; ++k) {
     const uint i = FETCH_UINT(cluster_hulls, k);
     const Track track = track_of(i);
     const Sweep sweep = sweep_of(track, FETCH(rest, i).w);
     box = Box(min(box.low, sweep.low), max(box.high, sweep.high));
+    kinematic = kinematic || FETCH(positions, i).w == 0;
     trajectories = Box(min(trajectories.low, track.trajectory), max(trajectories.high, track.trajectory));
   }
   cluster_boxes[2 * cluster] = vec4(box.low, 0);
   cluster_boxes[2 * cluster + 1] = vec4(box.high, 0);
   near_clusters[(WEFT_NEAR_CLUSTERS + 1) * cluster] = 0;   // its list begins empty (grid_search)
-  write_motion(cluster, box, 0.5 * (trajectories.low + trajectories.high), 0.5 * distance(trajectories.low, trajectories.high));
+  cluster_pushes[cluster] = 0;
+  write_motion(cluster, box, 0.5 * (trajectories.low + trajectories.high), 0.5 * distance(trajectories.low, trajectories.high), kinematic);
 }

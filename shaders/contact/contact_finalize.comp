@@ -8,6 +8,7 @@
 GATHER_WRITE(predicted)
 READ_WRITE(uvec4, step_fractions)
 READ_WRITE(uint, contact_counts)
+READ_WRITE(ivec4, contact_sums)
 READ_WRITE(Detection, detection)
 READ_WRITE(Counters, counters)
 
@@ -26,6 +27,14 @@ float fraction_of(uint i) {
   return uintBitsToFloat(detection[0].falls_back != 0 ? min(least, fractions.w) : least);
 }
 
+// What the displacement bound has held back of particle i (finalize.glsl, apply.glsl). Resets its entry for the next substep.
+vec3 held_back_of(uint i) {
+  const ivec3 sum = contact_sums[i].xyz;
+  if (sum == ivec3(0)) return vec3(0);
+  contact_sums[i].xyz = ivec3(0);
+  return contact_settings.quantum * vec3(sum);
+}
+
 // Where the substep's step from x to p, the last iterate, ends.
 vec3 allowed(uint i, vec3 x, vec3 p) {
   const float fraction = fraction_of(i);
@@ -37,7 +46,7 @@ vec3 allowed(uint i, vec3 x, vec3 p) {
 // A kinematic particle goes to its target, or as far as contact_limit lets it: then it goes on from there in the next substep.
 void move_kinematic(uint i, vec3 x, vec3 target) {
   const vec3 end = allowed(i, x, target);
-  if (end != target && is_off(end, expected_of(i, detection[0].steps).now, detection[0].margin)) detection[0].needs_detection = 1;
+  if (end != target && is_off(end, expected_of(i, detection[0].steps).now, bound_of(i))) detection[0].needs_detection = 1;
   positions[i].xyz = end;
 }
 
@@ -51,9 +60,10 @@ void main() {
     return;
   }
   const vec4 v = FETCH(velocities, i);
-  p.xyz = allowed(i, x, p.xyz);
+  const vec3 wanted = p.xyz, held_back = held_back_of(i);
+  p.xyz = allowed(i, x, wanted);
   const vec3 end = p.xyz;
-  p = update_velocity(i, x, p, v.xyz, FETCH(materials, floatBitsToUint(v.w)).x);
+  p = update_velocity(i, x, p, end == wanted ? held_back : vec3(0), v.xyz, FETCH(materials, floatBitsToUint(v.w)).x);
   watch_bound(bound_of(i), expected_of(i, detection[0].steps), end, p.xyz);
   predicted[i] = p;
 }

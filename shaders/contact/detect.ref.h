@@ -2,7 +2,7 @@
 // without a grid. Derived for two convex primitives A and B on their trajectories r_i + s q_i / H, s the substeps since the
 // detection: along any direction n the sides' least heights, each towards itself, are concave in s. Within substep s each particle
 // is within the displacement bound R of a place on its trajectory between s - 1 and s, so the gap along n is at least that of the
-// lower of both places of either side, less 2 R. pair.glsl has the inequality, and says which directions are tried.
+// lower of both places of either side, less the largest R of either. pair.glsl has the inequality, and says which directions are tried.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ struct Tracks {
   Points references, paths, rest;
   std::vector<double> thickness, inverse_masses;
   std::vector<std::uint32_t> cloth;
-  double margin;   // m, R: the detection margin
+  std::vector<double> bounds;   // m, R: displacement bounds
 };
 
 /// The trajectory of H substeps, from the step of one.
@@ -81,7 +81,9 @@ inline double spare_distance(const Tracks& t, const Particles& p, int a) {
   }
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {-1.0, 1.0}) gap = std::max(gap, least_gap(sign * Vector::Unit(axis), from, way, a));
-  return gap - 2 * t.margin - keep_of(t, p, a);
+  double bounds[2] = {0, 0};
+  for (int i = 0; i < 4; ++i) bounds[i < a ? 0 : 1] = std::max(bounds[i < a ? 0 : 1], t.bounds[p[static_cast<std::size_t>(i)]]);
+  return gap - bounds[0] - bounds[1] - keep_of(t, p, a);
 }
 
 }  // namespace weft::reference

@@ -35,6 +35,8 @@ uint lifetime_after(uint steps) { return detection[0].lifetime == 0 ? WEFT_LONGE
 void begin_detection(bool settled) {
   detection[0].lifetime = lifetime_after(detection[0].steps + 1);
   detection[0].margin = margin_after(detection[0].margin, detection[0].steps + 1);
+  const float fastest = uintBitsToFloat(detection[0].fastest);
+  detection[0].most_pushed = fastest > detection[0].margin ? min(fastest, WEFT_MOST_PUSHED * contact_settings.cell) : 0;
   detection[0].needs_detection = 0;
   detection[0].settled = uint(settled);
   detection[0].steps = 0;
@@ -86,4 +88,5 @@ void main() {
                        detection[0].candidates > push.count;
   if (needed || settled) begin_detection(settled);
   else skip_detection();
+  detection[0].fastest = 0;
 }

@@ -11,6 +11,8 @@
 
 GATHER_UINT4(cluster_faces)
 GATHER_UINT4(cluster_edges)
+GATHER_UINT(cluster_owners)
+GATHER_UINT(cluster_pushes)
 READ(Detection, detection)
 WRITE(vec4, detected_positions)
 WRITE(vec4, trajectories)
@@ -18,14 +20,19 @@ WRITE(uint, displacement_bounds)
 WRITE(vec4, outlines)
 
 #include "contact/grid.glsl"
+
+float pushed(uint i) {
+  return detection[0].most_pushed == 0 ? 0 : uintBitsToFloat(FETCH_UINT(cluster_pushes, FETCH_UINT(cluster_owners, i)));
+}
+
 #include "contact/predicted_track.glsl"
 #include "contact/outline.glsl"
 
 void start_particle(uint i) {
   const Track track = track_of(i);
   detected_positions[i] = vec4(track.at, 0);
-  trajectories[i] = vec4(track.trajectory, 0);
-  displacement_bounds[i] = floatBitsToUint(detection[0].margin);
+  trajectories[i] = vec4(track.trajectory, track.bound);
+  displacement_bounds[i] = floatBitsToUint(track.bound);
 }
 
 Outline outline_of_edge(uvec2 e) {

@@ -17,9 +17,11 @@ float per_substep() { return 1.0 / float(max(detection[0].lifetime, 1)); }
 
 const uint of_triangles = 0, of_edges = 1;   // kinds of pairs
 
-// The position of a particle at the last detection, and its predicted trajectory from there over the candidate lifetime (m).
+// The position of a particle at the last detection, its predicted trajectory from there over the candidate lifetime, and its displacement
+// bound (m).
 struct Track {
   vec3 at, trajectory;
+  float bound;
 };
 
 struct Sweep {
@@ -27,9 +29,9 @@ struct Sweep {
   float clearance;   // how far a particle can be from its place on its trajectory (m)
 };
 
-Sweep sweep_of(vec3 low, vec3 high, float thickness) {
+Sweep sweep_of(vec3 low, vec3 high, float bound, float thickness) {
   const vec3 far = max(abs(low), abs(high));
-  precise const float clearance = detection[0].margin + rounding * max(far.x, max(far.y, far.z));
+  precise const float clearance = bound + rounding * max(far.x, max(far.y, far.z));
   precise const float margin = clearance + 0.5 * thickness;
   precise const vec3 from = low - margin, to = high + margin;
   return Sweep(from, to, clearance);
@@ -42,17 +44,18 @@ vec3 end_of(Track track) {
 
 Sweep sweep_of(Track a, float thickness) {
   const vec3 end = end_of(a);
-  return sweep_of(min(a.at, end), max(a.at, end), thickness);
+  return sweep_of(min(a.at, end), max(a.at, end), a.bound, thickness);
 }
 
 Sweep sweep_of(Track a, Track b, float thickness) {
   const vec3 c = end_of(a), d = end_of(b);
-  return sweep_of(min(min(a.at, b.at), min(c, d)), max(max(a.at, b.at), max(c, d)), thickness);
+  return sweep_of(min(min(a.at, b.at), min(c, d)), max(max(a.at, b.at), max(c, d)), max(a.bound, b.bound), thickness);
 }
 
 Sweep sweep_of(Track a, Track b, Track c, float thickness) {
   const vec3 d = end_of(a), e = end_of(b), f = end_of(c);
-  return sweep_of(min(min(min(a.at, b.at), c.at), min(min(d, e), f)), max(max(max(a.at, b.at), c.at), max(max(d, e), f)), thickness);
+  return sweep_of(min(min(min(a.at, b.at), c.at), min(min(d, e), f)), max(max(max(a.at, b.at), c.at), max(max(d, e), f)),
+                  max(max(a.bound, b.bound), c.bound), thickness);
 }
 
 uint level_of(float half_side) {

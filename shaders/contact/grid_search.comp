@@ -10,6 +10,7 @@ GATHER(cluster_boxes)
 GATHER_UINT(grid_starts)
 GATHER(grid_entries)
 READ_WRITE(uint, near_clusters)
+READ_WRITE(uint, cluster_pushes)
 WRITE(uint, smooth_clusters)
 READ(Detection, detection)
 
@@ -37,6 +38,14 @@ void add_near(uint cluster, uint other) {
   if (place < WEFT_NEAR_CLUSTERS) near_clusters[row + 1 + place] = other;
 }
 
+// How far `cluster` may have to go in a substep to be out of the way of the kinematic particles of another one.
+void make_way(uint cluster, uint by) {
+  if (FETCH(cluster_motions, WEFT_MOTION * by + 7).y == 0) return;
+  const vec3 approach = FETCH(cluster_motions, WEFT_MOTION * by + 6).xyz - FETCH(cluster_motions, WEFT_MOTION * cluster + 6).xyz;
+  const float pushed = min(per_substep() * length(approach), detection[0].most_pushed);
+  if (pushed > detection[0].margin) atomicMax(cluster_pushes[cluster], floatBitsToUint(pushed));
+}
+
 // Tests entry k. `row`: y and z of the cells that are visited.
 void visit(Search search, uint k, bool any_row, ivec2 row) {
   const vec4 entry = FETCH(grid_entries, k);
@@ -52,6 +61,9 @@ void visit(Search search, uint k, bool any_row, ivec2 row) {
   const uint mark = touches(own, other) || touches(other, own) ? WEFT_TOUCHING : 0;
   add_near(own, other | mark);
   add_near(other, own | mark);
+  if (detection[0].most_pushed == 0) return;
+  make_way(own, other);
+  make_way(other, own);
 }
 
 // The entries of a row of cells are one run; among them are those of other rows that share its buckets.

@@ -3,6 +3,9 @@
 // A trajectory is the coming substep's step times the candidate lifetime (detect_arguments): the longer, the more pairs can meet on it. It
 // is no longer than 32 cells a substep, so that boxes stay bounded. A particle that is faster leaves its bound, and there is a detection
 // in every substep.
+//
+// The displacement bound is the detection margin. What a kinematic particle is about to push needs more, to be out of its way in the same
+// substep: as far as the two approach in a substep. Needs pushed(i), by how much particle i's bound exceeds the margin (m).
 
 GATHER(positions)
 GATHER(predicted)
@@ -18,5 +21,5 @@ vec3 trajectory_along(vec3 d) {
 
 Track track_of(uint i) {
   const vec3 x = FETCH(positions, i).xyz;
-  return Track(x, trajectory_along(FETCH(predicted, i).xyz - x));
+  return Track(x, trajectory_along(FETCH(predicted, i).xyz - x), detection[0].margin + pushed(i));
 }

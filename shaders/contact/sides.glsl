@@ -1,6 +1,10 @@
 // sides: the two sides of a pair seen along its normal, and the heights at which steps that would cross must stop. contact_limit.comp
 // derives them and numbers the stages. Needs ITERATE(i), particle i's iterate.
 
+GATHER_UINT(kinematic_lags)
+
+float lag_of(uint i) { return uintBitsToFloat(FETCH_UINT(kinematic_lags, i)); }
+
 // Of a gap that may not shrink: a change as small as this is no motion.
 const float kNegligible = 1e-4;
 
@@ -31,8 +35,9 @@ Sides sides_of(Candidate pair, vec3 n) {
   Sides sides;
   sides.edges = pair.edges;
   sides.kinematic = equal(vec4(x[0].w, x[1].w, x[2].w, x[3].w), vec4(0));
+  const vec4 lags = vec4(lag_of(a), lag_of(b), lag_of(c), lag_of(d));
   const vec4 lengths = vec4(length(steps[0]), length(steps[1]), length(steps[2]), length(steps[3]));
-  const vec4 required = max(vec4(0), 1 - contact_settings.kinematic_lag_limit * pair.separation / max(lengths, vec4(1e-30)));
+  const vec4 required = clamp((lags - contact_settings.kinematic_lag_limit * pair.separation) / max(lengths, vec4(1e-30)), vec4(0), vec4(1));
   sides.least_fraction = mix(vec4(0), required, sides.kinematic);
   sides.displacement = towards * (n * steps);
   const vec4 height = towards * (n * mat4x3(vec3(0), x[1].xyz - x[0].xyz, x[2].xyz - x[0].xyz, x[3].xyz - x[0].xyz));

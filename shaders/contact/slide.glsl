@@ -7,6 +7,11 @@ void ask(uint place, vec3 way) {
   if (way.z > 0) atomicMax(slides[place].z, floatBitsToUint(way.z));
 }
 
+// Cloth goes ahead of kinematic particles: the heights above which either side is out of the way of the other one's.
+vec2 ahead_of_kinematic(Sides sides, vec4 end) {
+  return sides.margin - least_of_sides(mix(vec4(1e30), end, sides.kinematic), sides.edges).yx;
+}
+
 void ask_for_ways(uint place) {
   const uint i = LISTED(place);
   const vec3 n = FETCH(contact_normals, i).xyz;
@@ -15,7 +20,7 @@ void ask_for_ways(uint place) {
   const vec4 end = sides.height + sides.displacement;
   const vec2 least = least_of_sides(end, sides.edges);
   if (least.x + least.y >= sides.least_gap) return;
-  const vec2 stopping = stopping_heights(sides, end);
+  const vec2 stopping = max(stopping_heights(sides, end), ahead_of_kinematic(sides, end));
   const vec4 missing = (sides.edges ? stopping.xxyy : stopping.xyyy) + 2 * sides.rounding_error - end;
   for (int j = 0; j < 4; ++j) {
     if (sides.kinematic[j] || !(missing[j] > 0)) continue;

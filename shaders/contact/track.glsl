@@ -5,4 +5,7 @@
 GATHER(detected_positions)
 GATHER(trajectories)
 
-Track track_of(uint i) { return Track(FETCH(detected_positions, i).xyz, FETCH(trajectories, i).xyz); }
+Track track_of(uint i) {
+  const vec4 trajectory = FETCH(trajectories, i);
+  return Track(FETCH(detected_positions, i).xyz, trajectory.xyz, trajectory.w);
+}

@@ -21,5 +21,5 @@ void add_velocity(uint i, vec3 dv) {
   const vec3 p = predicted_position(x.xyz, v, motion.h);
   velocities[i].xyz = v;
   predicted[i].xyz = p;
-  if (has_contacts && strays(p, expected_of(i, detection[0].steps).next, detection[0].margin)) detection[0].needs_detection = 1;
+  if (has_contacts && strays(p, expected_of(i, detection[0].steps).next, bound_of(i))) detection[0].needs_detection = 1;
 }

@@ -30,5 +30,5 @@ void main() {
   if (x.w == 0) return;
   const vec3 p = free_flight(i, x.xyz);
   predicted[i].xyz = p;
-  if (has_contacts && strays(p, expected_of(i, detection[0].steps).next, detection[0].margin)) detection[0].needs_detection = 1;
+  if (has_contacts && strays(p, expected_of(i, detection[0].steps).next, bound_of(i))) detection[0].needs_detection = 1;
 }

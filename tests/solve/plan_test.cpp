@@ -190,11 +190,11 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(calls.has(Id::triangle), {&b::triangles, &b::collisions, &b::collision_list, &b::collision_sums});
     expect(calls.has(Id::triangle) && calls.has(Id::contact), {&b::ways_out});
     expect(calls.has(Id::contact),
-           {&b::clusters, &b::cluster_faces, &b::cluster_edges, &b::cluster_searchers, &b::cluster_hulls, &b::cluster_surroundings,
-            &b::clusters_around, &b::cluster_boxes, &b::cluster_motions, &b::smooth_clusters, &b::near_clusters,
+           {&b::clusters, &b::cluster_faces, &b::cluster_edges, &b::cluster_searchers, &b::cluster_owners, &b::cluster_hulls, &b::cluster_surroundings,
+            &b::clusters_around, &b::cluster_boxes, &b::cluster_pushes, &b::cluster_motions, &b::smooth_clusters, &b::near_clusters,
             &b::outlines, &b::rest, &b::detected_positions, &b::trajectories, &b::displacement_bounds, &b::grid_counts,
             &b::grid_starts, &b::grid_entries, &b::detection, &b::candidates, &b::contact_normals, &b::contact_weights,
-            &b::contact_counts, &b::contact_sums, &b::contact_penetrations, &b::slides, &b::step_fractions, &b::contact_list,
+            &b::contact_counts, &b::contact_sums, &b::contact_penetrations, &b::slides, &b::kinematic_lags, &b::step_fractions, &b::contact_list,
             &b::touched_particles});
     expect(true, {&b::positions, &b::velocities, &b::predicted, &b::next_iterate, &b::materials, &b::surface_rows, &b::corners,
                   &b::vertex_positions, &b::vertex_normals, &b::counters});
@@ -249,12 +249,12 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   EXPECT_EQ(labels({{Id::gauss_seidel, Id::tether, Id::collide, Id::triangle}}),
             (Labels{"predict", "gauss_seidel", "finalize+tether", "triangle_search", "triangle_collide", "finalize+collide", "surface"}));
   EXPECT_EQ(labels({{Id::stretch, Id::contact}}),
-            (Labels{"predict+watch", "detect_arguments", "detect_trajectory", "cluster_box", "grid_fill", "grid_search", "search_faces", "search_edges",
+            (Labels{"predict+watch", "detect_arguments", "cluster_box", "grid_fill", "grid_search", "detect_trajectory", "search_faces", "search_edges",
                     "pair_faces", "pair_edges", "contact_prepare", "stretch+finalize", "contact_alone", "contact_penetration",
                     "contact_solve", "contact_apply", "contact_slide", "contact_slide_apply", "contact_unsafe", "contact_limit",
                     "contact_finalize", "surface"}));
   EXPECT_EQ(labels(with(all, {Id::contact})),
-            (Labels{"predict+watch", "anchor+watch", "detect_arguments", "detect_trajectory", "cluster_box", "grid_fill", "grid_search", "search_faces",
+            (Labels{"predict+watch", "anchor+watch", "detect_arguments", "cluster_box", "grid_fill", "grid_search", "detect_trajectory", "search_faces",
                     "search_edges", "pair_faces", "pair_edges", "contact_prepare", "stretch", "bend+tether+collide+finalize",
                     "contact_alone+collide", "contact_penetration", "contact_solve", "contact_apply+collide", "contact_slide",
                     "contact_slide_apply", "contact_unsafe", "contact_limit", "contact_finalize", "surface"}));

@@ -99,7 +99,7 @@ struct Detected {
       : fabric(with_clusters(of.fabric)), passes(device, scene(setting), fabric, setting.gather_storage, setting.workgroup), soup(of) {
     passes.begin(frame_of(1));
     passes.put(buffers::predicted, soup.predicted);
-    for (const char* name : {"detect_arguments", "detect_trajectory", "cluster_box", "grid_fill", "grid_search", "search_faces", "search_edges",
+    for (const char* name : {"detect_arguments", "cluster_box", "grid_fill", "grid_search", "detect_trajectory", "search_faces", "search_edges",
                              "pair_faces", "pair_edges"}) {
       passes.run(name);
       if (name == last) break;
@@ -120,7 +120,7 @@ struct Detected {
     for (const gpu::vec4& rest : soup.fabric.rest) t.thickness.push_back(rest.w);
     t.inverse_masses = inverse_masses(soup.fabric);
     for (const gpu::vec4& v : soup.fabric.velocities) t.cloth.push_back(std::bit_cast<std::uint32_t>(v.w));
-    t.margin = detection().margin;
+    for (const gpu::vec4& trajectory : passes.particles(buffers::trajectories)) t.bounds.push_back(trajectory.w);
     return t;
   }
 };

@@ -115,6 +115,7 @@ ClusterLists make_clusters(const CookedFabric& fabric) {
   count += (loose + WEFT_CLUSTER - 1) / WEFT_CLUSTER;
 
   for (std::uint32_t i = 0; i < owner.size(); ++i) lists.searchers.push_back({i, owner[i]});
+  lists.owners = owner;
   sort_by_cluster(lists.faces, &gpu::uvec4::w);
   sort_by_cluster(lists.edges, &gpu::uvec4::z);
   sort_by_cluster(lists.searchers, &gpu::uvec2::y);

@@ -14,6 +14,7 @@ struct ClusterLists {
   std::vector<gpu::uvec4> faces;       // three particles, the cluster
   std::vector<gpu::uvec4> edges;       // two particles, the cluster, unused
   std::vector<gpu::uvec2> searchers;   // particle, its cluster
+  std::vector<std::uint32_t> owners;   // of each particle: its cluster
   std::vector<std::uint32_t> hulls;    // particles of a cluster's faces, and those that belong to it besides
   std::vector<gpu::uvec4> surroundings;   // of each cluster: first of `around`, end of those that it touches, end, bits of the least
                                           // eigenvalue that makes it smooth (smooth.h)

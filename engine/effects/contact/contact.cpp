@@ -51,13 +51,14 @@ namespace effects {
 namespace {
 
 constexpr const Buffer* kBuffers[] = {
-    &buffers::clusters, &buffers::cluster_faces, &buffers::cluster_edges, &buffers::cluster_searchers, &buffers::cluster_hulls,
+    &buffers::clusters, &buffers::cluster_faces, &buffers::cluster_edges, &buffers::cluster_searchers, &buffers::cluster_owners, &buffers::cluster_hulls,
     &buffers::cluster_surroundings, &buffers::clusters_around,
-    &buffers::cluster_boxes, &buffers::cluster_motions, &buffers::smooth_clusters, &buffers::near_clusters, &buffers::outlines, &buffers::rest, &buffers::detection, &buffers::detected_positions,
+    &buffers::cluster_boxes, &buffers::cluster_pushes, &buffers::cluster_motions, &buffers::smooth_clusters, &buffers::near_clusters, &buffers::outlines, &buffers::rest, &buffers::detection, &buffers::detected_positions,
     &buffers::trajectories, &buffers::displacement_bounds, &buffers::candidates, &buffers::grid_counts,
     &buffers::grid_starts, &buffers::grid_entries, &buffers::contact_normals,
     &buffers::contact_weights, &buffers::near_edges, &buffers::near_faces, &buffers::contact_list, &buffers::touched_particles,
-    &buffers::contact_counts, &buffers::contact_sums, &buffers::contact_penetrations, &buffers::slides, &buffers::step_fractions,
+    &buffers::contact_counts, &buffers::contact_sums, &buffers::contact_penetrations, &buffers::slides, &buffers::kinematic_lags,
+    &buffers::step_fractions,
 };
 
 // Indirect dispatches, in the order of the passes: a detection, where one is needed; the pairs of its broad phase; its
@@ -79,10 +80,10 @@ constexpr Threads kUnsafeCandidates{lengths::candidates, nullptr,
 
 constexpr Pass kPasses[] = {
     {.name = "detect_arguments", .stage = Stage::detect, .threads = threads::once, .alone = true},
-    {.name = "detect_trajectory", .stage = Stage::detect, .threads = kOutlined},
     {.name = "cluster_box", .stage = Stage::detect, .threads = kClusters},
     {.name = "grid_fill", .stage = Stage::detect, .threads = kGrid, .alone = true},
     {.name = "grid_search", .stage = Stage::detect, .threads = kClusters},
+    {.name = "detect_trajectory", .stage = Stage::detect, .threads = kOutlined},
     {.name = "search_faces", .stage = Stage::detect, .threads = kDetectedParticles},
     {.name = "search_edges", .stage = Stage::detect, .threads = kEdges},
     {.name = "pair_faces", .stage = Stage::detect, .threads = kNearFaces},

@@ -29,6 +29,7 @@ inline constexpr Buffer cluster_faces = own<gpu::uvec4, &ClusterLists::faces>("c
 /// Edges of all triangles, each once.
 inline constexpr Buffer cluster_edges = own<gpu::uvec4, &ClusterLists::edges>("cluster_edges");
 inline constexpr Buffer cluster_searchers = own<gpu::uvec2, &ClusterLists::searchers>("cluster_searchers");
+inline constexpr Buffer cluster_owners = own<gpu::uint, &ClusterLists::owners>("cluster_owners");
 inline constexpr Buffer cluster_hulls = own<gpu::uint, &ClusterLists::hulls>("cluster_hulls");
 inline constexpr Buffer cluster_surroundings = own<gpu::uvec4, &ClusterLists::surroundings>("cluster_surroundings");
 inline constexpr Buffer clusters_around = own<gpu::uint, &ClusterLists::around>("clusters_around");
@@ -49,7 +50,8 @@ inline constexpr Buffer detection = [] {
 }();
 /// xyz position at the last detection (m), w unused.
 inline constexpr Buffer detected_positions = buffer<gpu::vec4>("detected_positions", Lifetime::persistent, lengths::particles);
-/// xyz predicted trajectory from there: the displacement in Detection::lifetime substeps (m), w unused.
+/// xyz predicted trajectory from there: the displacement in Detection::lifetime substeps (m), w the displacement bound that detection
+/// reckoned with (m).
 inline constexpr Buffer trajectories = buffer<gpu::vec4>("trajectories", Lifetime::persistent, lengths::particles);
 /// Displacement bound: how far the particle may be from its predicted trajectory (m, bits of a float); 0: a candidate of it has
 /// overflowed, and it stays where it is. WEFT_PAIRED, in place of the sign: it has candidates.
@@ -67,9 +69,12 @@ inline constexpr Buffer grid_starts = scratch<gpu::uint>("grid_starts", [](const
 inline constexpr Buffer grid_entries = scratch<gpu::vec4>("grid_entries", lengths::clusters);
 /// Two a cluster: xyz of its box's corners (m).
 inline constexpr Buffer cluster_boxes = scratch<gpu::vec4>("cluster_boxes", [](const Cooked& s) { return 2 * lengths::clusters(s); });
-/// Seven a cluster (cluster_box.comp): columns of the mean deformation gradient at the detection, w how far a triangle's is from it, the
+/// By how much the bounds of a cluster's particles exceed the detection margin, because kinematic particles push them (m, bits of a float).
+inline constexpr Buffer cluster_pushes = scratch<gpu::uint>("cluster_pushes", lengths::clusters);
+/// Eight a cluster (cluster_box.comp): columns of the mean deformation gradient at the detection, w how far a triangle's is from it, the
 /// largest gradient of a barycentric coordinate at rest (1/m), how far a particle may be from its trajectory (m); columns of the gradient
-/// where trajectories end; xyz its trajectory, w how far a particle's is from it (m).
+/// where trajectories end; xyz its trajectory, w how far a particle's is from it (m); how far a gradient is off across it, 1 if one of its
+/// particles is kinematic.
 inline constexpr Buffer cluster_motions = scratch<gpu::vec4>("cluster_motions", [](const Cooked& s) { return WEFT_MOTION * lengths::clusters(s); });
 /// 1: no two places of the cluster and those that it touches can meet, but neighbours (smooth.glsl).
 inline constexpr Buffer smooth_clusters = scratch<gpu::uint>("smooth_clusters", lengths::clusters);
@@ -104,13 +109,16 @@ inline constexpr Buffer contact_list = growing(scratch<gpu::uint>("contact_list"
 inline constexpr Buffer touched_particles = scratch<gpu::uint>("touched_particles", lengths::particles);
 /// Number of active contacts of each particle in this substep; 0 for kinematic ones.
 inline constexpr Buffer contact_counts = cleared<gpu::uint>("contact_counts", lengths::particles);
-/// xyz sum of a particle's corrections in units of ContactSettings::quantum, w unused; 0 between iterations.
+/// xyz sum of a particle's corrections in units of ContactSettings::quantum, w unused; 0 between iterations. After the last one of a
+/// substep: what its displacement bound has held back.
 inline constexpr Buffer contact_sums = cleared<gpu::ivec4>("contact_sums", lengths::particles);
 /// Sum of the penetrations of a particle's contacts, each times its weight (contact_share.glsl); 0 between iterations.
 inline constexpr Buffer contact_penetrations = cleared<gpu::uint>("contact_penetrations", lengths::particles);
 /// Two a particle: the largest way that contact_slide asks for along each coordinate, upwards and downwards (m, bits of floats); 0 between
 /// its rounds.
 inline constexpr Buffer slides = cleared<gpu::uvec4>("slides", [](const Cooked& s) { return 2 * lengths::particles(s); });
+/// How far a kinematic particle was behind its target when the substep began (m, bits of a float; anchor.comp); 0 for all others.
+inline constexpr Buffer kinematic_lags = buffer<gpu::uint>("kinematic_lags", Lifetime::persistent, lengths::particles);
 /// Step fractions (times of impact): the part of its step that a particle may take, bits of a float, one a pass of contact_limit.
 inline constexpr Buffer step_fractions = cleared<gpu::uvec4>("step_fractions", lengths::particles, std::bit_cast<std::uint32_t>(1.0f));
 

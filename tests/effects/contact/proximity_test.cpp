@@ -86,13 +86,14 @@ TEST(ProximityTwin, crossing_sides_touch) {
 // Two sides, near each other and moving fast, of which one may be held.
 Tracks random_tracks(Random& random) {
   Tracks t;
-  t.margin = std::pow(10, between(random, -3, -1));
+  const double margin = std::pow(10, between(random, -3, -1));
   const Vector drift = anywhere(random, std::pow(10, between(random, -2, 1)));
   const double apart = std::pow(10, between(random, -3, 0)), speed = std::pow(10, between(random, -3, 0));
   for (std::uint32_t i = 0; i < 4; ++i) {
     t.references.push_back(anywhere(random, 0.3));
     t.rest.push_back(anywhere(random, 0.3));
     t.paths.push_back(drift + anywhere(random, speed));
+    t.bounds.push_back(between(random, 1, 2) * margin);
     t.thickness.push_back(0.01);
     t.inverse_masses.push_back(1);
     t.cloth.push_back(0);
@@ -121,7 +122,7 @@ void bring_together(Tracks& t, const Particles& all, int a) {
 // A place on the displacement bound; more often than not as far towards the other side as it allows.
 Vector within_bound(Random& random, const Tracks& t, std::uint32_t i, double substeps, const Vector& towards) {
   const Vector way = t.paths[i] * std::min(substeps, kHorizon) / kHorizon;
-  return t.references[i] + way + (random() % 4 == 0 ? anywhere(random, 1).normalized() : towards) * t.margin;
+  return t.references[i] + way + (random() % 4 == 0 ? anywhere(random, 1).normalized() : towards) * t.bounds[i];
 }
 
 // Where a particle may be at a substep's end: on its displacement bound, or stopped on its way there from the bound a substep ago.
@@ -154,7 +155,7 @@ TEST(DetectTwin, a_pair_that_is_left_out_keeps_its_distance_wherever_its_particl
       least = std::min(least, closest(x, a).distance);
     }
     EXPECT_GE(least, separation - 1e-12);
-    close += least < separation + 0.1 * t.margin;
+    close += least < separation + 0.1 * t.bounds[0];
   }
   EXPECT_GT(left_out, 1000);
   EXPECT_GT(close, 30) << "a test that never comes near tells nothing";
