@@ -67,8 +67,9 @@ void main() {
   if (i >= min(detection[0].candidates, contact_settings.capacity)) return;
   const Candidate pair = unpack_candidate(FETCH(candidates, i));
   const uint a = pair.particle[0], b = pair.particle[1], c = pair.particle[2], d = pair.particle[3];
-  const vec3 origin = FETCH(positions, a).xyz;
-  const mat4x3 x = mat4x3(vec3(0), FETCH(positions, b).xyz - origin, FETCH(positions, c).xyz - origin, FETCH(positions, d).xyz - origin);
+  const vec4 at_a = FETCH(positions, a), at_b = FETCH(positions, b), at_c = FETCH(positions, c), at_d = FETCH(positions, d);
+  const vec3 origin = at_a.xyz;
+  const mat4x3 x = mat4x3(vec3(0), at_b.xyz - origin, at_c.xyz - origin, at_d.xyz - origin);
   const mat4x3 p = mat4x3(FETCH(predicted, a).xyz - origin, FETCH(predicted, b).xyz - origin, FETCH(predicted, c).xyz - origin,
                           FETCH(predicted, d).xyz - origin);
   const vec4 weights = pair.edges ? closest_of_edges(x[0], x[1], x[2], x[3]) : closest_to_triangle(x[0], x[1], x[2], x[3]);
@@ -83,7 +84,10 @@ void main() {
   const vec2 least = least_of_sides(signs(pair.edges) * (n * x), pair.edges);
   const float half_gap = 0.5 * (least.x + least.y), height = half_gap - least.x;
   // The prediction is the first iterate; 0.1 of the separation allows for what other contacts and constraints do to it.
-  const bool is_active = dot(n, p * weights) < separation + 0.1 * pair.separation || half_gap < kFloor * length(origin);
+  // A kinematic particle that is fast may come up to cloth that other constraints hold back, however far the prediction was ahead of it.
+  const vec4 approach = mix(vec4(0), -signs(pair.edges) * (n * p - n * x), equal(vec4(at_a.w, at_b.w, at_c.w, at_d.w), vec4(0)));
+  const bool is_pushed = max(max(approach.x, approach.y), max(approach.z, approach.w)) > pair.separation;
+  const bool is_active = is_pushed || dot(n, p * weights) < separation + 0.1 * pair.separation || half_gap < kFloor * length(origin);
   contact_normals[i] = vec4(n, is_active ? separation : -height);
   if (!is_active) return;
   list(WEFT_ACTIVE, i);
