@@ -16,12 +16,8 @@ void apply_corrections(uint i) {
     p = out_of_colliders(start, p, FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)));
   }
   if ((push.flags & WEFT_LAST_ITERATION) != 0) {
-    const float bound = bound_of(i);
-    const vec3 end = keep_within_bound(bound, expected_of(i, detection[0].steps), FETCH(positions, i).xyz, p);
-    if (end != p) {
-      atomicAdd(counters[0].truncated, 1);
-      contact_sums[i].xyz = in_quantums(held_back_by(bound, p, end));
-    }
+    const vec3 end = keep_within_bound(bound_of(i), expected_of(i, detection[0].steps), FETCH(positions, i).xyz, p);
+    if (end != p) atomicAdd(counters[0].truncated, 1);
     p = end;
   }
   if (p != before.xyz) predicted[i].xyz = p;

@@ -8,7 +8,6 @@
 GATHER_WRITE(predicted)
 READ_WRITE(uvec4, step_fractions)
 READ_WRITE(uint, contact_counts)
-READ_WRITE(ivec4, contact_sums)
 READ_WRITE(Detection, detection)
 READ_WRITE(Counters, counters)
 
@@ -25,14 +24,6 @@ float fraction_of(uint i) {
   step_fractions[i] = uvec4(kOne);
   const uint least = min(min(fractions.x, fractions.y), fractions.z);
   return uintBitsToFloat(detection[0].falls_back != 0 ? min(least, fractions.w) : least);
-}
-
-// What the displacement bound has held back of particle i (finalize.glsl, apply.glsl). Resets its entry for the next substep.
-vec3 held_back_of(uint i) {
-  const ivec3 sum = contact_sums[i].xyz;
-  if (sum == ivec3(0)) return vec3(0);
-  contact_sums[i].xyz = ivec3(0);
-  return contact_settings.quantum * vec3(sum);
 }
 
 // Where the substep's step from x to p, the last iterate, ends.
@@ -60,10 +51,9 @@ void main() {
     return;
   }
   const vec4 v = FETCH(velocities, i);
-  const vec3 wanted = p.xyz, held_back = held_back_of(i);
-  p.xyz = allowed(i, x, wanted);
+  p.xyz = allowed(i, x, p.xyz);
   const vec3 end = p.xyz;
-  p = update_velocity(i, x, p, end == wanted ? held_back : vec3(0), v.xyz, FETCH(materials, floatBitsToUint(v.w)).x);
+  p = update_velocity(i, x, p, v.xyz, FETCH(materials, floatBitsToUint(v.w)).x);
   watch_bound(bound_of(i), expected_of(i, detection[0].steps), end, p.xyz);
   predicted[i] = p;
 }

@@ -38,13 +38,6 @@ vec3 keep_within_bound(float bound, Expected expected, vec3 x, vec3 p) {
   return bound > 0 ? within_bound(p, expected.before, expected.now, bound) : x;
 }
 
-// What the bound takes from an iterate p that is kept to `end` (m). The velocity keeps it: cloth that something pushes farther than its bound
-// follows a substep later, after the detection that it asks for. Nothing for a particle that is held still.
-vec3 held_back_by(float bound, vec3 p, vec3 end) { return bound > 0 ? p - end : vec3(0); }
-
-// A length as integers that contact_sums adds up, no more than they can hold.
-ivec3 in_quantums(vec3 d) { return ivec3(clamp(floor(d / contact_settings.quantum + 0.5), -1e9, 1e9)); }
-
 // Whether a prediction uses up so much of its bound that constraints might not have what they need: a detection is needed. They
 // need little: asked for at a half, detections were a third more, and no fewer steps were cut short.
 const float used_up = 0.9;

@@ -19,7 +19,6 @@ READ_WRITE(vec4, chebyshev_iterates)
 READ_WRITE(ivec4, collision_sums)
 READ_WRITE(Collisions, collisions)
 WRITE(vec4, ways_out)
-READ_WRITE(ivec4, contact_sums)
 
 // The mean of what a particle's triangles ask for (triangle_collide): out of the collider, and friction (m).
 struct Asked {
@@ -63,17 +62,15 @@ void finalize(uint i, vec4 p) {
   if (has_contacts && last) {
     const float bound = uintBitsToFloat(bits & ~WEFT_PAIRED);
     const Expected expected = expected_of(i, detection[0].steps);
-    const vec3 end = keep_within_bound(bound, expected, x.xyz, p.xyz), held_back = held_back_by(bound, p.xyz, end);
+    const vec3 end = keep_within_bound(bound, expected, x.xyz, p.xyz);
     if (end != p.xyz) atomicAdd(counters[0].truncated, 1);
     p.xyz = end;
     if (ends) {
-      p = update_velocity(i, x.xyz, p, held_back, v.xyz, material.x);
+      p = update_velocity(i, x.xyz, p, v.xyz, material.x);
       watch_bound(bound, expected, end, p.xyz);
-    } else if (held_back != vec3(0)) {
-      contact_sums[i].xyz = in_quantums(held_back);
     }
   } else if (last) {
-    p = update_velocity(i, x.xyz, p, vec3(0), v.xyz, material.x);
+    p = update_velocity(i, x.xyz, p, v.xyz, material.x);
   }
   next_iterate[i] = p;
 }

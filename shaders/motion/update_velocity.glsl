@@ -9,10 +9,10 @@ GATHER_WRITE(positions)
 GATHER_WRITE(velocities)
 GATHER(materials)
 
-// x: position at the substep's start; p: last iterate; v: the velocity of the prediction; held_back: what a displacement bound took from
-// the last iterate (m), which the velocity keeps. Returns the next substep's prediction, or p where the frame ends.
-vec4 update_velocity(uint i, vec3 x, vec4 p, vec3 held_back, vec3 v, float damping_factor) {
-  const vec3 corrected = v + motion.inverse_h * (p.xyz - predicted_position(x, v, motion.h) + held_back);
+// x: position at the substep's start; p: last iterate; v: the velocity of the prediction. Returns the next substep's prediction, or p where
+// the frame ends.
+vec4 update_velocity(uint i, vec3 x, vec4 p, vec3 v, float damping_factor) {
+  const vec3 corrected = v + motion.inverse_h * (p.xyz - predicted_position(x, v, motion.h));
   if (dot(p.xyz, p.xyz) < 1e20 && dot(corrected, corrected) < 1e20) {
     v = corrected;
   } else {
