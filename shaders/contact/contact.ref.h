@@ -46,12 +46,22 @@ inline Quad places(const Pair& pair, const Points& x) {
 /// Sides closer than this (m) have no normal.
 constexpr double kNoDistance = 1e-9;
 
-inline Contact prepare_contact(const Pair& pair, const Points& x, const Points& p, double recover) {
+/// Whether a kinematic particle of the pair comes nearer by more than the separation, so that other constraints may pull cloth into its way.
+inline bool is_pushed(const Pair& pair, const Vector& normal, const Points& x, const Points& p, std::span<const double> inverse_masses) {
+  for (int j = 0; j < 4; ++j) {
+    const std::uint32_t i = pair.particle[static_cast<std::size_t>(j)];
+    if (inverse_masses[i] == 0 && (pair.on_a(j) ? -1 : 1) * normal.dot(p[i] - x[i]) > pair.separation) return true;
+  }
+  return false;
+}
+
+inline Contact prepare_contact(const Pair& pair, const Points& x, const Points& p, double recover, std::span<const double> inverse_masses) {
   const Proximity near = closest(places(pair, x), pair.edges ? 2 : 1);
   if (near.distance < kNoDistance) return {};
   Contact contact{true, false, offset(near.weights, places(pair, x)) / near.distance, near.weights,
                   std::min(pair.separation, near.distance + recover)};
-  contact.touches = contact.normal.dot(offset(near.weights, places(pair, p))) < contact.separation + 0.1 * pair.separation;
+  contact.touches = contact.normal.dot(offset(near.weights, places(pair, p))) < contact.separation + 0.1 * pair.separation ||
+                    is_pushed(pair, contact.normal, x, p, inverse_masses);
   return contact;
 }
 
@@ -114,21 +124,25 @@ constexpr double kLimitMargin = 0.1;
 /// Relative to the largest coordinate: the least gap that it leaves, because positions are rounded.
 constexpr double kLimitFloor = 0x1p-20;
 
-/// The kinematic lag limit, as a multiple of the separation: how far from its target a pair may hold an anchor, unless a scene
-/// says otherwise.
+/// The kinematic lag limit, as a multiple of the separation: how far from its target a pair may hold an anchor, besides a substep's
+/// motion, unless a scene says otherwise.
 constexpr double kKinematicLagLimit = 8;
 
 /// A pair seen along its normal: side A above the middle of the gap at 0, side B below it.
 class Layers {
  public:
-  Layers(const Pair& pair, const Vector& normal, const Points& x, const Points& p, std::span<const double> inverse_masses) : pair_(pair) {
+  /// `lags`: how far kinematic particles are from their targets at the start (m); empty: they are there.
+  Layers(const Pair& pair, const Vector& normal, const Points& x, const Points& p, std::span<const double> inverse_masses,
+         std::span<const double> lags = {})
+      : pair_(pair) {
     double size = 0;
     for (int j = 0; j < 4; ++j) {
       const Vector &from = x[pair.particle[j]], &to = p[pair.particle[j]];
       start_[j] = normal.dot(from - x[pair.particle[0]]);
       displacement_[j] = normal.dot(to - from);
       kinematic_[j] = inverse_masses[pair.particle[j]] == 0;
-      least_[j] = kinematic_[j] ? std::max(0.0, 1 - kKinematicLagLimit * pair.separation / std::max((to - from).norm(), 1e-30)) : 0;
+      const double too_far = lags.empty() ? 0 : lags[pair.particle[j]] - kKinematicLagLimit * pair.separation;
+      least_[j] = kinematic_[j] ? std::clamp(too_far / std::max((to - from).norm(), 1e-30), 0.0, 1.0) : 0;
       size = std::max({size, from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff()});
     }
     const double low = lowest_of_a(start_), high = highest_of_b(start_);
@@ -153,7 +167,13 @@ class Layers {
     const Four whole{1, 1, 1, 1}, end = ends(whole);
     Four by{};
     if (!crosses(whole)) return by;
-    const auto [a, b] = planes(whole);
+    auto [a, b] = planes(whole);
+    // Cloth goes ahead of kinematic particles.
+    for (int j = 0; j < 4; ++j) {
+      const auto k = static_cast<std::size_t>(j);
+      if (kinematic_[k] && pair_.on_a(j)) b = std::min(b, end[k] - margin_);
+      if (kinematic_[k] && !pair_.on_a(j)) a = std::max(a, end[k] + margin_);
+    }
     for (int j = 0; j < 4; ++j) {
       const auto k = static_cast<std::size_t>(j);
       if (kinematic_[k]) continue;
@@ -246,7 +266,7 @@ struct Limit {
 constexpr int kLastPass = WEFT_LIMIT_PASSES - 1;
 
 inline Limit limit_motion(std::span<const Pair> pairs, std::span<const Contact> contacts, const Points& x, const Points& p,
-                          std::span<const double> inverse_masses) {
+                          std::span<const double> inverse_masses, std::span<const double> lags = {}) {
   Limit limit{std::vector<double>(x.size(), 1.0), false};
   std::vector<double> fallback = limit.fractions;
   bool changed = true;
@@ -260,7 +280,7 @@ inline Limit limit_motion(std::span<const Pair> pairs, std::span<const Contact> 
       if (!contacts[k].directed) {
         for (std::size_t j = 0; j < 4; ++j) after[j] = inverse_masses[pairs[k].particle[j]] == 0 ? 1 : 0;
       } else {
-        const Layers layers(pairs[k], contacts[k].normal, x, p, inverse_masses);
+        const Layers layers(pairs[k], contacts[k].normal, x, p, inverse_masses, lags);
         crosses = layers.crosses(before);
         after = pass == kLastPass ? layers.keep_apart() : crosses ? layers.yield(before) : before;
       }

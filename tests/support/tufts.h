@@ -45,7 +45,7 @@ inline Tufts tufts(std::mt19937_64& random, std::uint32_t count, int pairs_each,
 
 inline std::vector<Contact> prepare(const Tufts& t, double recover) {
   std::vector<Contact> contacts;
-  for (const Pair& pair : t.pairs) contacts.push_back(prepare_contact(pair, t.x, t.p, recover));
+  for (const Pair& pair : t.pairs) contacts.push_back(prepare_contact(pair, t.x, t.p, recover, t.inverse_masses));
   return contacts;
 }
 

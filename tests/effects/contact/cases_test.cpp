@@ -262,6 +262,32 @@ TEST_F(ContactCase, a_collider_through_cloth_at_five_metres_a_frame_makes_it_cro
   EXPECT_LT(top_speed(*simulation), 100);
 }
 
+// A sheet that is held everywhere is driven into a free one, at 8 m/s, with its edge first. Coarse and fine, in all three ways.
+TEST_F(ContactCase, a_held_sheet_carries_a_free_one_along_at_eight_metres_a_second) {
+  for (const auto& [free_cells, held_cells] : {std::pair(12u, 10u), std::pair(24u, 10u), std::pair(24u, 30u), std::pair(48u, 20u)}) {
+    SCOPED_TRACE(free_cells);
+    Scene scene = scene_with({cloth_of({1, 1}, free_cells, {0, 0, 0}), cloth_of({0.3f, 0.3f}, held_cells, {0, 0.3f, 0})});
+    scene.gravity = {0, 0, 0};
+    Cloth& held = scene.cloths[1];
+    held.grid->upright = true;
+    held.transform.axis = {0, 1, 0};
+    held.transform.degrees = 20;
+    Anchor& anchor = held.anchors.emplace_back();
+    anchor.box = Anchor::Box{{-9, -9, -9}, {9, 9, 9}};
+    anchor.keys.resize(2);
+    anchor.keys[0].time = 0.1;
+    anchor.keys[1].time = 0.2;
+    anchor.keys[1].translate = {0, -0.8f, 0};
+    const auto simulation = must(Simulation::create(device(), scene));
+    run_without_crossing(*simulation, 24);
+    EXPECT_LT(simulation->counts().tracking_error, 0.008) << "it waited for the cloth in front of it";
+    double lowest = 0;
+    const auto places = must(simulation->read_positions());
+    for (std::size_t i = 0; i < simulation->fabric().cloths[1].first_particle; ++i) lowest = std::min(lowest, double(places[i].y));
+    EXPECT_LT(lowest, -0.65) << "the free sheet is in front of the held one's edge";
+  }
+}
+
 // F3: bins and lists that overflow without a word.
 TEST_F(ContactCase, a_frame_that_overflowed_is_repeated_with_more_capacity_and_ends_the_same) {
   std::uint64_t hashes[2];

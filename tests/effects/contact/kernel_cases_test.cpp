@@ -94,6 +94,11 @@ Tufts four(double first_inverse_mass) {
   return t;
 }
 
+// Displacement bounds of four particles (m), which have candidates or not.
+void put_bounds(Passes& passes, float bound, bool paired) {
+  passes.put(buffers::displacement_bounds, std::vector<std::uint32_t>(4, std::bit_cast<std::uint32_t>(bound) | (paired ? WEFT_PAIRED : 0)));
+}
+
 // Whether a particle needs a detection that was predicted to go `expected` in each of ten substeps, and goes `way` in this one.
 // `substeps`: of its frame.
 struct Watched {
@@ -108,10 +113,7 @@ Watched watched(const compute::Device& device, const reference::Vector& expected
   for (gpu::Material& material : fabric.materials) material.damping_factor = 1;   // no damping
   Passes passes(device, scene, fabric, t, false);
   passes.put(buffers::trajectories, std::vector<gpu::vec4>(t.x.size(), with(WEFT_LONGEST_LIFETIME * expected, 0)));
-  auto detection = passes.detection();
-  detection.margin = 0.001f;
-  passes.put(buffers::detection, std::vector<gpu::Detection>{detection});
-  if (!paired) passes.put(buffers::displacement_bounds, std::vector<float>(t.x.size(), 100));
+  put_bounds(passes, 0.001f, paired);
   passes.begin(frame_of(substeps));
   passes.run(paired ? "contact_finalize" : "stretch");
   const std::uint32_t needed_by_finalize = passes.detection().needs_detection;
@@ -121,7 +123,7 @@ Watched watched(const compute::Device& device, const reference::Vector& expected
 }
 
 TEST_F(ContactEdgeCase, a_particle_on_its_trajectory_needs_no_detection_and_one_about_to_leave_it_does) {
-  const reference::Vector fast(0.01, 0, 0.02), off(0.0005, 0, 0), far(0.0006, 0, 0);   // of a margin of 1 mm
+  const reference::Vector fast(0.01, 0, 0.02), off(0.0005, 0, 0), far(0.0006, 0, 0);   // of a bound of 1 mm
   for (const std::uint32_t k : {0u, 1u, 2u, 3u}) {
     const std::uint32_t substeps = 1 + k / 2;   // at a frame's end there is no prediction to look at
     const bool paired = k % 2 == 1;             // which of the passes ends its substep
@@ -133,21 +135,22 @@ TEST_F(ContactEdgeCase, a_particle_on_its_trajectory_needs_no_detection_and_one_
     EXPECT_EQ(leaving, substeps == 1 ? 0u : 1u);
     EXPECT_EQ(left, 1u) << substeps;
     const auto [gone, anyway] = watched(device(), fast, fast + 2 * far, substeps, paired);
-    EXPECT_EQ(gone, 1u) << substeps;
+    // One that ends with the solve was kept within its bound: at a frame's end nothing shows that it wanted more.
+    if (paired || substeps > 1) {
+      EXPECT_EQ(gone, 1u) << substeps;
+    }
     EXPECT_EQ(anyway, 1u) << substeps;
   }
 }
 
 TEST_F(ContactEdgeCase, an_anchor_that_leaves_its_trajectory_needs_a_detection) {
-  for (const float lead : {0.0008f, 0.001f}) {   // m, off its trajectory at the substep's end, of a margin of 1 mm
+  for (const float lead : {0.0008f, 0.001f}) {   // m, off its trajectory at the substep's end, of a bound of 1 mm
     const Tufts t = four(0);
     const Scene scene = scene_of(t);
     CookedFabric fabric = fabric_of(t, scene.solver);
     fabric.anchors.push_back({0, 0, 0, 0, {0, 0, 0}});
     Passes passes(device(), scene, fabric, t, false);
-    auto detection = passes.detection();
-    detection.margin = 0.001f;
-    passes.put(buffers::detection, std::vector<gpu::Detection>{detection});
+    put_bounds(passes, 0.001f, true);
     const gpu::Anchor anchor{0, {0, 0, 0}, {0, lead, 0}};
     FrameInput input = frame_of(1);
     input.anchors = {&anchor, 1};

@@ -218,14 +218,14 @@ reference::Points astray(Random& random, const reference::Tracks& t, const Parti
   for (std::size_t j = 0; j < 4; ++j) {
     reference::Vector way = static_cast<int>(j) < a ? towards : reference::Vector(-towards);
     if (random() % 2 == 0) way = vector(anywhere(random, 1, 0));
-    at[j] += t.margin / std::max(way.norm(), 1e-12) * way;
+    at[j] += t.bounds[p[j]] / std::max(way.norm(), 1e-12) * way;
   }
   return at;
 }
 
 // The share of clusters that are smooth; none may have two places that can meet with one that it touches.
 double smooth_share(const compute::Device& device, const Soup& soup, double margin, Random& random) {
-  const Detected detected(device, soup, {false, 64, 0.08, margin}, "grid_search");
+  const Detected detected(device, soup, {false, 64, 0.08, margin}, "detect_trajectory");
   const ClusterLists& lists = detected.fabric.own.of<ClusterLists>();
   const auto smooth = detected.passes.get<std::uint32_t>(buffers::smooth_clusters, lists.surroundings.size());
   const reference::Tracks t = detected.tracks();

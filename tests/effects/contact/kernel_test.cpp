@@ -244,14 +244,24 @@ TEST_F(ContactKernel, slides_as_its_twin) {
 }
 TEST_F(ContactKernel, slides_as_its_twin_through_storage) { compare_slid(device(), 0.02, true); }
 
-void compare_limited(const compute::Device& device, double violence, bool gather_storage) {
+// `late`: kinematic particles are behind their targets, some of them by more than the kinematic lag limit, so that cloth may be crossed.
+void compare_limited(const compute::Device& device, double violence, bool gather_storage, bool late = false) {
   const Tufts t = violent_tufts(15, violence);
   const Scene scene = scene_of(t);
   const CookedFabric fabric = fabric_of(t, scene.solver);
   Passes passes(device, scene, fabric, t, gather_storage);
+  Random random(16);
+  std::vector<std::uint32_t> bits;
+  std::vector<double> lags;
+  for (const double w : t.inverse_masses) {
+    const auto lag = static_cast<float>(late && w == 0 ? between(random, 0, 0.1) : 0);
+    bits.push_back(std::bit_cast<std::uint32_t>(lag));
+    lags.push_back(lag);
+  }
+  passes.put(buffers::kinematic_lags, bits);
   passes.run("contact_prepare");
   passes.limit();
-  const auto limit = reference::limit_motion(t.pairs, passes.contacts(), t.x, t.p, t.inverse_masses);
+  const auto limit = reference::limit_motion(t.pairs, passes.contacts(), t.x, t.p, t.inverse_masses, lags);
   const auto fractions = passes.step_fractions();
   EXPECT_EQ(passes.detection().falls_back != 0, limit.unsafe);
   int truncated = 0;
@@ -262,6 +272,7 @@ void compare_limited(const compute::Device& device, double violence, bool gather
     EXPECT_NEAR(fractions[i], limit.fractions[i], 1000 * 8 * kRounding * (1 + 0.1 / std::max(way, 1e-6))) << i << " of " << violence;
   }
   EXPECT_GT(truncated, violence > 0.002 ? 30 : 0);
+  if (late) return;
   passes.run("contact_finalize");
   EXPECT_EQ(reference::meetings(t.pairs, t.x, points(passes.particles(buffers::positions))), 0u) << violence;
   EXPECT_EQ(passes.counters().truncated, static_cast<std::uint32_t>(truncated));
@@ -270,6 +281,9 @@ void compare_limited(const compute::Device& device, double violence, bool gather
 
 TEST_F(ContactKernel, limits_as_its_twin_and_nothing_crosses) {
   for (const double violence : {0.001, 0.005, 0.02, 0.2, 2.0}) compare_limited(device(), violence, false);
+}
+TEST_F(ContactKernel, limits_as_its_twin_where_kinematic_particles_must_go_on) {
+  for (const double violence : {0.02, 0.2}) compare_limited(device(), violence, false, true);
 }
 TEST_F(ContactKernel, limits_as_its_twin_through_storage) { compare_limited(device(), 0.02, true); }
 

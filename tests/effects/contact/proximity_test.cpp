@@ -163,7 +163,7 @@ TEST(DetectTwin, a_pair_that_is_left_out_keeps_its_distance_wherever_its_particl
 
 TEST(DetectTwin, common_motion_costs_one_substeps_way_by_which_either_side_may_be_stopped) {
   Tracks t{{{0, 0, 0}, {0.2, 0, 0}, {0, 0.5, 0.5}, {0, 0.5, -0.5}},
-           Points(4, Vector(0, 1, 1)), {}, std::vector<double>(4, 0.01), std::vector<double>(4, 1.0), {0, 0, 1, 1}, 0.01};
+           Points(4, Vector(0, 1, 1)), {}, std::vector<double>(4, 0.01), std::vector<double>(4, 1.0), {0, 0, 1, 1}, std::vector<double>(4, 0.01)};
   t.rest = t.references;
   const double moving = spare_distance(t, {0, 1, 2, 3}, 2);
   t.paths = Points(4, Vector::Zero());

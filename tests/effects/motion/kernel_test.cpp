@@ -185,11 +185,13 @@ TEST_F(MotionKernel, anchors_that_were_held_back_go_after_their_targets_also_whe
       for (const gpu::Anchor& anchor : anchors) {
         const auto from = vector(anchor.from), to = vector(anchor.to), x = vector(fabric.positions[anchor.particle]);
         const auto target = reference::anchor_at(from, to, moves ? (s + 1) / 5.0 : 1);
-        const auto wanted =
-            reference::anchor_after(target, x, moves ? (to - from).norm() / 5 : 0, recover, 0.002, scene.contacts.kinematic_lag_limit);
+        const double lag = (reference::anchor_at(from, to, moves ? s / 5.0 : 1) - x).norm(), limit = scene.contacts.kinematic_lag_limit;
+        const auto wanted = reference::anchor_after(target, x, moves ? (to - from).norm() / 5 : 0, lag, recover, 0.002, limit);
         EXPECT_LT((vector(iterate[anchor.particle]) - wanted).norm(), 16 * kRounding * 2)
             << "substep " << s << " of anchor " << anchor.particle;
-        ++(wanted == target ? beyond_limit : waited);
+        EXPECT_NEAR(std::bit_cast<float>(passes.get<std::uint32_t>(buffers::kinematic_lags, 400)[anchor.particle]), lag, 16 * kRounding * 2);
+        waited += wanted != target;
+        beyond_limit += lag > limit * 0.002;
       }
     }
   };
