@@ -74,6 +74,7 @@ struct Setting {
   std::uint32_t workgroup = 64;
   double cell = 0.05, margin = kMargin;
   std::uint32_t capacity = 1 << 18;
+  double fastest = 0;   // m: the longest step of a kinematic particle, as the anchor pass finds it
 };
 
 inline CookedFabric with_clusters(CookedFabric fabric) {
@@ -99,6 +100,9 @@ struct Detected {
       : fabric(with_clusters(of.fabric)), passes(device, scene(setting), fabric, setting.gather_storage, setting.workgroup), soup(of) {
     passes.begin(frame_of(1));
     passes.put(buffers::predicted, soup.predicted);
+    gpu::Detection before = detection();
+    before.fastest = std::bit_cast<std::uint32_t>(static_cast<float>(setting.fastest));
+    passes.put(buffers::detection, std::vector{before});
     for (const char* name : {"detect_arguments", "cluster_box", "grid_fill", "grid_search", "detect_trajectory", "search_faces", "search_edges",
                              "pair_faces", "pair_edges"}) {
       passes.run(name);

@@ -93,6 +93,29 @@ TEST_F(Detect, finds_every_pair_that_may_meet_once_and_no_other) {
   EXPECT_GT(longest, WEFT_NEAR_CLUSTERS) << "no list was too long";
 }
 
+// Kinematic particles are a third of the soup. What they come at has a displacement bound by which it can be out of their way.
+TEST_F(Detect, finds_every_pair_where_kinematic_particles_push) {
+  int pushed = 0, left = 0;
+  for (const double fastest : {0.5 * kMargin, 1.5 * kMargin, 5 * kMargin, 1.0}) {
+    Random random(60 + static_cast<std::uint64_t>(1000 * fastest));
+    const Soup soup = random_soup(random, 60);
+    const Setting setting{.cell = 0.05, .fastest = fastest};
+    const Detected detected(device(), soup, setting);
+    const auto tracks = detected.tracks();
+    const double most = fastest > kMargin ? std::min(fastest, WEFT_MOST_PUSHED * setting.cell) : 0;
+    EXPECT_NEAR(detected.detection().most_pushed, most, 1e-7);
+    EXPECT_EQ(detected.detection().fastest, 0u) << "the next substep's is found anew";
+    for (const double bound : tracks.bounds) {
+      EXPECT_GE(bound, kMargin * (1 - 1e-6));
+      EXPECT_LE(bound, (kMargin + most) * (1 + 1e-6));
+      ++(bound > 2 * kMargin ? pushed : left);
+    }
+    expect_agreement(detected, all_pairs(soup, tracks, doubt_of(2)), doubt_of(2));
+  }
+  EXPECT_GT(pushed, 50);
+  EXPECT_GT(left, 50);
+}
+
 // Where a level has no more primitives than a search has cells, the grid is not asked.
 TEST_F(Detect, finds_every_pair_among_a_handful_of_primitives) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
