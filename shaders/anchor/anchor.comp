@@ -32,14 +32,13 @@ void count_tracking_error(vec3 x, float error) {
   if (error > kRounding * max(size.x, max(size.y, size.z))) atomicMax(counters[0].tracking_error, floatBitsToUint(error));
 }
 
-// Where it goes from x in this substep. `lag`: its tracking error at the substep's start (m). What exceeds its kinematic lag limit
-// (contact_limit) it makes up for at once.
+// Where it goes from x in this substep. `lag`: its tracking error at the substep's start (m). Beyond its kinematic lag limit
+// (contact_limit) it goes to its target at once.
 vec3 next_place(vec3 target, vec3 x, float lag, Anchor anchor) {
   const float thickness = FETCH(materials, floatBitsToUint(FETCH(velocities, anchor.particle).w)).z;
   const float error = length(target - x), motion_of_target = (push.fraction_to - push.fraction_from) * length(anchor.to - anchor.from);
-  const float too_far = lag - contact_settings.kinematic_lag_limit * thickness;
-  const float step = motion_of_target + max(max(contact_settings.recover, kLeast * thickness), too_far);
-  return error > step ? x + (step / error) * (target - x) : target;
+  const float step = motion_of_target + max(contact_settings.recover, kLeast * thickness);
+  return error > step && lag <= contact_settings.kinematic_lag_limit * thickness ? x + (step / error) * (target - x) : target;
 }
 
 // Where it goes among contacts; asks for a detection if that is about to leave its displacement bound.

@@ -288,6 +288,38 @@ TEST_F(ContactCase, a_held_sheet_carries_a_free_one_along_at_eight_metres_a_seco
   }
 }
 
+double lowest_of(const Simulation& simulation) {
+  double lowest = INFINITY;
+  for (const gpu::vec4& p : must(simulation.read_positions())) lowest = std::min(lowest, double(p.y) + simulation.origin().y);
+  return lowest;
+}
+
+// Two sheets on the floor, pressed ten centimetres below it by a sphere: there is no right answer until the sphere has gone.
+TEST_F(ContactCase, what_is_impossible_ends_when_it_ends) {
+  for (const std::uint32_t cells : {16u, 24u}) {
+    SCOPED_TRACE(cells);
+    Scene scene = scene_with({cloth_of({0.6f, 0.6f}, cells, {0, 0.004f, 0}), cloth_of({0.6f, 0.6f}, cells, {0, 0.012f, 0})});
+    scene.cloths[1].transform.axis = {0, 1, 0};
+    scene.cloths[1].transform.degrees = 20;
+    scene.colliders = {plane(0), sphere({0, 0.3f, 0}, 0.2)};
+    const auto simulation = must(Simulation::create(device(), scene));
+    for (int frame = 0; frame < 75; ++frame) {   // down in a quarter of a second, up again in another
+      const double down = std::clamp(std::min(frame + 1, 45 - frame) / 15.0, 0.0, 1.0);
+      ColliderPose pose;
+      pose.centre = {0, static_cast<float>(0.3 - 0.2 * down), 0};
+      must(simulation->move_collider(1, pose));
+      run_without_crossing(*simulation, 1);
+      if (frame == 29) {
+        EXPECT_LT(lowest_of(*simulation), -0.05) << "it is no hard case";
+        EXPECT_GT(strain_of(*simulation).max, 1) << "it is no hard case";
+      }
+    }
+    EXPECT_GT(lowest_of(*simulation), 0);
+    EXPECT_LT(strain_of(*simulation).max, 0.6);
+    EXPECT_LT(strain_of(*simulation).mean, 0.08);
+  }
+}
+
 // F3: bins and lists that overflow without a word.
 TEST_F(ContactCase, a_frame_that_overflowed_is_repeated_with_more_capacity_and_ends_the_same) {
   std::uint64_t hashes[2];
