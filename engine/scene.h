@@ -186,7 +186,7 @@ struct Contacts {
   double detection_margin = 0;  // m, how far a particle may stray from its predicted trajectory before the next detection; 0: chosen
   std::uint32_t iterations = 4; // 1 ... 100: of contacts, in each of the solver's iterations
   double kinematic_lag_limit = 8;   // times the larger thickness of the two, >= 0: how far behind its target cloth may hold an
-                                    // anchor or a mesh collider before it is driven through
+                                    // anchor or a mesh collider, besides a substep's motion, before it is driven through
   bool operator==(const Contacts&) const = default;
 };
 

@@ -55,7 +55,8 @@ inline bool is_pushed(const Pair& pair, const Vector& normal, const Points& x, c
   return false;
 }
 
-inline Contact prepare_contact(const Pair& pair, const Points& x, const Points& p, double recover, std::span<const double> inverse_masses) {
+inline Contact prepare_contact(const Pair& pair, const Points& x, const Points& p, double recover,
+                               std::span<const double> inverse_masses) {
   const Proximity near = closest(places(pair, x), pair.edges ? 2 : 1);
   if (near.distance < kNoDistance) return {};
   Contact contact{true, false, offset(near.weights, places(pair, x)) / near.distance, near.weights,

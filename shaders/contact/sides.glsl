@@ -37,7 +37,8 @@ Sides sides_of(Candidate pair, vec3 n) {
   sides.kinematic = equal(vec4(x[0].w, x[1].w, x[2].w, x[3].w), vec4(0));
   const vec4 lags = vec4(lag_of(a), lag_of(b), lag_of(c), lag_of(d));
   const vec4 lengths = vec4(length(steps[0]), length(steps[1]), length(steps[2]), length(steps[3]));
-  const vec4 required = clamp((lags - contact_settings.kinematic_lag_limit * pair.separation) / max(lengths, vec4(1e-30)), vec4(0), vec4(1));
+  const vec4 too_far = lags - contact_settings.kinematic_lag_limit * pair.separation;
+  const vec4 required = clamp(too_far / max(lengths, vec4(1e-30)), vec4(0), vec4(1));
   sides.least_fraction = mix(vec4(0), required, sides.kinematic);
   sides.displacement = towards * (n * steps);
   const vec4 height = towards * (n * mat4x3(vec3(0), x[1].xyz - x[0].xyz, x[2].xyz - x[0].xyz, x[3].xyz - x[0].xyz));

@@ -40,10 +40,12 @@ bool is_smooth(uint cluster) {
   for (uint k = around.x; k < around.z; ++k) {
     const uint row = WEFT_MOTION * FETCH_UINT(clusters_around, k);
     const vec3 normal = vec3(FETCH(cluster_motions, row + 3).w, FETCH(cluster_motions, row + 4).w, FETCH(cluster_motions, row + 5).w);
-    const float off = FETCH(cluster_motions, row).w + length(to_frame * normal) * FETCH(cluster_motions, row + 7).x, slope = FETCH(cluster_motions, row + 1).w, clearance = FETCH(cluster_motions, row + 2).w;
+    const float off = FETCH(cluster_motions, row).w + length(to_frame * normal) * FETCH(cluster_motions, row + 7).x;
+    const float slope = FETCH(cluster_motions, row + 1).w, clearance = FETCH(cluster_motions, row + 2).w;
     const vec4 trajectory = FETCH(cluster_motions, row + 6);
     const float behind = (length(to_frame * trajectory.xyz) + trajectory.w) * per_substep();
-    const float least = min(least_eigenvalue(to_frame * (gradient_of(row) * plane)), least_eigenvalue(to_frame * (gradient_of(row + 3) * plane)));
+    const float least = min(least_eigenvalue(to_frame * (gradient_of(row) * plane)),
+                            least_eigenvalue(to_frame * (gradient_of(row + 3) * plane)));
     if (!(least - off - 2 * slope * (clearance + behind) >= wanted)) return false;
   }
   return true;

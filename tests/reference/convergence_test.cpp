@@ -27,7 +27,7 @@ Scene dropped(Held held, double stretch, double shear, double bend) {
   return scene;
 }
 
-constexpr std::uint32_t kFrames = 12;
+constexpr std::uint32_t kConvergenceFrames = 12;
 
 reference::Trajectory run_on_gpu(const compute::Device& device, const Scene& scene, std::uint32_t frames) {
   const auto simulation = must(Simulation::create(device, scene));
@@ -39,14 +39,14 @@ reference::Trajectory run_on_gpu(const compute::Device& device, const Scene& sce
   return run;
 }
 
-// Relative to the sheet's side, after kFrames frames with so many iterations a substep.
+// Relative to the sheet's side, after kConvergenceFrames frames with so many iterations a substep.
 double distance_to_reference(const compute::Device& device, Scene scene, std::uint32_t iterations) {
   scene.solver.iterations = iterations;
   scene.solver.method = Method::jacobi;
   const CookedFabric fabric = must(cook(scene, must(make_meshes(scene))));
-  const auto reference = must(reference::integrate_newton(scene, fabric, kFrames, {.h = fabric.h}));
+  const auto reference = must(reference::integrate_newton(scene, fabric, kConvergenceFrames, {.h = fabric.h}));
   EXPECT_EQ(reference.not_converged, 0u);
-  return reference::run_error(run_on_gpu(device, scene, kFrames), reference, reference::sheet_size(fabric));
+  return reference::run_error(run_on_gpu(device, scene, kConvergenceFrames), reference, reference::sheet_size(fabric));
 }
 
 // A step of the reference is solved to 1e-10; what is left is the GPU's. With iterations its rounding adds up: positions of half a

@@ -17,7 +17,7 @@ namespace {
 
 using compute::Device;
 
-constexpr std::uint32_t kFrames = 4;
+constexpr std::uint32_t kReaderFrames = 4;
 
 Scene scene() {
   Scene scene;
@@ -71,7 +71,7 @@ TEST_F(FrameReaders, a_dispatch_and_a_copy_right_behind_a_recorded_frame_read_th
   std::vector<std::vector<Vec3>> expected;
   {
     const auto alone = must(Simulation::create(lent, scene()));
-    for (std::uint32_t k = 0; k < kFrames; ++k) {
+    for (std::uint32_t k = 0; k < kReaderFrames; ++k) {
       must(alone->advance(kFrame));
       expected.push_back(must(alone->read_vertex_positions()));
     }
@@ -83,7 +83,7 @@ TEST_F(FrameReaders, a_dispatch_and_a_copy_right_behind_a_recorded_frame_read_th
   EXPECT_TRUE(view.usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT);
   const VkDeviceSize bytes = VkDeviceSize{view.stride} * view.count;
   std::vector<compute::BufferRequest> requests;
-  for (std::uint32_t k = 0; k < kFrames; ++k) {
+  for (std::uint32_t k = 0; k < kReaderFrames; ++k) {
     requests.push_back({"copied", bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT});
     requests.push_back({"computed", 2 * bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT});
   }
@@ -101,14 +101,14 @@ TEST_F(FrameReaders, a_dispatch_and_a_copy_right_behind_a_recorded_frame_read_th
   compute::Buffer vertices;   // the simulation's, as the host knows it
   vertices.handle = view.buffer;
   std::vector<compute::DescriptorSet> sets;
-  for (std::uint32_t k = 0; k < kFrames; ++k) {
+  for (std::uint32_t k = 0; k < kReaderFrames; ++k) {
     const compute::BoundBuffer bound[] = {{0, &vertices, view.offset, bytes}, {1, &pictures[2 * k + 1]}};
     sets.push_back(must(compute::DescriptorSet::create(lent, "reader", layout, bound)));
   }
 
   const auto pool = must(compute::CommandPool::create(lent, "host"));
   const auto done = must(compute::create_timeline(lent, "host done"));
-  for (std::uint32_t k = 0; k < kFrames; ++k) {
+  for (std::uint32_t k = 0; k < kReaderFrames; ++k) {
     const VkCommandBuffer commands = must(pool.allocate("host frame"));
     const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, 0, nullptr};
     ASSERT_EQ(lent.vk().vkBeginCommandBuffer(commands, &begin), VK_SUCCESS);
@@ -127,10 +127,10 @@ TEST_F(FrameReaders, a_dispatch_and_a_copy_right_behind_a_recorded_frame_read_th
                                        VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
     must(lent.submit({VK_STRUCTURE_TYPE_SUBMIT_INFO_2, nullptr, 0, 0, nullptr, 1, &info, 1, &signal}));
   }
-  must(compute::wait_for(lent, done.get(), kFrames));
+  must(compute::wait_for(lent, done.get(), kReaderFrames));
   // The software driver (Mesa 22.3) signals a semaphore before its queue's thread has done with it: destroyed then, it crashes that thread.
   lent.vk().vkQueueWaitIdle(lent.queue());
-  for (std::uint32_t k = 0; k < kFrames; ++k) {
+  for (std::uint32_t k = 0; k < kReaderFrames; ++k) {
     EXPECT_EQ(picture(pictures[2 * k], view.count, 0, 1), expected[k]) << "copied, frame " << k;
     EXPECT_EQ(picture(pictures[2 * k + 1], view.count, 0, 2), expected[k]) << "bound, frame " << k;
     EXPECT_EQ(picture(pictures[2 * k + 1], view.count, 1, 2), expected[k]) << "by address, frame " << k;
@@ -149,7 +149,7 @@ TEST_F(FrameReaders, both_buffers_have_the_usage_and_an_address) {
 
 TEST_F(FrameReaders, the_readers_change_no_bit_of_the_cloth) {
   const auto plain = must(Simulation::create(**host_, scene())), read = must(Simulation::create(**host_, scene(), options_));
-  for (std::uint32_t k = 0; k < kFrames; ++k) {
+  for (std::uint32_t k = 0; k < kReaderFrames; ++k) {
     must(plain->submit(kFrame));
     must(read->submit(kFrame));
   }

@@ -25,7 +25,7 @@ class Threads : public testing::Test {
 using Threads = GpuTest;
 #endif
 
-constexpr int kFrames = 8;
+constexpr int kThreadFrames = 8;
 Scene hung_sheet(std::uint32_t cells) {
   Scene scene = sheet(cells);
   scene.cloths[0].anchors.push_back(held_at({Corner::low_low, Corner::high_low}));
@@ -35,7 +35,7 @@ Scene hung_sheet(std::uint32_t cells) {
 
 std::uint64_t alone(const compute::Device& device, const Scene& scene) {
   const auto simulation = must(Simulation::create(device, scene));
-  for (int frame = 0; frame < kFrames; ++frame) must(simulation->advance(kFrame));
+  for (int frame = 0; frame < kThreadFrames; ++frame) must(simulation->advance(kFrame));
   return hash_of(*simulation);
 }
 
@@ -47,7 +47,7 @@ TEST_F(Threads, two_simulations_on_one_device_do_not_disturb_each_other) {
   for (int k = 0; k < 2; ++k)
     threads.emplace_back([&, k] {
       const auto simulation = must(Simulation::create(device(), scenes[k]));   // also made and destroyed at the same time
-      for (int frame = 0; frame < kFrames; ++frame) {
+      for (int frame = 0; frame < kThreadFrames; ++frame) {
         if (frame % 2 == 0) must(simulation->advance(kFrame));
         else must(simulation->submit(kFrame));
         must(simulation->read_vertex_positions());
@@ -61,7 +61,7 @@ TEST_F(Threads, two_simulations_on_one_device_do_not_disturb_each_other) {
 TEST_F(Threads, a_simulation_goes_from_thread_to_thread) {
   const Scene scene = hung_sheet(6);
   auto simulation = must(Simulation::create(device(), scene));
-  for (int frame = 0; frame < kFrames; ++frame)
+  for (int frame = 0; frame < kThreadFrames; ++frame)
     std::thread([&, frame] {
       switch (frame % 3) {
         case 0: must(simulation->advance(kFrame)); break;

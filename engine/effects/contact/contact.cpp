@@ -51,11 +51,11 @@ namespace effects {
 namespace {
 
 constexpr const Buffer* kBuffers[] = {
-    &buffers::clusters, &buffers::cluster_faces, &buffers::cluster_edges, &buffers::cluster_searchers, &buffers::cluster_owners, &buffers::cluster_hulls,
-    &buffers::cluster_surroundings, &buffers::clusters_around,
-    &buffers::cluster_boxes, &buffers::cluster_pushes, &buffers::cluster_motions, &buffers::smooth_clusters, &buffers::near_clusters, &buffers::outlines, &buffers::rest, &buffers::detection, &buffers::detected_positions,
-    &buffers::trajectories, &buffers::displacement_bounds, &buffers::candidates, &buffers::grid_counts,
-    &buffers::grid_starts, &buffers::grid_entries, &buffers::contact_normals,
+    &buffers::clusters, &buffers::cluster_faces, &buffers::cluster_edges, &buffers::cluster_searchers, &buffers::cluster_owners,
+    &buffers::cluster_hulls, &buffers::cluster_surroundings, &buffers::clusters_around, &buffers::cluster_boxes,
+    &buffers::cluster_pushes, &buffers::cluster_motions, &buffers::smooth_clusters, &buffers::near_clusters, &buffers::outlines,
+    &buffers::rest, &buffers::detection, &buffers::detected_positions, &buffers::trajectories, &buffers::displacement_bounds,
+    &buffers::candidates, &buffers::grid_counts, &buffers::grid_starts, &buffers::grid_entries, &buffers::contact_normals,
     &buffers::contact_weights, &buffers::near_edges, &buffers::near_faces, &buffers::contact_list, &buffers::touched_particles,
     &buffers::contact_counts, &buffers::contact_sums, &buffers::contact_penetrations, &buffers::slides, &buffers::kinematic_lags,
     &buffers::step_fractions,

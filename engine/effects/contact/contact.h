@@ -75,7 +75,8 @@ inline constexpr Buffer cluster_pushes = scratch<gpu::uint>("cluster_pushes", le
 /// largest gradient of a barycentric coordinate at rest (1/m), how far a particle may be from its trajectory (m); columns of the gradient
 /// where trajectories end; xyz its trajectory, w how far a particle's is from it (m); how far a gradient is off across it, 1 if one of its
 /// particles is kinematic.
-inline constexpr Buffer cluster_motions = scratch<gpu::vec4>("cluster_motions", [](const Cooked& s) { return WEFT_MOTION * lengths::clusters(s); });
+inline constexpr Buffer cluster_motions =
+    scratch<gpu::vec4>("cluster_motions", [](const Cooked& s) { return WEFT_MOTION * lengths::clusters(s); });
 /// 1: no two places of the cluster and those that it touches can meet, but neighbours (smooth.glsl).
 inline constexpr Buffer smooth_clusters = scratch<gpu::uint>("smooth_clusters", lengths::clusters);
 /// WEFT_NEAR_CLUSTERS + 1 a cluster: how many clusters' boxes overlap its own, and which (WEFT_TOUCHING marks some).

@@ -12,7 +12,7 @@ namespace {
 
 using ContactWays = GpuTest;
 
-constexpr int kFrames = 50;
+constexpr int kWayFrames = 50;
 
 // Dropped flat onto a ball and the floor: thousands of pairs within a few frames, where there were none.
 Scene dropped() {
@@ -63,14 +63,14 @@ Outcome outcome_of(const Simulation& simulation, std::uint32_t lost) {
 Outcome advanced(const compute::Device& device, const Scene& scene) {
   const auto simulation = must(Simulation::create(device, scene));
   std::uint32_t lost = 0;
-  for (int frame = 0; frame < kFrames; ++frame) lost += must(simulation->advance(1.0 / 60)).pairs_lost;
+  for (int frame = 0; frame < kWayFrames; ++frame) lost += must(simulation->advance(1.0 / 60)).pairs_lost;
   return outcome_of(*simulation, lost);
 }
 
 Outcome submitted(const compute::Device& device, const Scene& scene, const Between& between = {}) {
   const auto simulation = must(Simulation::create(device, scene));
   std::uint32_t lost = 0;
-  for (int frame = 0; frame < kFrames; ++frame) {
+  for (int frame = 0; frame < kWayFrames; ++frame) {
     if (between) between(*simulation, frame);
     lost += must(simulation->submit(1.0 / 60)).pairs_lost;
   }
@@ -83,7 +83,7 @@ Outcome recorded(const compute::Device& device, const Scene& scene, std::uint64_
   const auto pool = must(compute::CommandPool::create(device, "host"));
   const auto done = must(compute::create_timeline(device, "host"));
   std::uint32_t lost = 0;
-  for (std::uint64_t frame = 1; frame <= kFrames; ++frame) {
+  for (std::uint64_t frame = 1; frame <= kWayFrames; ++frame) {
     if (frame > under_way) must(compute::wait_for(device, done.get(), frame - under_way));
     if (between) between(*simulation, static_cast<int>(frame));
     const VkCommandBuffer commands = must(pool.allocate("host"));
@@ -97,7 +97,7 @@ Outcome recorded(const compute::Device& device, const Scene& scene, std::uint64_
         VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, done.get(), frame, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0};
     must(device.submit({VK_STRUCTURE_TYPE_SUBMIT_INFO_2, nullptr, 0, 0, nullptr, 1, &work, 1, &signal}));
   }
-  must(compute::wait_for(device, done.get(), kFrames));
+  must(compute::wait_for(device, done.get(), kWayFrames));
   return outcome_of(*simulation, lost);
 }
 

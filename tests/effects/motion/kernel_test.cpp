@@ -189,7 +189,8 @@ TEST_F(MotionKernel, anchors_that_were_held_back_go_after_their_targets_also_whe
         const auto wanted = reference::anchor_after(target, x, moves ? (to - from).norm() / 5 : 0, lag, recover, 0.002, limit);
         EXPECT_LT((vector(iterate[anchor.particle]) - wanted).norm(), 16 * kRounding * 2)
             << "substep " << s << " of anchor " << anchor.particle;
-        EXPECT_NEAR(std::bit_cast<float>(passes.get<std::uint32_t>(buffers::kinematic_lags, 400)[anchor.particle]), lag, 16 * kRounding * 2);
+        const auto lags = passes.get<std::uint32_t>(buffers::kinematic_lags, 400);
+        EXPECT_NEAR(std::bit_cast<float>(lags[anchor.particle]), lag, 16 * kRounding * 2);
         waited += wanted != target;
         beyond_limit += lag > limit * 0.002;
       }

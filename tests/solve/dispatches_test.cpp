@@ -1,0 +1,51 @@
+// How many dispatches a frame has: a GPU charges for each, whether there is anything to do or not. The numbers are exact, so that whoever
+// adds one has to say so here.
+#include <gtest/gtest.h>
+
+#include "engine/solve/solver.h"
+#include "tests/support/sheets.h"
+
+namespace weft {
+namespace {
+
+using Dispatches = GpuTest;
+
+struct Counted {
+  std::size_t without, few, many;   // contacts: off, few of them, many
+};
+
+// Of a frame of ten substeps, as often as a frame's structure lists them.
+std::size_t dispatches_of(const compute::Device& device, const Scene& scene, bool few) {
+  const CookedFabric fabric = must(cook(scene, must(make_meshes(scene))));
+  Solver solver = must(Solver::create(device, {}, scene, fabric, {}));
+  FrameInput input;
+  input.substeps = 10;
+  input.few_contacts = few;
+  return solver.frame(input).size();
+}
+
+Counted count(const compute::Device& device, Scene scene) {
+  scene.contacts.enabled = false;
+  const std::size_t without = dispatches_of(device, scene, false);
+  scene.contacts.enabled = true;
+  return {without, dispatches_of(device, scene, true), dispatches_of(device, scene, false)};
+}
+
+TEST_F(Dispatches, of_a_frame_are_as_many_as_these) {
+  Scene free = sheet(8);
+  free.solver.method = Method::jacobi;
+  free.colliders = {plane(-1)};
+  const Counted fallen = count(device(), free);
+  EXPECT_EQ(fallen.without, 22u) << "stretch and bending in each substep, a prediction, a surface";
+  EXPECT_EQ(fallen.few, 22u + 10 * (10 + 2)) << "a detection, contacts in one workgroup, and the end of those with candidates";
+  EXPECT_EQ(fallen.many, 22u + 10 * (10 + 4 * 3 + 2 * 2 + 1 + WEFT_LIMIT_PASSES + 1)) << "contacts pass by pass";
+  Scene hung = free;
+  hung.cloths[0].anchors.push_back(held_at({Corner::low_high, Corner::high_high}));
+  const Counted held = count(device(), hung);
+  EXPECT_EQ(held.without, 22u) << "anchors that do not move";
+  EXPECT_EQ(held.few, fallen.few + 10) << "anchors, which cloth may hold back";
+  EXPECT_EQ(held.many, fallen.many + 10);
+}
+
+}  // namespace
+}  // namespace weft
