@@ -19,14 +19,23 @@ Spread spread_of(std::vector<double> values) {
   return {median, values[rank - 1]};
 }
 
-PassTimes::PassTimes(std::vector<PassUse> passes, std::uint32_t first) : passes_(std::move(passes)), first_(first) {
+PassTimes::PassTimes(std::vector<PassUse> passes, std::uint32_t first) : passes_(std::move(passes)), first_(first), dispatches_(passes_.size()) {
   for (std::size_t i = 0; i < passes_.size(); ++i) column_[passes_[i].name] = i;
 }
 
 void PassTimes::add_frame(const std::vector<PassTiming>& timings) {
   std::vector<double>& row = rows_.emplace_back(passes_.size(), 0.0);
-  for (const PassTiming& timing : timings)
-    if (const auto found = column_.find(timing.name); found != column_.end()) row[found->second] += timing.milliseconds;
+  for (const PassTiming& timing : timings) {
+    const auto found = column_.find(timing.name);
+    if (found == column_.end()) continue;
+    row[found->second] += timing.milliseconds;
+    dispatches_[found->second] += timing.dispatches;
+  }
+}
+
+double PassTimes::dispatches(std::size_t pass) const {
+  if (rows_.empty()) return passes_[pass].dispatches_per_frame;
+  return static_cast<double>(dispatches_[pass]) / static_cast<double>(rows_.size());
 }
 
 Spread PassTimes::spread(std::size_t pass) const {
@@ -129,7 +138,7 @@ std::string report_json(const Figures& figures, const PassTimes& times) {
   report["passes"] = Json::array();
   for (std::size_t i = 0; i < times.passes().size(); ++i) {
     const PassUse& pass = times.passes()[i];
-    Json& entry = report["passes"].emplace_back(Json{{"name", pass.name}, {"dispatches", pass.dispatches_per_frame}});
+    Json& entry = report["passes"].emplace_back(Json{{"name", pass.name}, {"dispatches", times.dispatches(i)}});
     entry.update(milliseconds(times.frames() > 0 ? std::optional(times.spread(i)) : std::nullopt));
   }
   report["buffers"] = Json::array();

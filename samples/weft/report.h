@@ -31,6 +31,9 @@ class PassTimes {
   const std::vector<PassUse>& passes() const { return passes_; }
   std::uint32_t first_frame() const { return first_; }
   std::size_t frames() const { return rows_.size(); }
+  /// Dispatches a frame, the mean of those that were timed: which passes solve contacts depends on how many there are. Before any was: of a
+  /// frame that has them all.
+  double dispatches(std::size_t pass) const;
   Spread spread(std::size_t pass) const;
   /// The sum of all passes, frame by frame.
   Spread total() const;
@@ -42,6 +45,7 @@ class PassTimes {
   std::uint32_t first_ = 0;
   std::map<std::string, std::size_t> column_;
   std::vector<std::vector<double>> rows_;
+  std::vector<std::uint64_t> dispatches_;   // of all frames
 };
 
 /// Pairs of edge and triangle, of cloth and cloth or cloth and mesh collider, that cross (engine/reference/intersections.h), at the

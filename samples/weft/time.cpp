@@ -40,14 +40,16 @@ Result<double> advance_frames(Simulation& simulation, const TimeOptions& options
 
 void print_table(const PassTimes& times) {
   const double total = times.total().median;
+  double dispatches = 0;
   std::printf("%-24s %10s %12s %12s %8s\n", "pass", "dispatches", "median ms", "p95 ms", "share");
   for (std::size_t i = 0; i < times.passes().size(); ++i) {
     const PassUse& pass = times.passes()[i];
     const Spread spread = times.spread(i);
-    std::printf("%-24s %10u %12.4f %12.4f %6.1f %%\n", pass.name.c_str(), pass.dispatches_per_frame, spread.median, spread.p95,
+    std::printf("%-24s %10.4g %12.4f %12.4f %6.1f %%\n", pass.name.c_str(), times.dispatches(i), spread.median, spread.p95,
                 total > 0 ? 100 * spread.median / total : 0);
+    dispatches += times.dispatches(i);
   }
-  std::printf("%-24s %10s %12.4f %12.4f\n", "all passes", "", total, times.total().p95);
+  std::printf("%-24s %10.4g %12.4f %12.4f\n", "all passes", dispatches, total, times.total().p95);
 }
 
 void print_frame(const Figures& figures, const Spread& frame, double create_seconds) {
