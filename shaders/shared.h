@@ -291,8 +291,8 @@ struct ContactSettings {
   float cell;         // m, at level 0
   float quantum;      // m, unit of contact_sums
   float recover;      // m: how much of a missing separation a substep may recover
-  float kinematic_lag_limit;       // the largest tracking error of an anchor that cloth holds back, as a multiple of its thickness
-                                   // (anchor.comp) or of the pair's separation (contact_limit.comp)
+  float kinematic_lag_limit;       // the largest tracking error of an anchor, at a substep's start, that cloth may keep, as a multiple
+                                   // of its thickness (anchor.comp) or of the pair's separation (contact_limit.comp)
   float margin_low, margin_high;   // m, limits of Detection::margin
 };
 

@@ -31,8 +31,8 @@
 // its half of (1) whatever the other does. contact_finalize applies the fallback to all particles if a pair still violates (1).
 //
 // Kinematic particles (inverse mass 0: anchors, corners of collider meshes) come first: the other side gets the slack that they leave.
-// Where cloth cannot give way in time they stop too, and go on in the next substep, but never further from their target than the kinematic
-// lag limit. From there on they move on through whatever does not give way, and that is held in place.
+// Where cloth cannot give way in time they stop too, and go on in the next substep: one that began a substep further from its target than the
+// kinematic lag limit takes at least the excess. From there on they move on through whatever does not give way, and that is held in place.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"

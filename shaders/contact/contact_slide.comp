@@ -1,6 +1,6 @@
 // contact_slide: turns the steps of sides that would cross along the planes that part them (contact_limit.comp), as far as particles can
 // move. Jacobi iterations leave something of a penetration, and contact_limit stops a particle for it altogether: cloth under tension was
-// held where it should slide, on a mesh collider's corner for ever.
+// held where it should slide, on a mesh collider's corner for ever. What is in a kinematic particle's way goes ahead of it.
 //
 // An end below its side's stopping height is raised to it along the normal. A particle takes of all that its pairs ask the largest, of each
 // sign of each coordinate: pairs that ask for the same do not add up, and pairs that ask for different things all get them, unless they
