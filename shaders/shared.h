@@ -118,6 +118,7 @@ struct Patch {
 
 #define WEFT_STRAND_LINKS 16u   // of a strand, at most (strand.comp)
 #define WEFT_EAGER_LEVELS 1.4f   // relaxation of coarse levels over that of other passes (level.glsl)
+#define WEFT_LEVEL_SLACK 1.03f   // how much longer than at rest a coarse link may be beside contacts (level.glsl)
 #define WEFT_MOST_EAGER 1.75f    // the most that it is
 #define WEFT_LOW_LEVEL 1024u   // nodes, at most, of a level that one workgroup does
 

@@ -32,8 +32,7 @@ Method method_of(const Scene& scene) { return scene.solver.method == Method::by_
 bool levels_of(const Scene& scene) {
   const auto moves = [](const Anchor& anchor) { return !anchor.keys.empty(); };
   const auto holds = [&](const Cloth& cloth) { return cloth.tethers && !cloth.anchors.empty() && std::ranges::none_of(cloth.anchors, moves); };
-  // Beside contacts they would keep cloth that is at rest shivering by millimetres a second (shaders/level/level.glsl).
-  const bool by_default = scene.solver.method == Method::by_default && !scene.contacts.enabled && !std::ranges::all_of(scene.cloths, holds);
+  const bool by_default = scene.solver.method == Method::by_default && !std::ranges::all_of(scene.cloths, holds);
   return scene.solver.levels.value_or(by_default || scene.solver.method == Method::strands);
 }
 

@@ -9,10 +9,12 @@ GATHER_UINT4(level_links)
 READ_WRITE(float, level_lambda)
 
 // Relaxation, over that of other passes. Links only pull, and of a node's, by whose number its mass is split, some are slack: so more than one
-// goes. What is overdone flies back, at a relaxation of 2 as fast as it came, and more would gain energy. Where contacts hold cloth against a
-// level's pull, less: at 1.25 in all a draped sheet moved by half a metre a second five seconds after it had come to rest, at 0.6 by less
-// than a millimetre.
-const float kEager = has_contacts ? 0.5 : WEFT_EAGER_LEVELS;
+// goes. What is overdone flies back, at a relaxation of 2 as fast as it came, and more would gain energy.
+const float kEager = WEFT_EAGER_LEVELS;
+
+// Where contacts hold cloth against a level's pull, each undoes a little of the other in every substep, and a draped sheet never comes to
+// rest: it moved by half a metre a second. So beside contacts links are a little slack, and leave to the threads what is left.
+const float kSlack = has_contacts ? WEFT_LEVEL_SLACK : 1;
 
 // How far node k is carried by the next coarser level's, STEP.
 vec3 carried_of(uint k, LevelNode node) {
@@ -38,7 +40,7 @@ vec3 step_of(uint k) {
     const vec3 pull = centre - CENTRE(link.other).xyz + gone;
     const float len = sqrt(dot(d, d) + 1e-20), alpha = link.compliance * motion.inverse_h2;
     const float lambda = is_iterated && !first ? level_lambda[l] : 0;
-    const float change = min(omega * (link.rest - len - alpha * lambda) / max(carried.w + other_carried.w + omega * alpha, 1e-20), -lambda);
+    const float change = min(omega * (kSlack * link.rest - len - alpha * lambda) / max(carried.w + other_carried.w + omega * alpha, 1e-20), -lambda);
     if (is_iterated) level_lambda[l] = lambda + change;
     sum += change / sqrt(dot(pull, pull) + 1e-20) * pull;
   }

@@ -15,8 +15,8 @@ reference::Share share_of(gpu::uvec4 packed, std::uint32_t first) {
   return {{share.node0 - first, share.node1 - first, share.node2 - first}, {share.part0, share.part1, share.part2}};
 }
 
-// Coarsest first, each with its own numbers of nodes.
-std::vector<reference::Level> levels_of(const LevelLists& lists) {
+// Coarsest first, each with its own numbers of nodes; links `slack` times as long as at rest.
+std::vector<reference::Level> levels_of(const LevelLists& lists, double slack) {
   std::vector<reference::Level> levels;
   std::uint32_t first = 0, first_of_coarser = 0;
   for (const std::uint32_t end : lists.ends) {
@@ -38,7 +38,7 @@ std::vector<reference::Level> levels_of(const LevelLists& lists) {
       if (lists.node_shares[k].x != WEFT_NONE) level.shares.push_back(share_of(lists.node_shares[k], first_of_coarser));
       for (std::uint32_t l = node.first_link; l < node.first_link + node.links; ++l) {
         const gpu::LevelLink link = gpu::unpack_level_link(lists.links[l]);
-        if (link.other > k) level.links.push_back({k - first, link.other - first, link.rest, link.compliance, true});
+        if (link.other > k) level.links.push_back({k - first, link.other - first, slack * link.rest, link.compliance, true});
       }
     }
     first_of_coarser = first;
@@ -52,8 +52,9 @@ struct Crumple {
   CookedFabric fabric;
 };
 
-Crumple crumple(std::uint32_t cells, std::uint32_t iterations, double stretch, Random& random) {
+Crumple crumple(std::uint32_t cells, std::uint32_t iterations, double stretch, bool contacts, Random& random) {
   Crumple c;
+  c.scene.contacts.enabled = contacts;
   c.scene.solver = {.rate = 600, .substeps = 1, .iterations = iterations, .method = Method::jacobi, .relaxation = iterations > 1 ? 1.4 : 1.1, .levels = true};
   Cloth& cloth = c.scene.cloths.emplace_back();
   cloth.grid = Grid{.size = {1, 1}, .cells_x = cells, .cells_y = cells - 3};
@@ -74,11 +75,12 @@ TEST_F(KernelLevel, low_and_wide_levels_and_their_spreading_do_what_their_twin_d
   for (const std::uint32_t cells : {24u, 150u})
     for (const std::uint32_t iterations : {1u, 3u})
       for (const double stretch : {1e3, std::numeric_limits<double>::infinity()})
-        for (const bool storage : {false, true}) {
-          SCOPED_TRACE(std::to_string(cells) + " cells, " + std::to_string(iterations) + " iterations, " + std::to_string(stretch) + " N/m");
-          const Crumple c = crumple(cells, iterations, stretch, random);
+        for (const auto& [storage, contacts] : {std::pair(false, false), {true, false}, {false, true}}) {
+          SCOPED_TRACE(std::to_string(cells) + " cells, " + std::to_string(iterations) + " iterations, " + std::to_string(stretch) + " N/m" +
+                       (contacts ? ", contacts" : ""));
+          const Crumple c = crumple(cells, iterations, stretch, contacts, random);
           const LevelLists& lists = c.fabric.own.of<LevelLists>();
-          const auto levels = levels_of(lists);
+          const auto levels = levels_of(lists, contacts ? WEFT_LEVEL_SLACK : 1);
           ASSERT_GE(levels.size(), 2u);
           ASSERT_EQ(lists.low < lists.ends.size(), cells == 150) << "a level of more than " << WEFT_LOW_LEVEL << " nodes is wide";
           SinglePass passes(device(), c.scene, c.fabric, storage);
@@ -104,7 +106,8 @@ TEST_F(KernelLevel, low_and_wide_levels_and_their_spreading_do_what_their_twin_d
             reference::Points steps;
             double moved = 0;
             for (std::size_t k = 0; k < levels.size(); ++k) {
-              steps = reference::level_steps(levels[k], centres[k], middles[k], steps, lambdas[k], c.fabric.h, std::min(WEFT_EAGER_LEVELS * c.scene.solver.relaxation, double(WEFT_MOST_EAGER)));
+              steps = reference::level_steps(levels[k], centres[k], middles[k], steps, lambdas[k], c.fabric.h,
+                                             std::min(WEFT_EAGER_LEVELS * c.scene.solver.relaxation, double(WEFT_MOST_EAGER)));
               for (const reference::Vector& step : steps) moved = std::max(moved, step.norm());
             }
             EXPECT_GT(moved, 1e-4) << "nothing to compare";
@@ -119,7 +122,7 @@ TEST_F(KernelLevel, low_and_wide_levels_and_their_spreading_do_what_their_twin_d
 
 TEST_F(KernelLevel, a_particle_that_is_not_finite_spoils_no_node) {
   Random random(22);
-  Crumple c = crumple(24, 1, 1e3, random);
+  Crumple c = crumple(24, 1, 1e3, false, random);
   const LevelLists& lists = c.fabric.own.of<LevelLists>();
   const std::uint32_t spoilt = lists.gathers.back().x;
   SinglePass passes(device(), c.scene, c.fabric);
