@@ -18,6 +18,8 @@ struct Counts {
   std::uint32_t contacts_room = 0;         // the capacity that would have sufficed so far: what to reserve_contacts next time
   std::uint32_t truncated = 0;             // steps of particles and anchors cut short to prevent a crossing; may be several a substep
   std::uint32_t detections = 0;            // searches for candidate pairs
+  std::uint32_t crossings = 0;             // pairs of an edge and a triangle that it goes through, at the last detection
+  std::uint32_t crossings_most = 0;        // the most that one detection found
   float tracking_error = 0;                // m, the largest distance of an anchor or a mesh collider's vertex, held back, from its target
   // Method implicit only. The norm of a residual r is r . D^-1 r, D the blocks on the matrix's diagonal.
   std::uint32_t unconverged = 0;           // substeps whose solve left more than 1 % of the free flight's residual

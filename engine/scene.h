@@ -187,6 +187,7 @@ struct Contacts {
   std::uint32_t iterations = 4; // 1 ... 100: of contacts, in each of the solver's iterations
   double kinematic_lag_limit = 8;   // times the larger thickness of the two, >= 0: how far behind its target cloth may hold an
                                     // anchor or a mesh collider, besides a substep's motion, before it is driven through
+  bool untangle = true;         // cloth that goes through cloth, or through a mesh collider, is taken back over the next frames
   bool operator==(const Contacts&) const = default;
 };
 
@@ -265,7 +266,7 @@ double relaxation_of(const SolverSettings& solver);
 Method method_of(const Scene& scene);
 
 /// Whether it has coarse levels. Methods jacobi, strands and gauss_seidel may; unless told otherwise strands does, and the default where tethers
-/// do not hold every cloth to anchors that no keys move and there are no contacts.
+/// do not hold every cloth to anchors that no keys move.
 bool levels_of(const Scene& scene);
 double rho_of(const SolverSettings& solver);
 

@@ -29,7 +29,8 @@
   X(14, uint, linear_solver)    /* WEFT_LINEAR_..., of the method implicit */                                                \
   X(15, uint, triangles_collide)   /* 1: with boxes, 2: with spheres and capsules, too (triangle_collide.comp) */             \
   X(16, bool, has_levels)       /* 1: coarse ones (level/level.glsl) */                                                      \
-  X(17, bool, has_wide_levels)  /* 1: of more than WEFT_LOW_LEVEL nodes (level_wide.comp) */
+  X(17, bool, has_wide_levels)  /* 1: of more than WEFT_LOW_LEVEL nodes (level_wide.comp) */                                \
+  X(18, bool, untangles)        /* 1: edges that go through triangles are looked for (untangle/crossing.glsl) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
@@ -177,6 +178,7 @@ struct Counters {
   uint unaccelerated; // substeps that fell back from Chebyshev to Jacobi
   uint contacts_load; // of the substep before the last: how much one workgroup would have to do for all contacts, about: ten times the
                       // active ones, and the candidates
+  uint crossings_most;   // pairs of an edge and a triangle that it goes through, which one detection found, at most
   uint contacts_room; // the capacity for candidates that every detection so far would have had room in
 };
 
@@ -234,6 +236,7 @@ struct Detection {
   Groups touched;     // a thread a particle of an active candidate
   Groups paired;      // a thread a particle, where there are candidates
   Groups alone;       // the one workgroup that does all contacts, where there are candidates
+  Groups tangles;     // the one workgroup that untangles, where there are crossings
   uint needs_detection;   // the next substep begins with one
   uint steps;         // substeps since the last detection, at most WEFT_LONGEST_LIFETIME
   uint lifetime;      // substeps that its candidates are meant to serve: the length of trajectories
@@ -247,12 +250,16 @@ struct Detection {
   uint falls_back;    // 1: its last pass still found a pair that crosses: the fallback fractions apply
   uint settled;       // 1: the last detection came after a full lifetime in which no particle left its displacement bound
   uint near[2];       // pairs that the broad phase found: of particles and triangles, then of edges
+  uint may_cross;     // 1: something was driven through cloth: the next detection looks for crossings
+  uint looks;         // 1: this one does; 2: and found more tangled pairs than there is room for
+  uint crossings;     // pairs of an edge and a triangle that it goes through, which the last detection found; 0 where it did not look
   uint levels;        // a bit for each level that has boxes
   uint extents[WEFT_LEVELS];   // bits of the longest half side of a box (m) at each level
 };
 #define WEFT_ACTIVE 0u
 #define WEFT_UNSAFE 1u
 #define WEFT_PAIRED 0x80000000u  // a bit of a displacement bound, which is not negative: the particle has candidates
+#define WEFT_UNTANGLED 1e30f     // m, in place of a candidate's separation: it takes a vertex back through a triangle (untangle.comp)
 #define WEFT_SLIDES 2u   // rounds of contact_slide in a substep: what a particle gives way to one pair the second takes into account for the others
 #define WEFT_CLUSTER 16u         // triangles that detection treats as one until it looks closer, at most
 #define WEFT_NEAR_CLUSTERS 63u   // that a cluster's list has room for; with more the search asks all
@@ -289,6 +296,7 @@ struct ContactSettings {
   uint buckets;       // of the grid, a power of two
   uint capacity;      // candidates
   uint iterations;    // of contacts in an iteration of the solve
+  uint tangled_room;  // places for tangled pairs, a power of two
   float cell;         // m, at level 0
   float quantum;      // m, unit of contact_sums
   float recover;      // m: how much of a missing separation a substep may recover
@@ -320,8 +328,8 @@ SLICE(CollisionSettings, collision_settings)
 #ifdef __cplusplus
 
 static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 52 && sizeof(Push) == 28 && sizeof(Motion) == 40);
-static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 292 && sizeof(Acceleration) == 48);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 40);
+static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 316 && sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);
 
 namespace constant {

@@ -17,3 +17,4 @@
 #include "engine/effects/surface/surface.h"
 #include "engine/effects/tether/tether.h"
 #include "engine/effects/triangle/triangle.h"
+#include "engine/effects/untangle/untangle.h"

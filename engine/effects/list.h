@@ -21,4 +21,5 @@
   EFFECT(triangle) \
   EFFECT(motion) \
   EFFECT(contact) \
+  EFFECT(untangle) \
   EFFECT(surface)

@@ -320,10 +320,10 @@ std::vector<BufferUse> Simulation::buffers() const try {
 }
 
 Counts Simulation::counts() const {
-  const gpu::Counters counters = state_->newest_report().counters;
+  const auto [counters, detection] = state_->newest_report();
   return {counters.non_finite, counters.coincident, counters.contacts_most, counters.contacts_overflowed,
           counters.contacts_room, counters.truncated,
-          counters.detections, std::bit_cast<float>(counters.tracking_error), counters.unconverged, counters.stopped,
+          counters.detections, detection.crossings, counters.crossings_most, std::bit_cast<float>(counters.tracking_error), counters.unconverged, counters.stopped,
           counters.residual, counters.unaccelerated};
 }
 

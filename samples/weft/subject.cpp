@@ -82,7 +82,8 @@ std::string crossing_note(const Scene& scene, const CookedFabric& fabric) {
       count_crossings_among(positions, fabric.triangles, kMostCandidates * fabric.edges.size(), fabric.cloth_triangles);
   if (found.pairs == 0) return "";
   return "contacts: cloth starts out crossing or touching cloth or a mesh, in " + std::string(found.all ? "" : "at least ") +
-         std::to_string(found.pairs) + " pairs of edge and triangle, and contacts do not untangle it.";
+         std::to_string(found.pairs) + " pairs of edge and triangle" +
+         (scene.contacts.untangle ? "; it is untangled over the first frames." : ", and contacts.untangle is off.");
 }
 
 namespace {

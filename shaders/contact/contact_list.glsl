@@ -9,5 +9,6 @@ void list(uint kind, uint candidate) {
   const uint place = atomicAdd(detection[0].listings[kind], 1);
   contact_list[place] = candidate;
   // The first entry of a workgroup's share adds the workgroup to the dispatch.
-  if (place % gl_WorkGroupSize.x == 0) atomicMax(detection[0].listed[kind].x, place / gl_WorkGroupSize.x + 1);
+  const uint workgroup = contact_settings.workgroup;
+  if (place % workgroup == 0) atomicMax(detection[0].listed[kind].x, place / workgroup + 1);
 }

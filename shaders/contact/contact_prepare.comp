@@ -16,12 +16,11 @@ GATHER_UINT4(candidates)
 READ_WRITE(Detection, detection)
 WRITE(vec4, contact_normals)
 WRITE(vec4, contact_weights)
-READ_WRITE(uint, contact_counts)
-WRITE(uint, touched_particles)
 
 #include "contact/proximity.glsl"
 #include "contact/contact.glsl"
 #include "contact/contact_list.glsl"
+#include "contact/count.glsl"
 
 // m. Rounding error of an offset between features a few centimetres long: what is shorter has no direction.
 const float kNoDistance = 1e-9;
@@ -51,15 +50,6 @@ vec3 direction(vec3 d, vec4 weights, mat4x3 x, bool edges) {
   const vec3 n = d / length(d);
   const vec3 of_features = across / max(length(across), 1e-30);
   return separation(of_features, x, edges) > separation(n, x, edges) ? of_features : n;
-}
-
-// Counts the contacts of a particle that can move, and lists it at the first, for the passes that move particles. Kinematic ones are left
-// out: the corner of a large triangle has thousands of contacts, whose impulses its count would scale down (contact_solve).
-void count(uint particle) {
-  if (FETCH(positions, particle).w == 0 || atomicAdd(contact_counts[particle], 1) != 0) return;
-  const uint place = atomicAdd(detection[0].touchings, 1);
-  touched_particles[place] = particle;
-  if (place % gl_WorkGroupSize.x == 0) atomicMax(detection[0].touched.x, place / gl_WorkGroupSize.x + 1);
 }
 
 void main() {

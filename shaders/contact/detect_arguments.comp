@@ -42,6 +42,10 @@ void begin_detection(bool settled) {
   detection[0].steps = 0;
   detection[0].candidates = 0;
   detection[0].near[0] = detection[0].near[1] = detection[0].levels = 0;
+  if (untangles) {
+    detection[0].looks = uint(detection[0].may_cross != 0 || detection[0].crossings != 0);
+    detection[0].may_cross = detection[0].crossings = 0;
+  }
   detection[0].near_faces = detection[0].near_edges = Groups(0, 1, 1);   // the search adds to them
   for (uint k = 0; k < WEFT_LEVELS; ++k) detection[0].extents[k] = 0;
   detection[0].contacts = detection[0].paired = detection[0].alone = Groups(0, 1, 1);   // and the narrow phase to these
@@ -68,6 +72,7 @@ void skip_detection() {
 
 // Those of the substep before.
 void empty_lists() {
+  if (untangles) detection[0].tangles = Groups(0, 1, 1);
   counters[0].contacts_load = min(detection[0].candidates, contact_settings.capacity) + 10 * detection[0].listings[WEFT_ACTIVE];
   for (uint pass = 0; pass < WEFT_LIMIT_PASSES - 1; ++pass) detection[0].changed[pass] = 0;
   detection[0].falls_back = 0;

@@ -52,6 +52,10 @@ void limit_pair(Candidate pair, vec3 n, uint pass) {
   const vec4 fallback = truncated_fractions(sides, divide_slack(sides, 0, 0));
   // A pair that crosses calls for the fallback, unless that would change nothing for it: then the others need not stop on its account.
   if (crosses && any(lessThan(fallback, before))) atomicOr(detection[0].falls_back, 1);
+  if (untangles && crosses && any(greaterThan(sides.least_fraction, vec4(0)))) {   // perhaps driven through
+    detection[0].may_cross = 1;
+    detection[0].needs_detection = 1;
+  }
   lower_fractions(pair, pass, fallback, vec4(1));
 }
 

@@ -12,15 +12,14 @@
 // along n counts, by which one of them may be stopped.
 
 #include "contact/track.glsl"
-#include "contact/groups.glsl"
+#include "contact/candidate.glsl"
 #include "contact/proximity.glsl"
 #include "contact/contact.glsl"
+#include "untangle/tangled.glsl"
 
 GATHER(positions)
 GATHER(velocities)
-WRITE(uvec4, candidates)
-READ_WRITE(uint, displacement_bounds)
-READ_WRITE(Counters, counters)
+GATHER_UINT(tangled_pairs)
 
 float inverse_mass(uint i) { return FETCH(positions, i).w; }
 
@@ -69,26 +68,20 @@ float rest_separation(uint a, uint b, float thickness, float at_rest) {
   return same_cloth(a, b) ? min(thickness, share_of_rest * at_rest) : thickness;
 }
 
-// A candidate beyond the capacity overflows: no contact keeps its sides apart, so its particles are held in place, by a displacement bound
-// of 0. A bit of the bound says that the particle has candidates.
-void add_candidate(uvec4 particle, float separation, bool edges) {
-  const uint index = atomicAdd(detection[0].candidates, 1u);
-  if (counters[0].contacts_most <= index) atomicMax(counters[0].contacts_most, index + 1);
-  if (counters[0].contacts_room <= index) atomicMax(counters[0].contacts_room, index + 1);
-  const bool overflows = index >= contact_settings.capacity;
-  if (overflows) {
-    atomicAdd(counters[0].contacts_overflowed, 1u);
-  } else {
-    candidates[index] = pack_candidate(particle.x, particle.y, particle.z, particle.w, separation, edges);
-    // The first candidate of a workgroup's share adds the workgroup to the dispatches.
-    if (index % gl_WorkGroupSize.x == 0) atomicMax(detection[0].contacts.x, index / gl_WorkGroupSize.x + 1);
-    if (index == 0) {
-      detection[0].paired = groups_of(contact_settings.particles);
-      detection[0].alone = Groups(1, 1, 1);
-    }
+bool is_tangled(uint a, uint b) {
+  const uint key = key_of(a, b), last = contact_settings.tangled_room - 1;
+  for (uint k = 0; k <= last; ++k) {
+    const uint found = FETCH_UINT(tangled_pairs, (key + k) & last);
+    if (found == key) return true;
+    if (found == 0) return false;
   }
-  for (uint k = 0; k < 4; ++k) {
-    if (overflows) atomicAnd(displacement_bounds[particle[k]], WEFT_PAIRED);
-    else if ((displacement_bounds[particle[k]] & WEFT_PAIRED) == 0) atomicOr(displacement_bounds[particle[k]], WEFT_PAIRED);
-  }
+  return false;
+}
+
+// What goes through each other has no sides that a contact could keep.
+bool are_tangled(uvec4 particle, bool edges) {
+  if (!untangles || detection[0].crossings == 0 || detection[0].looks != 1) return false;
+  for (uint j = edges ? 2 : 1; j < 4; ++j)
+    if (is_tangled(particle.x, particle[j]) || (edges && is_tangled(particle.y, particle[j]))) return true;
+  return false;
 }

@@ -22,5 +22,5 @@ void main() {
   const float clearance = sweep_of(a, b, rest_a.w).clearance + sweep_of(c, d, rest_c.w).clearance;
   const float at_rest = distance_of(rest_a.xyz, FETCH(rest, k.y).xyz, rest_c.xyz, FETCH(rest, k.w).xyz);
   const float separation = rest_separation(k.x, k.z, 0.5 * (rest_a.w + rest_c.w), at_rest);
-  if (moves(k) && may_meet(a, b, c, d, true, separation + clearance)) add_candidate(k, separation, true);
+  if (moves(k) && !are_tangled(k, true) && may_meet(a, b, c, d, true, separation + clearance)) add_candidate(k, separation, true);
 }

@@ -22,5 +22,5 @@ void main() {
   const float clearance = sweep_of(vertex, rest_vertex.w).clearance + sweep_of(a, b, c, rest_a.w).clearance;
   const float at_rest = distance_of(rest_vertex.xyz, rest_a.xyz, FETCH(rest, k.z).xyz, FETCH(rest, k.w).xyz);
   const float separation = rest_separation(k.x, k.y, 0.5 * (rest_vertex.w + rest_a.w), at_rest);
-  if (moves(k) && may_meet(vertex, a, b, c, false, separation + clearance)) add_candidate(k, separation, false);
+  if (moves(k) && !are_tangled(k, false) && may_meet(vertex, a, b, c, false, separation + clearance)) add_candidate(k, separation, false);
 }

@@ -1,4 +1,5 @@
-// search_edges: broad phase. Every edge searches for the edges near it (search.glsl) that come after it, cluster by cluster.
+// search_edges: broad phase. Every edge searches for the edges near it (search.glsl) that come after it, cluster by cluster; and where
+// something may have crossed, for triangles that it goes through (untangle/crossing.glsl).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -8,6 +9,7 @@ GATHER_UINT4(cluster_edges)
 WRITE(uvec2, near_edges)
 
 #include "contact/search.glsl"
+#include "untangle/crossing.glsl"
 
 uint edge, own_cluster;
 uvec2 ends;
@@ -43,4 +45,5 @@ void main() {
   own_cluster = e.z;
   own = outline_at(outline_number(edge));
   search(of_edges, own_cluster, false);
+  if (untangles && detection[0].looks != 0) search_crossings(edge, ends, own_cluster);
 }

@@ -7,6 +7,7 @@ READ_WRITE(Detection, detection)
 GATHER_UINT2(cluster_searchers)
 GATHER_UINT4(cluster_faces)
 WRITE(uvec2, near_faces)
+WRITE(uint, tangled_pairs)
 
 #include "contact/search.glsl"
 
@@ -34,6 +35,8 @@ void main() {
   if (i >= push.count) return;
   const uvec2 searcher = FETCH_UINT2(cluster_searchers, i);
   vertex = searcher.x;
+  if (untangles && detection[0].looks != 0)   // search_edges fills them
+    for (uint k = i; k < contact_settings.tangled_room; k += push.count) tangled_pairs[k] = 0;
   const Track track = track_of(vertex);
   const float thickness = FETCH(rest, vertex).w;
   own = Outline(track.at, vec3(0), track.trajectory, reach_of(0, sweep_of(track, thickness), thickness));

@@ -16,6 +16,7 @@ void ask_for_ways(uint place) {
   const uint i = LISTED(place);
   const vec3 n = FETCH(contact_normals, i).xyz;
   const Candidate pair = unpack_candidate(FETCH(candidates, i));
+  if (untangles && pair.separation == WEFT_UNTANGLED) return;
   const Sides sides = sides_of(pair, n);
   const vec4 end = sides.height + sides.displacement;
   const vec2 least = least_of_sides(end, sides.edges);

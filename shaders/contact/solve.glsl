@@ -57,7 +57,8 @@ void solve_contact(uint place) {
   const Response response = response_of(contact, vec4(x[0].w, x[1].w, x[2].w, x[3].w));
   if (!(response.longest > 0)) return;
   const vec3 start = mat4x3(vec3(0), x[1].xyz - x[0].xyz, x[2].xyz - x[0].xyz, x[3].xyz - x[0].xyz) * contact.weights;
-  const float friction = sqrt(friction_of(a) * friction_of(contact.pair.edges ? c : b));
+  const bool is_taken_back = untangles && contact.pair.separation == WEFT_UNTANGLED;
+  const float friction = is_taken_back ? 0 : sqrt(friction_of(a) * friction_of(contact.pair.edges ? c : b));
   const vec3 on_a = impulse(contact.normal.xyz, contact.depth, contact.iterate * contact.weights - start, friction, response);
   // Where a sum could overflow the whole impulse is scaled down, so that momentum is conserved.
   const vec3 size = abs(on_a) * (response.longest / contact_settings.quantum);

@@ -52,6 +52,7 @@ Sheet sheet_for(const Calls& calls) {
   if (calls.has(Id::collide)) made.scene.colliders.resize(3);
   if (calls.has(Id::triangle)) made.scene.colliders[0].shape = ColliderShape::box;
   made.scene.contacts.enabled = calls.has(Id::contact);
+  made.scene.contacts.untangle = calls.has(Id::untangle);
   made.scene.solver.iterations = calls.iterated ? 2 : 1;
   made.scene.solver.linear = calls.relaxed ? Linear::jacobi : Linear::cg;
   made.scene.solver.method = calls.has(Id::implicit)       ? Method::implicit
@@ -77,7 +78,7 @@ TEST(NeedsOf, a_scene_calls_for_what_it_has) {
     const Needs wanted = setup_for(calls, true), got = needs_of(sheet.subject(), kWorkgroup, true);
     EXPECT_EQ(got.effects, wanted.effects);
     for (const auto id : {constant::workgroup, constant::through_texels, constant::is_iterated, constant::is_accelerated,
-                          constant::has_levels, constant::has_colliders, constant::triangles_collide, constant::has_contacts})
+                          constant::has_levels, constant::has_colliders, constant::triangles_collide, constant::has_contacts, constant::untangles})
       EXPECT_EQ(got.constants[id], wanted.constants[id]) << "constant " << id;
     EXPECT_EQ(got.constants[constant::planes], calls.has(Id::triangle) ? 2u : calls.has(Id::collide) ? 3u : 0u);
   }

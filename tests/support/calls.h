@@ -39,6 +39,7 @@ inline Needs setup_for(const Calls& calls, bool texels) {
   setup.constants[constant::has_colliders] = setup.constants[constant::spheres] = calls.has(Id::collide);
   setup.constants[constant::triangles_collide] = setup.constants[constant::boxes] = calls.has(Id::triangle);
   setup.constants[constant::has_contacts] = calls.has(Id::contact);
+  setup.constants[constant::untangles] = calls.has(Id::untangle);
   for (const Id id : {Id::motion, Id::surface}) setup.effects.set(static_cast<std::size_t>(id));
   for (const Id id : calls.effects) setup.effects.set(static_cast<std::size_t>(id));
   return setup;
@@ -66,6 +67,7 @@ inline std::vector<Calls> combinations() {
     calls.iterated = bits >> 6 & 1;
     if (calls.has(Id::triangle) && !calls.has(Id::collide)) continue;
     found.push_back(with(calls, {Id::stretch}));
+    if (calls.has(Id::contact) && calls.has(Id::anchor)) found.push_back(with(calls, {Id::stretch, Id::untangle}));
     found.push_back(with(calls, {Id::gauss_seidel}));
     found.push_back(with(calls, {Id::gauss_seidel, Id::level}));
     found.push_back(with(calls, {Id::stretch, Id::level}));
@@ -86,7 +88,8 @@ inline std::vector<Calls> combinations() {
 // Effects that these do not know: forces, and whatever else goes with everything and is no constant of others' passes.
 inline std::vector<Id> others() {
   constexpr Id kKnown[] = {Id::anchor,   Id::level,     Id::strand, Id::stretch, Id::gauss_seidel, Id::bend,   Id::dihedral, Id::spring,
-                           Id::implicit, Id::chebyshev, Id::tether, Id::collide, Id::triangle,     Id::motion, Id::contact,  Id::surface};
+                           Id::implicit, Id::chebyshev, Id::tether, Id::collide, Id::triangle,     Id::motion, Id::contact,  Id::surface,
+                           Id::untangle};
   std::vector<Id> found;
   for (std::size_t k = 0; k < kEffects; ++k)
     if (std::find(std::begin(kKnown), std::end(kKnown), Id(k)) == std::end(kKnown)) found.push_back(Id(k));

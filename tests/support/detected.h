@@ -75,6 +75,7 @@ struct Setting {
   double cell = 0.05, margin = kMargin;
   std::uint32_t capacity = 1 << 18;
   double fastest = 0;   // m: the longest step of a kinematic particle, as the anchor pass finds it
+  bool untangle = false;
 };
 
 inline CookedFabric with_clusters(CookedFabric fabric) {
@@ -93,6 +94,7 @@ struct Detected {
     scene.contacts.enabled = true;
     scene.contacts.capacity = setting.capacity;
     scene.contacts.cell = setting.cell;
+    scene.contacts.untangle = setting.untangle;
     scene.contacts.detection_margin = setting.margin;
     return scene;
   }

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <numeric>
 #include <span>
@@ -102,11 +103,14 @@ ClusterLists make_clusters(const CookedFabric& fabric) {
   for (const gpu::uvec2 edge : fabric.edges) lists.edges.push_back({edge.x, edge.y, kNoCluster, 0});
   const auto key = [](std::uint32_t a, std::uint32_t b) { return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b); };
   std::sort(lists.edges.begin(), lists.edges.end(), [&](const auto& a, const auto& b) { return key(a.x, a.y) < key(b.x, b.y); });
+  std::vector<std::uint32_t> faces_of(lists.edges.size());
   for (const gpu::uvec4& face : lists.faces)
-    for (const auto& [a, b] : {std::pair(face.x, face.y), std::pair(face.y, face.z), std::pair(face.z, face.x)}) {
+    for (const auto& [a, b, third] : {std::array{face.x, face.y, face.z}, {face.y, face.z, face.x}, {face.z, face.x, face.y}}) {
       const auto edge = std::lower_bound(lists.edges.begin(), lists.edges.end(), key(a, b),
                                          [&](const gpu::uvec4& e, std::uint64_t k) { return key(e.x, e.y) < k; });
-      if (edge != lists.edges.end() && key(edge->x, edge->y) == key(a, b)) edge->z = std::min(edge->z, face.w);
+      if (edge == lists.edges.end() || key(edge->x, edge->y) != key(a, b)) continue;
+      edge->z = std::min(edge->z, face.w);
+      edge->w = ++faces_of[static_cast<std::size_t>(edge - lists.edges.begin())] == 1 ? third + 1 : 0;
     }
   // Particles without a triangle, by locality.
   std::uint32_t loose = 0;

@@ -12,7 +12,7 @@ namespace weft {
 struct ClusterLists {
   std::vector<gpu::uvec4> clusters;    // first face, first edge, first of `hulls`, unused; one more at the end
   std::vector<gpu::uvec4> faces;       // three particles, the cluster
-  std::vector<gpu::uvec4> edges;       // two particles, the cluster, unused
+  std::vector<gpu::uvec4> edges;       // two particles, the cluster; on a rim 1 more than the third particle of its triangle, else 0
   std::vector<gpu::uvec2> searchers;   // particle, its cluster
   std::vector<std::uint32_t> owners;   // of each particle: its cluster
   std::vector<std::uint32_t> hulls;    // particles of a cluster's faces, and those that belong to it besides

@@ -40,6 +40,7 @@ gpu::ContactSettings contact_settings(const Scene& scene, const CookedFabric& fa
   settings.edges = static_cast<std::uint32_t>(lists.edges.size());
   settings.clusters = static_cast<std::uint32_t>(lists.clusters.empty() ? 0 : lists.clusters.size() - 1);
   settings.buckets = std::bit_ceil(std::max(64u, 2 * settings.clusters));
+  settings.tangled_room = std::bit_ceil(std::max(1024u, 4 * settings.particles));
   // Room for cloth that crumples, as far as every device has the memory.
   const std::size_t particles = fabric.positions.size();
   const std::size_t room = std::max({std::size_t{1} << 16, std::min(32 * particles, kUsualRoom), 2 * particles});

@@ -40,9 +40,10 @@ inline constexpr Buffer rest = cooked<gpu::vec4, &CookedFabric::rest>("rest");
 
 /// State of contact detection.
 inline constexpr Buffer detection = [] {
-  Buffer row = buffer<gpu::Detection>("detection", Lifetime::persistent, lengths::one, [](const Cooked&) {
+  Buffer row = buffer<gpu::Detection>("detection", Lifetime::persistent, lengths::one, [](const Cooked& s) {
     std::vector<gpu::Detection> detection(1);
     detection[0].needs_detection = 1;
+    detection[0].may_cross = s.scene.contacts.untangle;
     return made(detection);
   });
   row.access = Access::arguments;

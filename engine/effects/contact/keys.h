@@ -14,6 +14,7 @@ void fields(V& v, Contacts& contacts) {
   v.number("kinematic_lag_limit", contacts.kinematic_lag_limit, between(0, 1e6));
   v.whole("capacity", contacts.capacity, between(0, kMostCandidates));
   v.number("cell", contacts.cell, between(0, 1e3, "m"));
+  v.flag("untangle", contacts.untangle);
   v.number("detection_margin", contacts.detection_margin, between(0, 1e3, "m"));
 }
 
