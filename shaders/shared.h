@@ -222,6 +222,7 @@ struct Collisions {
 #define WEFT_LEVELS 16
 
 #define WEFT_LONGEST_LIFETIME 10u   // substeps: the longest candidate lifetime
+#define WEFT_MOST_TURNS 60000u      // of all loops that a thread of a crew makes: the software driver ends them at 65,535 (Needs::crew)
 #define WEFT_LIMIT_PASSES 4u        // of contact_limit: the components of a particle's step_fractions
 
 // State of contact detection. A detection finds the candidate pairs: those whose sides can come within their separation while every
@@ -247,7 +248,7 @@ struct Detection {
   uint listings[2];   // active candidates of this substep, and unsafe ones: those that could cross at its end
   uint touchings;     // particles of active candidates
   uint changed[WEFT_LIMIT_PASSES - 1];   // 1: this pass of contact_limit lowered the step fraction of some particle
-  uint falls_back;    // 1: its last pass still found a pair that crosses: the fallback fractions apply
+  uint falls_back;    // 1: its last pass still found a pair that crosses: the fallback fractions apply; WEFT_ALL_WAIT
   uint settled;       // 1: the last detection came after a full lifetime in which no particle left its displacement bound
   uint near[2];       // pairs that the broad phase found: of particles and triangles, then of edges
   uint may_cross;     // 1: something was driven through cloth: the next detection looks for crossings
@@ -256,6 +257,7 @@ struct Detection {
   uint levels;        // a bit for each level that has boxes
   uint extents[WEFT_LEVELS];   // bits of the longest half side of a box (m) at each level
 };
+#define WEFT_ALL_WAIT 2u   // contacts were more than one workgroup can do (contact_alone): no particle of a candidate moves
 #define WEFT_ACTIVE 0u
 #define WEFT_UNSAFE 1u
 #define WEFT_PAIRED 0x80000000u  // a bit of a displacement bound, which is not negative: the particle has candidates

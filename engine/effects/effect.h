@@ -78,6 +78,7 @@ struct Needs {
   Constants constants{};
   std::uint32_t narrow = 0;                      // threads of a workgroup in passes with many small ones
   std::uint32_t alone = 0;                       // of the only one of a pass
+  std::uint32_t crew = 0;                        // of one whose loops are as long as the scene is large
   bool has(EffectId effect) const { return effects[static_cast<std::size_t>(effect)]; }
 };
 
@@ -97,6 +98,7 @@ struct Pass {
   std::vector<Range> (*ranges)(const Cooked&) = nullptr;   // instead: a dispatch for each
   bool a_workgroup_each = false;                 // not a thread: a workgroup, of Needs::narrow threads
   bool alone = false;                            // one workgroup, of Needs::alone threads, does it all
+  bool crew = false;                             // that of Needs::crew threads: it has to go through all particles or contacts
 };
 
 /// A slice of the uniform buffer, updated each frame, for all passes that read SLICE(..., name). The solver sets what changes while
@@ -160,8 +162,9 @@ const Buffer* buffer_named(std::string_view name);
 
 Cooked cooked_of(const Scene& scene, const CookedFabric& fabric);
 
-/// What a cooked scene calls for. `workgroup`, `through_texels`, `narrow` and `alone` are the device's.
-Needs needs_of(const Cooked& subject, std::uint32_t workgroup, bool through_texels, std::uint32_t narrow = 64, std::uint32_t alone = 128);
+/// What a cooked scene calls for. `workgroup`, `through_texels`, `narrow`, `alone` and `crew` are the device's.
+Needs needs_of(const Cooked& subject, std::uint32_t workgroup, bool through_texels, std::uint32_t narrow = 64, std::uint32_t alone = 128,
+               std::uint32_t crew = 256);
 
 /// Why the reference cannot follow the scene, as a sentence that begins with the key; empty if it can.
 std::string reference_fault(const Scene& scene, const CookedFabric& fabric);

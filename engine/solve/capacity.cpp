@@ -11,6 +11,7 @@
 // the frame before the last has told, whether or not the last one is done: that must not depend on how fast the device is. record() knows
 // what those frames have told that are done by then.
 #include <algorithm>
+#include <utility>
 #include <cstring>
 
 #include "compute/functions.h"
@@ -161,7 +162,7 @@ void Simulation::State::hear_recorded() {
 }
 
 // Runs the planned frame, and repeats it with a larger capacity while candidates overflow.
-Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
+Result<void> Simulation::State::run_to_the_end(FrameInput input) {
   const bool contacts = solver->has(buffers::candidates) && input.substeps > 0;
   const Report before = heard;
   const std::uint32_t overflowed = before.counters.contacts_overflowed, parity = solver->parity(), phase = solver->phase();
@@ -184,10 +185,14 @@ Result<void> Simulation::State::run_to_the_end(const FrameInput& input) {
     }
     if (auto done = wait(); !done) return done;
     if (!contacts || heard.counters.contacts_overflowed == overflowed) return {};
+    // One workgroup may have found more contacts than it can do.
+    const bool was_alone = std::exchange(input.few_contacts, false);
     // What the torn frame has found says little: it depends on which pairs overflowed, and those on the order of threads.
-    auto grown = grow_capacity(2 * std::uint64_t{solver->contact_settings().capacity});
-    if (!grown) return grown.take_error();
-    if (!*grown) return {};   // no larger capacity to be had: the frame is safe, and the overflow is counted
+    if (!was_alone || heard.counters.contacts_room > solver->contact_settings().capacity) {
+      auto grown = grow_capacity(2 * std::uint64_t{solver->contact_settings().capacity});
+      if (!grown) return grown.take_error();
+      if (!*grown) return {};   // no larger capacity to be had: the frame is safe, and the overflow is counted
+    }
     if (auto done = compute::run_once(*device, "weft repeat", [&](VkCommandBuffer commands) { copy_saved(commands, true); }); !done)
       return done;
     capacity.outgrown.clear();   // nothing is under way, and what was found came back

@@ -78,10 +78,12 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   solver.workgroup_ = options.workgroup != 0 ? options.workgroup : device.is_software() ? 512 : 64;
   if (solver.workgroup_ > device.limits().max_workgroup_invocations)
     return fail("a workgroup of ", solver.workgroup_, " threads is larger than the device's ", device.limits().max_workgroup_invocations);
-  // There eight threads are one, and wait for nobody at a barrier.
+  // There eight threads are one, and wait for nobody at a barrier. But each has no more than 65,535 turns of all its loops together: then
+  // they end without a word (llvmpipe's LP_MAX_TGSI_LOOP_ITERATIONS).
   const std::uint32_t narrow = device.is_software() ? 8 : 64;
   const std::uint32_t alone = device.is_software() ? 8 : std::min(512u, device.limits().max_workgroup_invocations);
-  auto plan = make_plan(needs_of(subject, solver.workgroup_, !options.gather_storage, narrow, alone), device.specializer());
+  const std::uint32_t crew = device.is_software() ? 128 : alone;
+  auto plan = make_plan(needs_of(subject, solver.workgroup_, !options.gather_storage, narrow, alone, crew), device.specializer());
   if (!plan) return plan.take_error();
   solver.plan_ = std::move(*plan);
   const SizeLimits limits{device.limits().max_storage_buffer_bytes, device.limits().max_workgroups_x, solver.workgroup_};

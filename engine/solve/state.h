@@ -131,7 +131,7 @@ struct Simulation::State {
   void record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool save, std::size_t place);
   Result<void> submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits, bool save);
   Result<void> run_pass_by_pass(const FrameInput& input, bool save);
-  Result<void> run_to_the_end(const FrameInput& input);
+  Result<void> run_to_the_end(FrameInput input);
   Result<void> create_saved();
   void copy_saved(VkCommandBuffer commands, bool back) const;
   Result<void> put_frame_back();

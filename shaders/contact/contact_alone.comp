@@ -76,9 +76,30 @@ void limit_all(uint thread) {
   }
 }
 
+uint share(uint count) { return (count + workgroup - 1) / workgroup; }
+
+// At most, of a thread's loops, those within the functions included.
+uint turns(uint contacts, uint touched) {
+  const uint stored = min(detection[0].candidates, contact_settings.capacity);
+  return (contact_settings.iterations + WEFT_SLIDES) * (10 * share(contacts) + share(touched)) + (1 + 16 * WEFT_LIMIT_PASSES) * share(stored);
+}
+
+// The host expected few contacts, and there are more than one workgroup can do: their particles wait for this substep, as those of pairs do
+// that find no room, and are counted as they are. The next frames have the other passes.
+void wait_all(uint thread) {
+  if (thread != 0) return;
+  detection[0].falls_back = WEFT_ALL_WAIT;
+  detection[0].needs_detection = 1;
+  counters[0].contacts_overflowed += min(detection[0].candidates, contact_settings.capacity);
+}
+
 void main() {
   const uint thread = gl_LocalInvocationID.x;
   const uint contacts = detection[0].listings[WEFT_ACTIVE], touched = detection[0].touchings;
+  if (turns(contacts, touched) > WEFT_MOST_TURNS) {
+    wait_all(thread);
+    return;
+  }
   for (uint k = 0; k < contact_settings.iterations; ++k) iterate(thread, contacts, touched);
   if ((push.flags & WEFT_LAST_ITERATION) == 0) return;
   for (uint k = 0; k < WEFT_SLIDES; ++k) slide(thread, contacts, touched);

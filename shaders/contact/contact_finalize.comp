@@ -20,6 +20,7 @@ const uint kOne = 0x3f800000u;   // 1.0
 float fraction_of(uint i) {
   if (contact_counts[i] != 0) contact_counts[i] = 0;
   const uvec4 fractions = step_fractions[i];
+  if (detection[0].falls_back == WEFT_ALL_WAIT) return 0;
   if (fractions == uvec4(kOne)) return 1;
   step_fractions[i] = uvec4(kOne);
   const uint least = min(min(fractions.x, fractions.y), fractions.z);

@@ -43,37 +43,45 @@ void wait() {
 
 bool is_cut(uint edge) { return FETCH_UINT2(crossed_triangles, edge).y >> 31 != 0; }
 
-// Every particle's region: the least number of a particle that it hangs together with. Hooking and pointer jumping (Shiloach and
-// Vishkin 1982); numbers only fall, so the end does not depend on the order of threads.
-void find_regions(uint thread) {
-  const uint particles = contact_settings.particles;
+// Every particle's region: the least number of a particle that it hangs together with. Numbers are handed on along edges, and jump along
+// numbers (Shiloach and Vishkin 1982); they only fall, so where it ends does not depend on the order of threads. Whether there were turns
+// enough for that (WEFT_MOST_TURNS).
+bool find_regions(uint thread) {
+  const uint particles = contact_settings.particles, edges = contact_settings.edges;
   for (uint i = thread; i < particles; i += workgroup) {
     regions[i] = i;
     region_sizes[i] = 0;
   }
-  wait();
-  do {
+  const uint a_round = 2 + (particles + edges) / workgroup;   // turns
+  for (uint left = WEFT_MOST_TURNS / a_round; left > 2; --left) {   // two rounds' turns go into what is before and after
     wait();
     if (thread == 0) changed = 0;
     wait();
-    for (uint edge = thread; edge < contact_settings.edges; edge += workgroup) {
+    for (uint edge = thread; edge < edges; edge += workgroup) {
       if (is_cut(edge)) continue;
       const uvec2 ends = FETCH(cluster_edges, edge).xy;
       const uint a = regions[ends.x], b = regions[ends.y];
       if (a == b) continue;
       atomicMin(regions[max(a, b)], min(a, b));
+      atomicMin(regions[ends.x], min(a, b));
+      atomicMin(regions[ends.y], min(a, b));
       changed = 1;
     }
     wait();
     for (uint i = thread; i < particles; i += workgroup) {
-      uint least = regions[i];
-      while (regions[least] < least) least = regions[least];
-      regions[i] = least;
+      const uint region = regions[i], least = regions[region];
+      if (least == region) continue;
+      atomicMin(regions[i], least);
+      changed = 1;
     }
     wait();
-  } while (changed != 0);
-  for (uint i = thread; i < particles; i += workgroup) atomicAdd(region_sizes[regions[i]], 1u);
-  wait();
+    if (changed == 0) {
+      for (uint i = thread; i < particles; i += workgroup) atomicAdd(region_sizes[regions[i]], 1u);
+      wait();
+      return true;
+    }
+  }
+  return false;
 }
 
 // A contact that moves `vertex` along n against the triangle t. x: their places relative to the vertex.
@@ -138,6 +146,6 @@ void undo(uint edge) {
 void main() {
   const uint thread = gl_LocalInvocationID.x;
   if (thread == 0) counters[0].crossings_most = max(counters[0].crossings_most, detection[0].crossings);
-  find_regions(thread);
+  if (!find_regions(thread)) return;
   for (uint edge = thread; edge < contact_settings.edges; edge += workgroup) undo(edge);
 }

@@ -140,7 +140,7 @@ TEST(Plan, every_pass_is_one_module_and_nothing_of_it_is_left_open) {
       const auto touched = compute::reflect(planned.spirv);
       ASSERT_TRUE(touched) << touched.error();
       EXPECT_TRUE(touched->spec_constants.empty()) << planned.label;
-      EXPECT_EQ(touched->local_size[0], planned.pass->a_workgroup_each ? kNarrow : planned.pass->alone ? kAlone : kWorkgroup) << planned.label;
+      EXPECT_EQ(touched->local_size[0], planned.pass->a_workgroup_each ? kNarrow : planned.pass->crew ? kCrew : planned.pass->alone ? kAlone : kWorkgroup) << planned.label;
     }
   });
 }
