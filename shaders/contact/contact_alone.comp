@@ -81,7 +81,8 @@ uint share(uint count) { return (count + workgroup - 1) / workgroup; }
 // At most, of a thread's loops, those within the functions included.
 uint turns(uint contacts, uint touched) {
   const uint stored = min(detection[0].candidates, contact_settings.capacity);
-  return (contact_settings.iterations + WEFT_SLIDES) * (10 * share(contacts) + share(touched)) + (1 + 16 * WEFT_LIMIT_PASSES) * share(stored);
+  const uint rounds = contact_settings.iterations + WEFT_SLIDES;
+  return rounds * (10 * share(contacts) + share(touched)) + (1 + 16 * WEFT_LIMIT_PASSES) * share(stored);
 }
 
 // The host expected few contacts, and there are more than one workgroup can do: their particles wait for this substep, as those of pairs do

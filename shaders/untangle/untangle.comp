@@ -5,8 +5,8 @@
 // was poked through a sheet and the rest of its own, a sleeve's end and the shirt. Of two regions the smaller is on the wrong side (after
 // the global intersection analysis of Baraff, Witkin and Kass 2003, "Untangling cloth"; here it does not matter where contours end).
 //
-// Steps. A contour is undone edge by edge: of an edge that leads from one region to another, the end in the smaller one is taken back through
-// the triangle that is the first in its way. That is a contact (contact_solve.comp) whose normal points to the other end's side.
+// Steps. A contour is undone edge by edge: of an edge that leads from one region to another, the end in the smaller one is taken back
+// through the triangle that is the first in its way. That is a contact (contact_solve.comp) whose normal points to the other end's side.
 // What lies behind it keeps to its side, as contacts have it, until the contour arrives there. A contour that cuts nothing off begins at
 // one rim and ends at another: there the rims go along it, and it grows shorter (Volino and Magnenat-Thalmann 2006, "Resolving surface
 // collisions through intersection contour minimization", of whose gradient this is what does not cancel between two triangles).

@@ -1,5 +1,5 @@
-// Cloth that starts out crossing itself, or was driven through cloth, is untangled. Detection finds what goes through each other
-// (shaders/untangle/crossing.glsl), and one pass takes it back by contacts (untangle.comp).
+// Cloth that starts out crossing itself, or was driven through cloth, is untangled: detection finds what goes through each other
+// (shaders/untangle/crossing.glsl), and one pass takes it back by contacts (untangle.comp). engine/README.md, "Untangling", has more.
 #include "engine/effects/untangle/untangle.h"
 
 #include <cstddef>

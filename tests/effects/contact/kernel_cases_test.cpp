@@ -22,6 +22,29 @@ void put_bound(Passes& passes, std::size_t particles, const gpu::vec4& detected,
   passes.put(buffers::detection, std::vector<gpu::Detection>{detection});
 }
 
+// The software driver would end its loops, and leave the rest of the contacts undone.
+TEST_F(ContactEdgeCase, contacts_that_are_too_many_for_one_workgroup_make_their_particles_wait) {
+  Random random(18);
+  Tufts t = reference::tufts(random, 20, 12, 0.5);
+  const std::vector<reference::Pair> pairs = t.pairs;
+  while (t.pairs.size() < 1'000'000) t.pairs.insert(t.pairs.end(), pairs.begin(), pairs.end());
+  const Scene scene = scene_of(t);
+  const CookedFabric fabric = fabric_of(t, scene.solver);
+  Passes passes(device(), scene, fabric, t, false);
+  FrameInput input = frame_of(1);
+  input.few_contacts = true;
+  passes.begin(input);
+  const auto before = points(passes.iterate());
+  for (const char* pass : {"contact_prepare", "contact_alone"}) passes.run(pass);
+  EXPECT_EQ(passes.detection().falls_back, WEFT_ALL_WAIT);
+  EXPECT_EQ(passes.detection().needs_detection, 1u);
+  EXPECT_EQ(passes.counters().contacts_overflowed, t.pairs.size());
+  EXPECT_EQ(points(passes.iterate()), before);
+  passes.run("contact_finalize");
+  const auto ended = passes.particles(buffers::positions);
+  for (std::size_t i = 0; i < ended.size(); ++i) EXPECT_EQ(vector(ended[i]), vector(fabric.positions[i])) << i;
+}
+
 // By its contacts, or where the solve's last iteration ends.
 TEST_F(ContactEdgeCase, a_particle_ends_on_its_displacement_bound) {
   for (const char* pass : {"contact_apply", "stretch"}) {

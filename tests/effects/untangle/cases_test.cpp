@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <numbers>
 
@@ -125,15 +126,19 @@ void advance_somehow(Simulation& simulation, int frame) {
 
 void expect_apart(const compute::Device& device, Tangled tangled, std::uint64_t at_least, int within, double strained = 0.02) {
   const auto simulation = must(Simulation::create(device, tangled.scene, std::move(tangled.meshes)));
-  ASSERT_GE(crossings_in(*simulation), at_least) << "nothing to untangle";
+  const std::uint64_t first = crossings_in(*simulation);
+  ASSERT_GE(first, at_least) << "nothing to untangle";
   int frame = 0;
   while (frame < within && (frame == 0 || crossings_in(*simulation) > 0)) advance_somehow(*simulation, frame++);
+  const int frames = frame;
   for (int more = 0; more < 20; ++more) {
     advance_somehow(*simulation, frame++);
     ASSERT_EQ(crossings_in(*simulation), 0u) << "after frame " << frame;
   }
   must(simulation->advance(kFrame));
   const Counts counts = simulation->counts();
+  std::printf("crossings at first %u, at most %u; none after %d frames, %u detections\n", static_cast<unsigned>(first),
+              counts.crossings_most, frames, counts.detections);
   EXPECT_EQ(counts.crossings, 0u);
   EXPECT_GE(counts.crossings_most, at_least / 2) << "counted on the way";
   EXPECT_EQ(counts.contacts_overflowed + counts.non_finite, 0u);

@@ -69,7 +69,8 @@ TEST_F(KernelUntangle, finds_what_goes_through_what_the_regions_and_what_is_to_b
             for (const std::uint32_t j : tangle.triangles[t]) tangled.insert(std::minmax(i, j));
         }
       }
-      const auto room = detected.passes.get<std::uint32_t>(buffers::tangled_pairs, contact_settings(Detected::scene({}), detected.fabric).tangled_room);
+      const std::uint32_t places = contact_settings(Detected::scene({}), detected.fabric).tangled_room;
+      const auto room = detected.passes.get<std::uint32_t>(buffers::tangled_pairs, places);
       if (crossings > 0) { EXPECT_EQ(std::ranges::count_if(room, [](std::uint32_t key) { return key != 0; }), tangled.size()); }
       if (crossings == 0) continue;
       const auto regions = reference::regions(tangle, crossed);
