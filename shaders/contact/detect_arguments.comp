@@ -33,8 +33,9 @@ float margin_after(float margin, uint steps) {
 uint lifetime_after(uint steps) { return detection[0].lifetime == 0 ? WEFT_LONGEST_LIFETIME : min(2 * steps, WEFT_LONGEST_LIFETIME); }
 
 void begin_detection(bool settled) {
-  detection[0].lifetime = lifetime_after(detection[0].steps + 1);
-  detection[0].margin = margin_after(detection[0].margin, detection[0].steps + 1);
+  const bool untangled = untangles && detection[0].crossings != 0;   // then the next substep has a detection in any case
+  detection[0].lifetime = untangled ? 1 : lifetime_after(detection[0].steps + 1);
+  detection[0].margin = untangled ? 2 * contact_settings.margin_low : margin_after(detection[0].margin, detection[0].steps + 1);
   const float fastest = uintBitsToFloat(detection[0].fastest);
   detection[0].most_pushed = fastest > detection[0].margin ? min(fastest, WEFT_MOST_PUSHED * contact_settings.cell) : 0;
   detection[0].needs_detection = 0;

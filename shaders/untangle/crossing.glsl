@@ -46,13 +46,18 @@ void search_crossings(uint edge, uvec2 ends, uint cluster) {
   uint count = 0;
   uvec2 found = uvec2(WEFT_NONE, 0);
   const uint row = (WEFT_NEAR_CLUSTERS + 1) * cluster, listed = FETCH_UINT(near_clusters, row);
-  const bool every_one = listed > WEFT_NEAR_CLUSTERS;
+  const bool every_one = listed > WEFT_NEAR_CLUSTERS, is_smooth = FETCH_UINT(smooth_clusters, cluster) != 0;
+  const vec3 middle = 0.5 * (low + high), half_sides = (1 + 4 * rounding) * (0.5 * (high - low));
   for (uint k = 0; k < (every_one ? contact_settings.clusters : listed); ++k) {
-    const uint other = every_one ? k : FETCH_UINT(near_clusters, row + 1 + k) & ~WEFT_TOUCHING;
+    const uint entry = every_one ? k : FETCH_UINT(near_clusters, row + 1 + k), other = entry & ~WEFT_TOUCHING;
+    if (other != entry && (is_smooth || FETCH_UINT(smooth_clusters, other) != 0)) continue;   // as in search()
     const vec3 its_low = FETCH(cluster_boxes, 2 * other).xyz, its_high = FETCH(cluster_boxes, 2 * other + 1).xyz;
     if (any(greaterThan(its_low, high)) || any(lessThan(its_high, low))) continue;
     const uint end = FETCH(clusters, other + 1).x;
     for (uint face = FETCH(clusters, other).x; face < end; ++face) {
+      const vec4 its_middle = FETCH(outlines, 3 * face);
+      const vec3 sides = FETCH(outlines, 3 * face + 1).xyz + half_sides + rounding * abs(middle);
+      if (any(greaterThan(abs(its_middle.xyz - middle), sides))) continue;
       const uvec3 t = FETCH(cluster_faces, face).xyz;
       if (any(equal(t, uvec3(ends.x))) || any(equal(t, uvec3(ends.y)))) continue;
       const float along = crossing_of(a, b - a, t);

@@ -34,7 +34,7 @@ SHARE(Detection, detection)
 // Relative to the speed at which contacts recover their separation.
 const float kEager = 4;
 
-shared uint changed;
+shared uint ended_early;
 
 void wait() {
   memoryBarrierBuffer();
@@ -43,45 +43,48 @@ void wait() {
 
 bool is_cut(uint edge) { return FETCH_UINT2(crossed_triangles, edge).y >> 31 != 0; }
 
-// Every particle's region: the least number of a particle that it hangs together with. Numbers are handed on along edges, and jump along
-// numbers (Shiloach and Vishkin 1982); they only fall, so where it ends does not depend on the order of threads. Whether there were turns
-// enough for that (WEFT_MOST_TURNS).
+// Where `particle` hangs: the least number known of its region. Paths are halved on the way.
+uint root_of(uint particle, inout uint left) {
+  uint above = regions[particle];
+  while (above != particle && left != 0) {
+    const uint next = regions[above];
+    if (next != above) regions[particle] = next;
+    particle = above;
+    above = next;
+    --left;
+  }
+  return particle;
+}
+
+void join(uint a, uint b, inout uint left) {
+  for (; left != 0; --left) {
+    a = root_of(a, left);
+    b = root_of(b, left);
+    if (a == b || atomicCompSwap(regions[max(a, b)], max(a, b), min(a, b)) == max(a, b)) return;
+  }
+}
+
+// Every particle's region: the least number of a particle that it hangs together with. Union and find without locks (Jayanti and Tarjan
+// 2016): a root is only ever hung below a lesser one, so where it ends does not depend on the order of threads. Whether there were turns
+// enough (WEFT_MOST_TURNS).
 bool find_regions(uint thread) {
   const uint particles = contact_settings.particles, edges = contact_settings.edges;
+  uint left = WEFT_MOST_TURNS - min(WEFT_MOST_TURNS, 4 * (particles + edges) / workgroup);
+  if (thread == 0) ended_early = 0;
   for (uint i = thread; i < particles; i += workgroup) {
     regions[i] = i;
     region_sizes[i] = 0;
   }
-  const uint a_round = 2 + (particles + edges) / workgroup;   // turns
-  for (uint left = WEFT_MOST_TURNS / a_round; left > 2; --left) {   // two rounds' turns go into what is before and after
-    wait();
-    if (thread == 0) changed = 0;
-    wait();
-    for (uint edge = thread; edge < edges; edge += workgroup) {
-      if (is_cut(edge)) continue;
-      const uvec2 ends = FETCH(cluster_edges, edge).xy;
-      const uint a = regions[ends.x], b = regions[ends.y];
-      if (a == b) continue;
-      atomicMin(regions[max(a, b)], min(a, b));
-      atomicMin(regions[ends.x], min(a, b));
-      atomicMin(regions[ends.y], min(a, b));
-      changed = 1;
-    }
-    wait();
-    for (uint i = thread; i < particles; i += workgroup) {
-      const uint region = regions[i], least = regions[region];
-      if (least == region) continue;
-      atomicMin(regions[i], least);
-      changed = 1;
-    }
-    wait();
-    if (changed == 0) {
-      for (uint i = thread; i < particles; i += workgroup) atomicAdd(region_sizes[regions[i]], 1u);
-      wait();
-      return true;
-    }
-  }
-  return false;
+  wait();
+  for (uint edge = thread; edge < edges; edge += workgroup)
+    if (!is_cut(edge)) join(FETCH(cluster_edges, edge).x, FETCH(cluster_edges, edge).y, left);
+  wait();
+  for (uint i = thread; i < particles; i += workgroup) regions[i] = root_of(i, left);
+  if (left == 0) ended_early = 1;
+  wait();
+  for (uint i = thread; i < particles; i += workgroup) atomicAdd(region_sizes[regions[i]], 1u);
+  wait();
+  return ended_early == 0;
 }
 
 // A contact that moves `vertex` along n against the triangle t. x: their places relative to the vertex.
