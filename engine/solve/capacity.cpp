@@ -89,7 +89,7 @@ Result<void> Simulation::State::detect_anew() {
   gpu::Detection detection{};
   const auto bytes = std::as_writable_bytes(std::span(&detection, 1));
   if (auto done = compute::read_back(*device, solver->buffer(buffers::detection), bytes); !done) return done;
-  detection.needs_detection = 1;
+  detection.needs_detection = detection.may_cross = 1;   // who writes positions may have put cloth through cloth
   return compute::upload(*device, solver->buffer(buffers::detection), bytes);
 }
 

@@ -20,7 +20,7 @@ bool begins_with_one_of(std::string_view name, std::initializer_list<std::string
 }
 
 bool of_searches(std::string_view pass) { return begins_with_one_of(pass, {"detect_trajectory", "cluster_", "grid_", "search_", "pair_"}); }
-bool of_pairs(std::string_view pass) { return begins_with_one_of(pass, {"detect_arguments", "contact_"}); }
+bool of_pairs(std::string_view pass) { return begins_with_one_of(pass, {"detect_arguments", "contact_", "untangle"}); }
 
 // Written state needs a detection. Of several the fastest counts, since other programs use the machine too.
 Result<void> time_searches(Simulation& simulation, ContactCosts& costs) {
@@ -55,6 +55,7 @@ Result<ContactCosts> contact_costs(const compute::Device& device, const Scene& s
     if (cloth.grid) cloth.grid->cells_x = cloth.grid->cells_y = vertices - 1;
   sized.contacts.enabled = true;
   sized.contacts.cell = cell;
+  sized.contacts.untangle = false;   // whoever writes positions has crossings looked for; a detection as a rule does not
   SimulationOptions options;
   options.timings = true;
   auto created = Simulation::create(device, sized, options);

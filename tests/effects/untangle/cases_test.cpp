@@ -195,6 +195,19 @@ TEST_F(UntangleCase, nobody_is_untangled_who_does_not_want_it_and_what_cannot_be
   EXPECT_LE(held->counts().detections, 5u);
 }
 
+TEST_F(UntangleCase, cloth_that_a_host_puts_through_cloth) {
+  Tangled made = tangled(crossed_sheets({0, 0.6f, 0}));
+  const auto simulation = must(Simulation::create(device(), made.scene, std::move(made.meshes)));
+  for (int frame = 0; frame < 3; ++frame) advance_somehow(*simulation, frame);
+  ASSERT_EQ(crossings_in(*simulation), 0u);
+  std::vector<gpu::vec4> positions = must(simulation->read_positions());
+  for (std::size_t i = 25 * 25; i < positions.size(); ++i) positions[i].y -= 0.5f;   // the upright sheet
+  must(simulation->write_positions(positions));
+  ASSERT_GT(crossings_in(*simulation), 50u);
+  for (int frame = 0; frame < 60; ++frame) advance_somehow(*simulation, frame);
+  EXPECT_EQ(crossings_in(*simulation), 0u);
+}
+
 TEST_F(UntangleCase, the_same_bits_twice_in_every_way_and_from_a_snapshot) {
   std::vector<std::uint64_t> hashes;
   for (int way = 0; way < 4; ++way) {
