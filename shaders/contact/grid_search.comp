@@ -46,17 +46,20 @@ void make_way(uint cluster, uint by) {
   if (pushed > detection[0].margin) atomicMax(cluster_pushes[cluster], floatBitsToUint(pushed));
 }
 
-// Tests entry k. `row`: y and z of the cells that are visited.
-void visit(Search search, uint k, bool any_row, ivec2 row) {
+// Whether entry k is to be listed. `row`: y and z of the cells that are visited.
+bool is_near(Search search, uint k, bool any_row, ivec2 row, out uint other) {
   const vec4 entry = FETCH(grid_entries, k);
-  if (any(greaterThan(abs(entry.xyz - search.middle), search.near))) return;
-  const uint bits = floatBitsToUint(entry.w), other = bits & cluster_mask;
-  if (bits >> level_shift != search.level) return;
+  const uint bits = floatBitsToUint(entry.w);
+  other = bits & cluster_mask;
   const ivec3 cell = cell_at(entry.xyz, search.level);
-  if (!any_row && cell.yz != row) return;
-  if (search.among_equals && (cell == search.own_cell ? other <= own : comes_before(cell, search.own_cell))) return;
+  const bool in_row = any_row || cell.yz == row;
+  const bool is_other = !search.among_equals || (cell == search.own_cell ? other > own : !comes_before(cell, search.own_cell));
   const vec3 low = FETCH(cluster_boxes, 2 * other).xyz, high = FETCH(cluster_boxes, 2 * other + 1).xyz;
-  if (any(greaterThan(low, own_box.high)) || any(lessThan(high, own_box.low))) return;
+  return bits >> level_shift == search.level && in_row && is_other && !any(greaterThan(abs(entry.xyz - search.middle), search.near)) &&
+         !any(greaterThan(low, own_box.high)) && !any(lessThan(high, own_box.low));
+}
+
+void list_both(uint other) {
   // Where only one of them has surroundings it is the one that may be smooth.
   const uint mark = touches(own, other) || touches(other, own) ? WEFT_TOUCHING : 0;
   add_near(own, other | mark);
@@ -89,7 +92,12 @@ void search_level(Search search) {
       const ivec2 row = ivec2(y, z);
       const int from = half_of_them && row == own_cell.yz ? own_cell.x : first.x;
       const uvec2 run = all_entries ? uvec2(0, clusters) : run_of(search, from, last.x, row);
-      for (uint k = run.x; k < run.y; ++k) visit(search, k < clusters ? k : k - clusters, all_entries, row);
+      for (uint k = run.x; k < run.y; ++k) {
+        uint other = 0;
+        for (bool found = false; !found && k < run.y; k += uint(!found)) found = is_near(search, k < clusters ? k : k - clusters, all_entries, row, other);
+        if (k >= run.y) break;
+        list_both(other);
+      }
     }
 }
 

@@ -1,9 +1,12 @@
 // search: broad phase. A thread has an edge or a particle, looks at the clusters that are near its own, and lists the edges or triangles
 // there that it may meet, for the narrow phase.
 //
-// SIMD divergence: threads of a group run in step, and all of them wait while one of them tests what it has found. So the search makes only
-// a cheap test, and the pairs that pass it are tested exactly, one a thread, in passes of their own (pair.glsl). Threads lie beside each
-// other whose clusters are the same, so that they go the same ways.
+// SIMD divergence: threads of a group run in step, and all of them wait while one of them does what the others need not. So the search makes
+// only a cheap test, and the pairs that pass it are tested exactly, one a thread, in passes of their own (pair.glsl). Threads lie beside each
+// other whose clusters are the same, so that they go the same ways. And what is rare has a loop of its own: a thread first looks for the next
+// cluster that it has to look into, then tests all its members, and then lists those that it has found, so that threads wait for each
+// other's longest lists, not for each other's every find. (With one loop for all, the search took two to three times as long on the software
+// driver, which runs through every branch.)
 //
 // Bound, as in pair.glsl. Two outlines whose middles are m apart at the detection and whose trajectories differ by r are, s substeps of H
 // later, m + (s/H) r apart, which is within r/2 of m + r/2; and if one of them is stopped, another step of its trajectory.
@@ -38,48 +41,79 @@ bool can_be_pair(uint member, out uvec4 particles);
 void put_near(uint place, uint member);
 uint outline_number(uint member);
 
-// A pair beyond the capacity overflows: its particles are held in place, by a displacement bound of 0.
-void add_near(uint kind, uint member, uvec4 particle) {
-  const uint place = atomicAdd(detection[0].near[kind], 1u);
-  // There is room for WEFT_NEAR times as many pairs of either kind as for candidates.
-  if (place % WEFT_NEAR == 0 && counters[0].contacts_room <= place / WEFT_NEAR)
-    atomicMax(counters[0].contacts_room, place / WEFT_NEAR + 1);
-  const bool overflows = place >= WEFT_NEAR * contact_settings.capacity;
-  if (!overflows) {
-    put_near(place, member);
-    // The first pair of a workgroup's share adds the workgroup to the narrow phase's dispatch.
-    const uint groups = place / gl_WorkGroupSize.x + 1;
-    if (place % gl_WorkGroupSize.x == 0 && kind == of_triangles) atomicMax(detection[0].near_faces.x, groups);
-    if (place % gl_WorkGroupSize.x == 0 && kind == of_edges) atomicMax(detection[0].near_edges.x, groups);
-    return;
-  }
-  atomicAdd(counters[0].contacts_overflowed, 1u);
-  for (uint k = 0; k < 4; ++k)
-    atomicMin(displacement_bounds[k < 2 ? (k == 0 ? particle.x : particle.y) : k == 2 ? particle.z : particle.w], 0u);
-}
-
-void visit(uint kind, uint member) {
+bool meets(uint member) {
   const Outline other = outline_at(outline_number(member));
   const vec3 half_relative = 0.5 * (own.trajectory - other.trajectory);
   const float reach = (1 + 4 * rounding) * (own.reach + other.reach);
-  if (!may_meet(other, own.middle - other.middle + half_relative, half_relative, reach)) return;
+  return may_meet(other, own.middle - other.middle + half_relative, half_relative, reach);
+}
+
+// A bit for each of the members from `first`, 32 at most, that can be a pair with the thread's own and may meet it.
+uint pairs_among(uint first, uint end) {
+  uint met = 0, pairs = 0;
   uvec4 particles;
-  if (can_be_pair(member, particles)) add_near(kind, member, particles);
+  for (uint member = first; member < end; ++member) met |= uint(meets(member)) << (member - first);
+  for (; met != 0; met &= met - 1)
+    if (can_be_pair(first + uint(findLSB(met)), particles)) pairs |= met & -met;
+  return pairs;
+}
+
+// Of the thread's pairs: one past the last one's place, and how many have found no room.
+uint last_place = 0, overflowed = 0;
+
+void add_near(uint kind, uint first, uint pairs) {
+  const uint count = uint(bitCount(pairs)), room = WEFT_NEAR * contact_settings.capacity;
+  if (count == 0) return;
+  uint place = atomicAdd(detection[0].near[kind], count);
+  last_place = place + count;
+  for (; pairs != 0 && place < room; pairs &= pairs - 1) put_near(place++, first + uint(findLSB(pairs)));
+  overflowed += uint(bitCount(pairs));
+}
+
+// Holds in place, by a displacement bound of 0, the particles of all pairs of a thread of which one has overflowed.
+void hold(uint first, uint pairs) {
+  for (; pairs != 0; pairs &= pairs - 1) {
+    uvec4 particle;
+    can_be_pair(first + uint(findLSB(pairs)), particle);
+    for (uint k = 0; k < 4; ++k) atomicMin(displacement_bounds[particle[k]], 0u);
+  }
 }
 
 // `cluster`: the thread's own; `all`: also clusters before it, as only one of two edges is to find the other.
-void search(uint kind, uint cluster, bool all) {
-  const vec3 size = abs(own.half_sides) + own.reach, end = own.middle + own.trajectory;
-  const vec3 low = min(own.middle, end) - size, high = max(own.middle, end) + size;
+void search(uint kind, uint cluster, bool all, bool holds) {
+  const vec3 size = abs(own.half_sides) + own.reach, own_end = own.middle + own.trajectory;
+  const vec3 low = min(own.middle, own_end) - size, high = max(own.middle, own_end) + size;
   const uint row = (WEFT_NEAR_CLUSTERS + 1) * cluster, listed = FETCH_UINT(near_clusters, row);
   const bool every_one = listed > WEFT_NEAR_CLUSTERS, is_smooth = FETCH_UINT(smooth_clusters, cluster) != 0;
-  for (uint k = 0; k < (every_one ? contact_settings.clusters : listed); ++k) {
-    const uint entry = every_one ? k : FETCH_UINT(near_clusters, row + 1 + k), other = entry & ~WEFT_TOUCHING;
-    if (!all && other < cluster) continue;
-    if (other != entry && (is_smooth || FETCH_UINT(smooth_clusters, other) != 0)) continue;   // they cannot meet (smooth.glsl)
-    const vec3 its_low = FETCH(cluster_boxes, 2 * other).xyz, its_high = FETCH(cluster_boxes, 2 * other + 1).xyz;
-    if (any(greaterThan(its_low, high)) || any(lessThan(its_high, low))) continue;
+  const uint entries = every_one ? contact_settings.clusters : listed;
+  for (uint k = 0; k < entries; ++k) {
+    uint other = 0;
+    for (bool found = false; !found && k < entries; k += uint(!found)) {
+      const uint entry = every_one ? k : FETCH_UINT(near_clusters, row + 1 + k);
+      other = entry & ~WEFT_TOUCHING;
+      const bool cannot_meet = other != entry && (is_smooth || FETCH_UINT(smooth_clusters, other) != 0);   // smooth.glsl
+      const vec3 its_low = FETCH(cluster_boxes, 2 * other).xyz, its_high = FETCH(cluster_boxes, 2 * other + 1).xyz;
+      found = (all || other >= cluster) && !cannot_meet && !any(greaterThan(its_low, high)) && !any(lessThan(its_high, low));
+    }
+    if (k >= entries) return;
     const uvec2 members = members_of(other);
-    for (uint member = members.x; member < members.y; ++member) visit(kind, member);
+    for (uint first = members.x; first < members.y; first += 32) {
+      const uint pairs = pairs_among(first, min(first + 32, members.y));
+      if (holds) hold(first, pairs);
+      else add_near(kind, first, pairs);
+    }
   }
+}
+
+// Adds what the search has listed to the narrow phase's dispatch, and counts what overflowed.
+void end_search(uint kind, uint cluster, bool all) {
+  const uint room = WEFT_NEAR * contact_settings.capacity;
+  const uint groups = (min(last_place, room) + gl_WorkGroupSize.x - 1) / gl_WorkGroupSize.x;
+  if (kind == of_triangles && detection[0].near_faces.x < groups) atomicMax(detection[0].near_faces.x, groups);
+  if (kind == of_edges && detection[0].near_edges.x < groups) atomicMax(detection[0].near_edges.x, groups);
+  // There is room for WEFT_NEAR times as many pairs of either kind as for candidates.
+  const uint wanted = (last_place + WEFT_NEAR - 1) / WEFT_NEAR;
+  if (counters[0].contacts_room < wanted) atomicMax(counters[0].contacts_room, wanted);
+  if (overflowed != 0) atomicAdd(counters[0].contacts_overflowed, overflowed);
+  for (bool again = overflowed != 0; again; again = false) search(kind, cluster, all, true);
 }

@@ -44,6 +44,7 @@ void main() {
   ends = e.xy;
   own_cluster = e.z;
   own = outline_at(outline_number(edge));
-  search(of_edges, own_cluster, false);
+  search(of_edges, own_cluster, false, false);
+  end_search(of_edges, own_cluster, false);
   if (untangles && detection[0].looks != 0) search_crossings(edge, ends, own_cluster);
 }

@@ -40,5 +40,6 @@ void main() {
   const Track track = track_of(vertex);
   const float thickness = FETCH(rest, vertex).w;
   own = Outline(track.at, vec3(0), track.trajectory, reach_of(0, sweep_of(track, thickness), thickness));
-  search(of_triangles, searcher.y, true);
+  search(of_triangles, searcher.y, true, false);
+  end_search(of_triangles, searcher.y, true);
 }
