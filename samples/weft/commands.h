@@ -68,6 +68,7 @@ struct ContactOptions {
   std::filesystem::path out = "out/contacts";
   std::uint32_t frames = 120;
   bool quick = false;           // two small sizes only
+  bool price = false;           // the scene as it is, with contacts over without, and nothing else
   std::string device;
   std::vector<Assignment> assignments;
 };

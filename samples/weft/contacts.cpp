@@ -1,5 +1,5 @@
 // `weft contacts`: what contacts cost, pass by pass, over the size of a sheet; what it saves to use found pairs again; and whether
-// the automatic cell of the spatial hash is the right one.
+// the automatic cell of the spatial hash is the right one. With --price what they cost a scene as it is.
 #include <algorithm>
 #include <cstdio>
 
@@ -7,6 +7,7 @@
 #include "samples/weft/commands.h"
 #include "samples/weft/console.h"
 #include "samples/weft/contact_costs.h"
+#include "samples/weft/contact_price.h"
 #include "samples/weft/files.h"
 #include "samples/weft/outputs.h"
 #include "samples/weft/plot.h"
@@ -87,6 +88,17 @@ Result<std::vector<ContactCosts>> compare_cells(const compute::Device& device, c
   return cells;
 }
 
+Exit compare_prices(const compute::Device& device, const Scene& scene, const ContactOptions& options) {
+  const auto prices = contact_prices(device, scene, options.frames);
+  if (!prices) return failed(prices.error());
+  print(*prices, scene.name + " on " + device.name());
+  if (const Result<void> written = write_text(options.out / "price.csv", csv(*prices)); !written) return failed(written.error());
+  std::printf("Written: price.csv in %s\n", options.out.string().c_str());
+  if (!interrupted()) return kDone;
+  complain("Interrupted: the frames are fewer than were asked for");
+  return kInterrupted;
+}
+
 }  // namespace
 
 Exit contacts(const ContactOptions& options) {
@@ -96,17 +108,19 @@ Exit contacts(const ContactOptions& options) {
     return kBadInput;
   }
   for (const Cloth& cloth : scene->cloths)
-    if (!cloth.grid) {
+    if (!cloth.grid && !options.price) {
       complain(options.file.string() + ": cloth '" + cloth.name + "' is a mesh: sizes are compared on grids only");
       return kBadInput;
     }
   listen_for_interrupts();
-  const std::string names[] = {"contacts.csv", "cells.csv", "cells.svg", "cells.png"};
+  const std::vector<std::string> names = options.price ? std::vector<std::string>{"price.csv"}
+                                                       : std::vector<std::string>{"contacts.csv", "cells.csv", "cells.svg", "cells.png"};
   if (const Exit exit = prepare_outputs(options.out, names, inputs_of(options.file, *scene)); exit != kDone) return exit;
   compute::DeviceChoice choice;
   choice.name = options.device;
   const auto device = compute::Device::create(choice);
   if (!device) return failed(device.error());
+  if (options.price) return compare_prices(**device, *scene, options);
 
   std::printf("%s on %s: ms a search, pass by pass; then ms a frame\n", scene->name.c_str(), (*device)->name().c_str());
   std::vector<ContactCosts> rows;

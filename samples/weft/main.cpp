@@ -112,8 +112,9 @@ Exit obey(int count, char** arguments) {
 
   ContactOptions contact_options;
   CLI::App* contacts_command =
-      app.add_subcommand("contacts", "Measure what contacts cost over the size of a sheet and of the hash's cells");
-  contacts_command->add_option("scene", file, "A scene (JSON) whose cloths are grids")->required()->type_name("SCENE");
+      app.add_subcommand("contacts", "Measure what contacts cost: a scene, or a sheet over its size and that of the hash's cells");
+  contacts_command->add_option("scene", file, "A scene (JSON) whose cloths are grids; any with --price")->required()->type_name("SCENE");
+  contacts_command->add_flag("--price", contact_options.price, "The scene as it is: frames with contacts over frames without, in turns");
   contacts_command->add_option("--frames", contact_options.frames, "Frames of each size")
       ->check(CLI::Range(4u, kMostFrames))
       ->capture_default_str();

@@ -276,6 +276,17 @@ TEST_F(CommandLine, contacts_tells_what_a_search_costs_at_several_sizes_and_cell
   EXPECT_NE(refused.error.find("sizes are compared on grids only"), std::string::npos) << refused.error;
 }
 
+TEST_F(CommandLine, contacts_tells_the_price_of_a_scene_as_it_is) {
+  const std::string sheet = write("sheet.json", kSheet);
+  const Outcome outcome = weft({"contacts", sheet, "--price", "--frames", "5", "--out", out()});
+  EXPECT_EQ(outcome.exit, 0) << outcome.error;
+  for (const char* word : {"5 frames in turns", "without contacts", "with contacts", "with over without"})
+    EXPECT_NE(outcome.out.find(word), std::string::npos) << outcome.out;
+  const std::string table = read(folder / "out" / "price.csv");
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 3) << table;
+  EXPECT_NE(table.find("\ntrue,5,"), std::string::npos) << table;
+}
+
 TEST_F(CommandLine, harden_tells_what_held_and_fails_when_something_did_not) {
   const std::string sheet = write("sheet.json", kSheet);
   const Outcome held = weft({"harden", sheet, "--quick", "--frames", "20", "--out", out()});
