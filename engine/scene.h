@@ -191,6 +191,27 @@ struct Contacts {
   bool operator==(const Contacts&) const = default;
 };
 
+/// m/s. No component of a wind may be faster.
+inline constexpr float kFastestWind = 1e3f;
+
+/// The air that cloth moves in: a wind, and what comes and goes on top of it. Coefficients are those of a flat plate, relative to the
+/// dynamic pressure and the area: with these defaults the pressure acts along the normal, and the rest is the skin's friction.
+struct Air {
+  struct Gust {
+    Vec3 velocity;              // m/s, at its strongest: it swings between this and its opposite, as a sine
+    double period = 1;          // s, > 0
+    double phase = 0;           // degrees: where in its swing it is at the start
+  };
+  double density = 1.2;         // kg/m^3, at 20 degrees C at sea level
+  double drag = 1.17;           // broadside on, along the wind (a square plate: Hoerner 1965, 3-16)
+  double lift = 1.15;           // across the wind, times the sine and the cosine of the angle between plate and wind
+  double friction = 0.02;       // edge on, along the wind
+  Vec3 wind;                    // m/s; the host may change it (Simulation::set_wind)
+  std::vector<Gust> gusts;      // at most 8
+  double turbulence = 0;        // m/s, root mean square; free of divergence, carried along by the wind
+  double eddy = 1;              // m, > 0: the length of the largest eddies; the smallest are an eighth of it
+};
+
 struct Camera {
   Vec3 eye{0, 1, 4}, target{0, 0.5f, 0};   // m
   double fov_degrees = 40;      // vertical
@@ -215,6 +236,7 @@ struct Scene {
   Vec3 gravity{0, -9.81f, 0};         // m/s^2
   SolverSettings solver;
   Contacts contacts;
+  std::optional<Air> air;             // none: cloth meets no resistance but its own damping
   std::vector<Cloth> cloths;          // at least one
   std::vector<Collider> colliders;    // at most 64
   Camera camera;

@@ -184,6 +184,9 @@ class Simulation {
   Result<void> place_collider(std::uint32_t collider, const ColliderPose& pose);
   /// From the next frame on (m/s^2). Errors: not finite, or 1e10 m/s^2 or more; the gravity is then as it was.
   Result<void> set_gravity(Vec3 gravity);
+  /// From the next frame on (m/s): gusts and turbulence come on top, and eddies go with it. Errors: a scene without air; not finite, or above
+  /// kFastestWind; the wind is then as it was.
+  Result<void> set_wind(Vec3 wind);
 
   /// The origin of the particles' positions, in world space (m); chosen at create.
   Vec3 origin() const;

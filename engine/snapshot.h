@@ -52,6 +52,8 @@ struct Snapshot {
   std::uint64_t substeps = 0;    // so far: the clock
   double left_over = 0;          // s, less than a substep: for the next frame
   Vec3 gravity;                  // m/s^2
+  Vec3 wind;                     // m/s
+  std::array<double, 3> wind_travelled{};   // m: its way since the start
   std::uint32_t phase = 0;       // substeps modulo 3, as the solver counts them
   std::uint32_t capacity = 0;    // of candidate pairs; 0 without contacts
   std::vector<AnchorTargetState> anchors;

@@ -30,7 +30,9 @@
   X(15, uint, triangles_collide)   /* 1: with boxes, 2: with spheres and capsules, too (triangle_collide.comp) */             \
   X(16, bool, has_levels)       /* 1: coarse ones (level/level.glsl) */                                                      \
   X(17, bool, has_wide_levels)  /* 1: of more than WEFT_LOW_LEVEL nodes (level_wide.comp) */                                \
-  X(18, bool, untangles)        /* 1: edges that go through triangles are looked for (untangle/crossing.glsl) */
+  X(18, bool, untangles)        /* 1: edges that go through triangles are looked for (untangle/crossing.glsl) */              \
+  X(19, uint, air_wave_count)   /* gusts and eddies: a constant, because unrolled they take a third of the time */           \
+  X(20, uint, air_stride)       /* pairs in every row of air_fans; 0: air_rows tell */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
@@ -192,6 +194,17 @@ struct FreeCloth {
 };
 
 /// Where the solve of an implicit substep is (implicit.glsl).
+#define WEFT_AIR_EDDIES 16u
+#define WEFT_AIR_GUSTS 8u
+#define WEFT_AIR_WAVES 24u   // both
+/// A part of the air's velocity that is a sine in space and time.
+struct AirWave {
+  vec3 velocity;      // m/s, at its crest
+  float phase;        // rad, at the particles' origin, where the frame begins
+  vec3 wave;          // 1/m; 0 for a gust, which is everywhere the same
+  float turn;         // rad: by how much the phase changes in the frame
+};
+
 struct Linear {
   float first;        // squared residual r . D^-1 r of the free flight
   float squared;      // squared residual before the last iteration
@@ -307,6 +320,12 @@ struct ContactSettings {
   float margin_low, margin_high;   // m, limits of Detection::margin
 };
 
+struct Air {
+  vec3 wind;          // m/s
+  float half_density; // kg/m^3
+  float drag, lift, friction, most;   // coefficients; the largest that a component of the velocity can meet
+};
+
 struct CollisionSettings {
   float quantum;      // m, unit of collision_sums: as many corrections of WEFT_FURTHEST_OUT as a particle has triangles fit
 };
@@ -325,6 +344,7 @@ layout(push_constant, scalar) uniform Constants { Push push; };
 SLICE(Motion, motion)
 SLICE(ContactSettings, contact_settings)
 SLICE(CollisionSettings, collision_settings)
+SLICE(Air, air)
 #endif
 
 #ifdef __cplusplus

@@ -1,6 +1,7 @@
 // The headers of all buffers.
 #pragma once
 
+#include "engine/effects/air/air.h"
 #include "engine/effects/anchor/anchor.h"
 #include "engine/effects/bend/bend.h"
 #include "engine/effects/chebyshev/chebyshev.h"

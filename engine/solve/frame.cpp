@@ -55,6 +55,10 @@ Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input)
   input.gravity = gravity;
   input.few_contacts = contacts_are_few();
   if (advance.substeps == 0) return advance;
+  if (scene.air) {
+    input.air = air_of(*scene.air, moving_air, now(), advance.simulated, origin);
+    moving_air.pass(advance.simulated);
+  }
   clock.substeps += advance.substeps;
   move_scene(input);
   return advance;

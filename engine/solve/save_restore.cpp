@@ -96,6 +96,8 @@ Result<Snapshot> Simulation::save() const try {
   snapshot.substeps = s.clock.substeps;
   snapshot.left_over = s.clock.left_over;
   snapshot.gravity = s.gravity;
+  snapshot.wind = s.moving_air.wind;
+  snapshot.wind_travelled = s.moving_air.travelled;
   snapshot.phase = s.solver->phase();
   snapshot.capacity = s.solver->contact_settings().capacity;
   for (std::uint32_t k = 0; k < s.kinematic.is_host_driven.size(); ++k)
@@ -126,6 +128,9 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
   if (!(snapshot.left_over >= 0 && snapshot.left_over <= fabric.h))
     return unfit("the ", snapshot.left_over, " s left over are not between 0 and a substep of ", fabric.h, " s");
   if (!is_finite(snapshot.gravity)) return unfit("its gravity is not finite");
+  if (!is_finite(snapshot.wind)) return unfit("its wind is not finite");
+  for (const double way : snapshot.wind_travelled)
+    if (!std::isfinite(way)) return unfit("its wind has travelled ", way, " m");
   if (snapshot.phase > 2) return unfit("its phase of ", snapshot.phase, " is above 2");
   if (const std::uint64_t most = std::max<std::uint64_t>(most_candidates(fabric), solver->contact_settings().capacity);
       snapshot.capacity > most)
@@ -227,6 +232,8 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
   clock.substeps = snapshot.substeps;
   clock.left_over = snapshot.left_over;
   gravity = snapshot.gravity;
+  moving_air.wind = snapshot.wind;
+  moving_air.travelled = snapshot.wind_travelled;
   kinematic.is_host_driven.assign(kinematic.is_host_driven.size(), false);
   kinematic.pending.assign(kinematic.pending.size(), std::nullopt);
   for (const Snapshot::AnchorTargetState& state : snapshot.anchors) {

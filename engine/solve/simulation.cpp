@@ -76,6 +76,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   state->origin = origin;
   state->options = options;
   state->gravity = scene.gravity;
+  if (scene.air) state->moving_air.wind = scene.air->wind;
   auto fabric = cook(scene, meshes);
   if (!fabric) return fabric.take_error();
   state->fabric = std::move(*fabric);
@@ -268,6 +269,16 @@ Result<void> Simulation::set_gravity(Vec3 gravity) try {
   return {};
 } catch (...) {
   return caught("the gravity");
+}
+
+Result<void> Simulation::set_wind(Vec3 wind) try {
+  if (!state_->scene.air) return fail("the scene has no air (its key \"air\") for a wind to blow in");
+  if (!is_finite(wind) || !(std::max({std::abs(wind.x), std::abs(wind.y), std::abs(wind.z)}) <= kFastestWind))
+    return fail("the wind is not finite, or above ", kFastestWind, " m/s along an axis");
+  state_->moving_air.wind = wind;
+  return {};
+} catch (...) {
+  return caught("the wind");
 }
 
 VkSemaphore Simulation::ready_semaphore() const { return state_->queue.ready.get(); }

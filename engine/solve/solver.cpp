@@ -342,8 +342,10 @@ void Solver::record_input(compute::Recorder& recorder, const FrameInput& input) 
   };
   motion_.gravity = {input.gravity.x, input.gravity.y, input.gravity.z};
   set_uniforms("motion", motion_);
+  if (input.air) set_uniforms("air", input.air->air);
   if (!uniforms_.empty()) copy(arena_[arena_.size() - 1], uniforms_);
   if (input.anchors_move && has(buffers::anchors)) copy(buffer(buffers::anchors), std::as_bytes(input.anchors));
+  if (input.air && has(buffers::air_waves)) copy(buffer(buffers::air_waves), std::as_bytes(std::span(input.air->waves)));
   if (has(buffers::colliders)) copy(buffer(buffers::colliders), std::as_bytes(input.colliders));
   recorder.barrier(compute::Use::transfer, compute::Use::compute);
 }

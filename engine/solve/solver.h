@@ -12,6 +12,7 @@
 #include "engine/fabric.h"
 #include "engine/scene.h"
 #include "engine/solve/frame_program.h"
+#include "engine/effects/air/air.h"
 #include "engine/solve/plan.h"
 
 namespace weft {
@@ -27,6 +28,7 @@ struct SolverOptions {
 struct FrameInput {
   std::uint32_t substeps = 0;
   Vec3 gravity;
+  std::optional<MovingAir> air;               // where the scene has any
   bool anchors_move = false;
   bool few_contacts = false;                  // Crowd::few; the same bits either way
   std::span<const gpu::Anchor> anchors;       // when they move

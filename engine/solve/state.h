@@ -111,6 +111,7 @@ struct Simulation::State {
   Report heard;                  // the last one; the host reads no memory that a frame under way may write
   std::optional<std::uint64_t> digest;   // of the scene and its fabric, for snapshots; made when first needed
   Vec3 gravity;
+  AirState moving_air;           // where the scene has any
   Clock clock;
   KinematicTargets kinematic;
   Bodies bodies;

@@ -41,6 +41,7 @@ inline Needs setup_for(const Calls& calls, bool texels) {
   setup.constants[constant::triangles_collide] = setup.constants[constant::boxes] = calls.has(Id::triangle);
   setup.constants[constant::has_contacts] = calls.has(Id::contact);
   setup.constants[constant::untangles] = calls.has(Id::untangle);
+  setup.constants[constant::air_wave_count] = calls.has(Id::air);
   for (const Id id : {Id::motion, Id::surface}) setup.effects.set(static_cast<std::size_t>(id));
   for (const Id id : calls.effects) setup.effects.set(static_cast<std::size_t>(id));
   return setup;

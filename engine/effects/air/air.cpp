@@ -1,0 +1,176 @@
+// The air: what a scene says of it, as the passes want it. shaders/air/air.comp has the force.
+#include "engine/effects/air/air.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "engine/cook/cook_state.h"
+#include "engine/effects/effect.h"
+
+namespace weft {
+
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kGolden = 0.6180339887498949;   // its multiples, modulo 1, are spread evenly
+
+Vec3 narrow(double x, double y, double z) { return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}; }
+gpu::vec3 packed(Vec3 v) { return {v.x, v.y, v.z}; }
+float wrapped(double phase) { return static_cast<float>(std::remainder(phase, kTurn)); }
+
+// Of eddy k: where its wave goes (unit), evenly over the sphere (a Fibonacci lattice), in an order that mixes large and small ones.
+Vec3 way_of(std::uint32_t k) {
+  const double height = 1 - (2.0 * (k * 7 % WEFT_AIR_EDDIES) + 1) / WEFT_AIR_EDDIES, about = kTurn * kGolden * k;
+  const double across = std::sqrt(1 - height * height);
+  return narrow(across * std::cos(about), height, across * std::sin(about));
+}
+
+// A direction at right angles to it (unit): then the wave has no divergence.
+Vec3 across(Vec3 way, double angle) {
+  const Vec3 other = std::abs(way.y) < 0.9f ? Vec3{0, 1, 0} : Vec3{1, 0, 0};
+  const Vec3 aside = cross(way, other), first = (1 / length(aside)) * aside, second = cross(way, first);
+  return static_cast<float>(std::cos(angle)) * first + static_cast<float>(std::sin(angle)) * second;
+}
+
+// Turbulence as the sum of waves of Kraichnan (1970), the curl of a potential that is a sum of sines: lengths from the largest eddies' to an eighth of
+// it in even steps of an octave's part, energy by Kolmogorov's k^(-5/3), and so crests by k^(-1/3). The wind carries them along, and each has a
+// turn of its own as well, as fast as eddies of its length turn over.
+void add_eddies(const Air& air, const AirState& state, double time, double seconds, Vec3 origin, MovingAir& moving) {
+  if (!(air.turbulence > 0)) return;
+  double energy = 0;
+  for (std::uint32_t k = 0; k < WEFT_AIR_EDDIES; ++k) energy += 0.5 * std::pow(8, -2.0 / 3 * k / (WEFT_AIR_EDDIES - 1));
+  for (std::uint32_t k = 0; k < WEFT_AIR_EDDIES; ++k) {
+    const double finer = std::pow(8, double(k) / (WEFT_AIR_EDDIES - 1)), number = kTurn / air.eddy * finer;
+    const double crest = air.turbulence / std::sqrt(energy) * std::pow(finer, -1.0 / 3);
+    const double own = number * crest * (2 * std::fmod(kGolden * (k + 1), 1.0) - 1);   // rad/s
+    const Vec3 way = way_of(k);
+    const auto along = [&](double x, double y, double z) { return number * (double(way.x) * x + double(way.y) * y + double(way.z) * z); };
+    gpu::AirWave& wave = moving.waves[moving.used++];
+    wave.velocity = packed(static_cast<float>(crest) * across(way, kTurn * kGolden * kGolden * k));
+    wave.wave = packed(static_cast<float>(number) * way);
+    wave.phase = wrapped(along(origin.x - state.travelled[0], origin.y - state.travelled[1], origin.z - state.travelled[2]) + own * time +
+                         kTurn * std::fmod(kGolden * 3 * k, 1.0));
+    wave.turn = static_cast<float>(own * seconds - seconds * along(state.wind.x, state.wind.y, state.wind.z));
+  }
+}
+
+}  // namespace
+
+void AirState::pass(double seconds) {
+  travelled[0] += seconds * double(wind.x);
+  travelled[1] += seconds * double(wind.y);
+  travelled[2] += seconds * double(wind.z);
+}
+
+MovingAir air_of(const Air& air, const AirState& state, double time, double seconds, Vec3 origin) {
+  MovingAir moving{};
+  gpu::Air& made = moving.air;
+  made.wind = packed(state.wind);
+  made.half_density = static_cast<float>(0.5 * air.density);
+  made.drag = static_cast<float>(air.drag);
+  made.lift = static_cast<float>(air.lift);
+  made.friction = static_cast<float>(air.friction);
+  // Along the normal the force is (drag c^2 + (friction + lift) (1 - c^2)) times its part of u.
+  made.most = static_cast<float>(std::max(air.drag, air.friction + air.lift));
+  for (const Air::Gust& gust : air.gusts) {
+    gpu::AirWave& wave = moving.waves[moving.used++];
+    wave.velocity = packed(gust.velocity);
+    wave.phase = wrapped(kTurn * (time / gust.period + gust.phase / 360));
+    wave.turn = static_cast<float>(kTurn * seconds / gust.period);
+  }
+  add_eddies(air, state, time, seconds, origin, moving);
+  return moving;
+}
+
+namespace effects {
+namespace {
+
+constexpr const Buffer* kBuffers[] = {&buffers::air_waves, &buffers::air_rows, &buffers::air_fans, &buffers::air_stirred};
+
+bool is_stirred(const Needs& needs) { return needs.constants[gpu::constant::air_wave_count] > 0; }
+
+constexpr Pass kPasses[] = {
+    {.name = "air_stir", .stage = Stage::frame_begin, .threads = threads::particles, .when = is_stirred},
+    {.name = "air", .stage = Stage::force, .threads = threads::particles, .changes = Changes::velocity},
+};
+
+// Rows of one length need no look at where they begin, and their loops are unrolled, which is worth some places that nobody needs.
+constexpr double kMostPadding = 0.5;
+
+// Of a particle's triangles: the two other particles, in winding order, and a third of the rest area (m^2).
+struct Corner {
+  std::uint32_t from, to;
+  float third;
+};
+struct Corners {
+  std::vector<std::vector<Corner>> of_particles;
+};
+
+Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
+  if (!state.scene().air) return {};
+  const auto particle_of = state.particle_of();
+  auto& corners = state.fabric().own.of<Corners>().of_particles;
+  corners.resize(state.fabric().positions.size());
+  const std::vector<Vec3>& x = input.mesh.points;
+  for (const auto& [a, b, c] : input.mesh.triangles) {
+    const float third = length(cross(x[b] - x[a], x[c] - x[a])) / 6;
+    corners[particle_of[a]].push_back({particle_of[b], particle_of[c], third});
+    corners[particle_of[b]].push_back({particle_of[c], particle_of[a], third});
+    corners[particle_of[c]].push_back({particle_of[a], particle_of[b], third});
+  }
+  return {};
+}
+
+// A fan begins where no triangle comes before, or anywhere.
+std::vector<gpu::uvec2> fans_of(std::vector<Corner> corners) {
+  std::vector<gpu::uvec2> fans;
+  while (!corners.empty()) {
+    const auto follows_none = [&](const Corner& corner) { return std::ranges::find(corners, corner.from, &Corner::to) == corners.end(); };
+    auto next = std::ranges::find_if(corners, follows_none);
+    if (next == corners.end()) next = corners.begin();
+    fans.push_back({next->from, 0});
+    while (next != corners.end()) {
+      const std::uint32_t to = next->to;
+      fans.push_back({to, std::bit_cast<std::uint32_t>(next->third)});
+      corners.erase(next);
+      next = std::ranges::find(corners, to, &Corner::from);
+    }
+  }
+  return fans;
+}
+
+void lay_out(cooking::CookState& state) {
+  if (!state.scene().air) return;
+  auto corners = std::exchange(state.fabric().own.of<Corners>().of_particles, {});
+  corners.resize(state.fabric().positions.size());
+  std::vector<std::vector<gpu::uvec2>> fans;
+  for (std::vector<Corner>& list : corners) fans.push_back(fans_of(std::move(list)));
+  PairRows& rows = state.fabric().own.of<AirLists>().fans;
+  rows = cooking::pack_rows(fans, cooking::Padding::owner, kMostPadding);
+  for (gpu::uvec2& row : rows.rows) row.y = (row.y + 1) / 2;
+}
+
+}  // namespace
+
+constinit const Effect air{
+    .name = "air",
+    .key = "air",
+    .called_for = [](const Scene& scene, const CookedFabric&) { return scene.air.has_value(); },
+    .buffers = kBuffers,
+    .passes = kPasses,
+    .specialize =
+        [](const Cooked& s, Constants& constants) {
+          constants[gpu::constant::air_wave_count] = static_cast<std::uint32_t>(s.scene.air->gusts.size()) + (s.scene.air->turbulence > 0 ? WEFT_AIR_EDDIES : 0);
+          constants[gpu::constant::air_stride] = s.fabric.own.of<AirLists>().fans.stride;
+        },
+    .slice = {"air", [](const Cooked& s) { return made(std::vector{s.scene.air ? air_of(*s.scene.air, {s.scene.air->wind}, 0, 0, {}).air : gpu::Air{}}); }},
+    .reference = Reference::absent,
+    .cook = cook,
+    .lay_out = lay_out,
+};
+
+}  // namespace effects
+}  // namespace weft

@@ -1,0 +1,42 @@
+// The air: lift and drag of the triangles of cloth against the moving air.
+#pragma once
+
+#include <array>
+
+#include "engine/effects/buffer.h"
+
+namespace weft {
+
+/// How far the air has come, besides the time: the host may change the wind.
+struct AirState {
+  Vec3 wind;                   // m/s
+  std::array<double, 3> travelled{};   // m: the wind's way since the start, which carries eddies along
+
+  void pass(double seconds);   // s
+};
+
+/// The air of a frame of `seconds` that begins at `time` (s); particles are relative to `origin` (m).
+struct MovingAir {
+  gpu::Air air;
+  std::uint32_t used = 0;   // of waves
+  std::array<gpu::AirWave, WEFT_AIR_WAVES> waves{};
+};
+MovingAir air_of(const Air& air, const AirState& state, double time, double seconds, Vec3 origin);
+
+/// A particle's triangles lie in fans about it. A fan is a list of particles, in winding order, each with a third of the rest area (m^2) of the
+/// triangle between it and the one before; 0 for the first, and where a row is filled up.
+struct AirLists {
+  PairRows fans;   // entries: (particle, that as float bits)
+};
+
+namespace buffers {
+/// Gusts and eddies of the frame.
+inline constexpr Buffer air_waves =
+    buffer<gpu::AirWave>("air_waves", Lifetime::uploaded, [](const Cooked&) { return std::uint64_t(WEFT_AIR_WAVES); });
+/// Of each particle: first pair, number of pairs.
+inline constexpr Buffer air_rows = own<gpu::uvec2, &AirLists::fans, &PairRows::rows>("air_rows");
+inline constexpr Buffer air_fans = own<gpu::uvec4, &AirLists::fans, &PairRows::pairs>("air_fans");
+/// Two a particle: xyz the velocity of gusts and eddies where it is when the frame begins, as it is then, and as it is when the frame ends (m/s).
+inline constexpr Buffer air_stirred = scratch<gpu::vec4>("air_stirred", [](const Cooked& s) { return 2 * lengths::particles(s); });
+}  // namespace buffers
+}  // namespace weft

@@ -1,0 +1,162 @@
+// What air promises: terminal velocity, no force on what moves with it, lift and its sign, nothing that blows up.
+#include <Eigen/Core>
+#include <gtest/gtest.h>
+
+#include "compute/commands.h"
+#include "tests/support/sheets.h"
+#include "tests/support/gpu_fixture.h"
+
+namespace weft {
+namespace {
+
+using AirCase = GpuTest;
+
+Scene free_sheet(std::uint32_t cells) {
+  Scene scene = sheet(cells);
+  scene.cloths[0].start.imperfection = 0;
+  scene.air.emplace();
+  return scene;
+}
+
+Eigen::Vector3d mean_of(const Simulation& simulation) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  const auto positions = must(simulation.read_positions());
+  for (const gpu::vec4& x : positions) sum += Eigen::Vector3d(x.x, x.y, x.z);
+  return sum / static_cast<double>(positions.size());
+}
+
+// m/s, of the middle of all particles over a frame.
+Eigen::Vector3d velocity_over(Simulation& simulation, double frame) {
+  const Eigen::Vector3d before = mean_of(simulation);
+  must(simulation.advance(frame));
+  return (mean_of(simulation) - before) / frame;
+}
+
+// v = sqrt(2 sigma g / (rho C)) of a sheet that falls broadside on, whatever the rate.
+TEST_F(AirCase, a_falling_sheet_reaches_its_terminal_velocity_at_every_rate) {
+  for (const double density : {0.12, 1.0})
+    for (const double rate : {30.0, 60.0, 240.0}) {
+      Scene scene = free_sheet(12);
+      scene.cloths[0].fabric.area_density = density;
+      scene.solver.rate = rate;
+      const auto simulation = must(Simulation::create(device(), scene));
+      run(*simulation, 5, 1 / rate);
+      const double wanted = std::sqrt(2 * density * 9.81 / (1.2 * 1.17));
+      EXPECT_NEAR(-velocity_over(*simulation, 1 / rate).y(), wanted, 0.002 * wanted) << density << " kg/m^2 at " << rate << " Hz";
+    }
+}
+
+// The closed form of the way there: v = v_T tanh(g t / v_T).
+TEST_F(AirCase, and_takes_as_long_as_it_should) {
+  const double terminal = std::sqrt(2 * 0.12 * 9.81 / (1.2 * 1.17));
+  const auto simulation = must(Simulation::create(device(), free_sheet(12)));
+  const double height = mean_of(*simulation).y();
+  run(*simulation, 0.25);
+  const double fallen = terminal * terminal / 9.81 * std::log(std::cosh(9.81 * 0.25 / terminal));
+  EXPECT_NEAR(height - mean_of(*simulation).y(), fallen, 0.01 * fallen);
+}
+
+TEST_F(AirCase, cloth_that_moves_with_the_air_feels_none) {
+  Scene scene = free_sheet(8);
+  scene.gravity = {};
+  scene.cloths[0].start.velocity = scene.air->wind = {3, -2, 1};
+  const auto simulation = must(Simulation::create(device(), scene));
+  const Eigen::Vector3d before = mean_of(*simulation);
+  run(*simulation, 1);
+  EXPECT_LT((mean_of(*simulation) - before - Eigen::Vector3d(3, -2, 1)).norm(), 1e-4);
+  EXPECT_LT(strain_of(*simulation).max, 1e-4);
+}
+
+// A plate that leans into the wind rises, one that leans away is pressed down, and flipping its triangles over changes nothing.
+TEST_F(AirCase, lift_has_the_sign_of_the_lean) {
+  for (const double degrees : {20.0, -20.0, 160.0, 200.0}) {
+    Scene scene = free_sheet(8);
+    scene.gravity = {};
+    scene.air->wind = {5, 0, 0};
+    scene.cloths[0].transform.axis = {0, 0, 1};
+    scene.cloths[0].transform.degrees = degrees;
+    const auto simulation = must(Simulation::create(device(), scene));
+    must(simulation->advance(1.0 / 60));
+    const Eigen::Vector3d velocity = velocity_over(*simulation, 1.0 / 60);
+    const bool rises = std::sin(2 * degrees * 3.14159265 / 180) < 0;
+    EXPECT_EQ(velocity.y() > 0, rises) << degrees;
+    EXPECT_GT(std::abs(velocity.y()), 0.05) << degrees;
+    EXPECT_GT(velocity.x(), 0) << degrees;
+  }
+}
+
+// No wind up to 1000 m/s and no rate blows anything up: nothing is ever faster than the wind against it.
+TEST_F(AirCase, no_wind_and_no_rate_blows_anything_up) {
+  for (const float wind : {30.f, 300.f, 1000.f})
+    for (const double rate : {30.0, 60.0, 240.0}) {
+      SCOPED_TRACE(std::to_string(wind) + " m/s at " + std::to_string(rate) + " Hz");
+      Scene scene = free_sheet(12);
+      scene.cloths[0].grid->upright = true;
+      scene.cloths[0].anchors.push_back(held_at({Corner::low_low, Corner::low_high}));
+      scene.cloths[0].fabric = *fabric_preset("silk");
+      scene.solver.rate = rate;
+      scene.air->wind = {wind, 0, 0.1f * wind};
+      scene.air->turbulence = 0.1 * double(wind);
+      const auto simulation = must(Simulation::create(device(), scene));
+      for (int frame = 0; frame < 30; ++frame) {
+        must(simulation->advance(1 / rate));
+        ASSERT_LT(top_speed(*simulation), 1.6 * double(wind)) << frame;
+      }
+      EXPECT_EQ(simulation->counts().non_finite, 0u);
+    }
+}
+
+std::unique_ptr<Simulation> flag(const compute::Device& device, bool contacts) {
+  Scene scene = free_sheet(16);
+  scene.cloths[0].grid->upright = true;
+  scene.cloths[0].anchors.push_back(held_at({Corner::low_low, Corner::low_high}));
+  scene.air->wind = {6, 0, 1};
+  scene.air->turbulence = 1;
+  scene.air->gusts.push_back({{2, 0, 0}, 0.5, 90});
+  scene.contacts.enabled = contacts;
+  return must(Simulation::create(device, scene));
+}
+
+TEST_F(AirCase, the_same_bits_in_every_way_and_from_a_snapshot_and_the_host_turns_the_wind) {
+  for (const bool contacts : {false, true}) {
+    std::vector<std::uint64_t> hashes;
+    for (int way = 0; way < 4; ++way) {
+      auto simulation = flag(device(), contacts);
+      for (int frame = 0; frame < 40; ++frame) {
+        if (frame == 20) must(simulation->set_wind({-4, 0, 2}));
+        if (way == 3 && frame == 25) {
+          const Snapshot snapshot = must(simulation->save());
+          simulation = flag(device(), contacts);
+          must(simulation->restore(must(parse_snapshot(snapshot_bytes(snapshot)))));
+        }
+        if (way == 1) must(simulation->submit(1.0 / 60));
+        else if (way == 2)
+          must(compute::run_once(device(), "host", [&](VkCommandBuffer commands) { must(simulation->record(commands, 1.0 / 60)); }));
+        else must(simulation->advance(1.0 / 60));
+      }
+      hashes.push_back(hash_of(*simulation));
+    }
+    for (const std::uint64_t hash : hashes) EXPECT_EQ(hash, hashes[0]);
+  }
+  const auto still = flag(device(), false), turned = flag(device(), false);
+  must(turned->set_wind({-6, 0, 1}));
+  for (const auto* simulation : {&still, &turned}) run(**simulation, 1);
+  EXPECT_GT(mean_of(*still).x(), mean_of(*turned).x() + 0.2);
+}
+
+TEST_F(AirCase, a_wind_that_cannot_be_is_refused) {
+  const auto simulation = flag(device(), false);
+  for (const float wrong : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1001.f}) {
+    const auto refused = simulation->set_wind({0, wrong, 0});
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().find("the wind is not finite, or above 1000 m/s along an axis"), std::string::npos) << refused.error();
+  }
+  Scene scene = sheet(4);
+  const auto vacuum = must(Simulation::create(device(), scene));
+  const auto refused = vacuum->set_wind({1, 0, 0});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().find("the scene has no air"), std::string::npos) << refused.error();
+}
+
+}  // namespace
+}  // namespace weft

@@ -1,0 +1,152 @@
+// The pass air against its twin; gusts and eddies.
+#include <gtest/gtest.h>
+
+#include "shaders/air/air.ref.h"
+#include "tests/support/cooked.h"
+#include "tests/support/sheets.h"
+#include "tests/support/single_pass.h"
+
+namespace weft {
+namespace {
+
+using KernelAir = GpuTest;
+
+std::vector<std::vector<reference::AirCorner>> corners_of(const Scene& scene, const CookedFabric& fabric) {
+  std::vector<std::vector<reference::AirCorner>> corners(fabric.positions.size());
+  const Mesh mesh = std::move(must(make_meshes(scene))[0]);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    const double area = 0.5 * double(length(cross(mesh.points[b] - mesh.points[a], mesh.points[c] - mesh.points[a])));
+    const auto& [i, j, k] = fabric.triangles[t];
+    corners[i].push_back({j, k, area});
+    corners[j].push_back({k, i, area});
+    corners[k].push_back({i, j, area});
+  }
+  return corners;
+}
+
+Scene in_air(std::uint32_t cells, Topology topology) {
+  Scene scene = sheet(cells);
+  scene.cloths[0].grid->topology = topology;
+  scene.cloths[0].anchors.push_back(held_at({Corner::low_low}));
+  scene.air.emplace();
+  scene.air->wind = {4, -1, 2};
+  return scene;
+}
+
+// From a breath to a storm in which an explicit step would turn the velocity round a hundred times over.
+TEST_F(KernelAir, does_what_its_twin_does_on_crumpled_sheets_in_every_wind) {
+  Random random(5);
+  for (const Topology topology : {Topology::diagonal, Topology::centre})
+    for (const bool storage : {false, true})
+      for (const double speed : {0.1, 5.0, 1000.0})
+        for (const bool stirred : {false, true}) {
+          SCOPED_TRACE(std::to_string(speed) + " m/s");
+          Scene scene = in_air(7, topology);
+          Air& air = *scene.air;
+          air.drag = between(random, 0, 2);
+          air.lift = between(random, 0, 2);
+          air.friction = between(random, 0, 0.5);
+          const gpu::vec4 wind = anywhere(random, speed, 0);
+          air.wind = {wind.x, wind.y, wind.z};
+          if (stirred) {
+            air.turbulence = 0.3 * speed;
+            air.gusts.push_back({{1, 2, -1}, 0.7, 30});
+          }
+          CookedFabric fabric = cooked(scene);
+          for (gpu::vec4& x : fabric.positions) {
+            const gpu::vec4 d = anywhere(random, 0.05, 0);
+            x = {x.x + d.x, x.y + d.y, x.z + d.z, x.w};
+          }
+          for (gpu::vec4& v : fabric.velocities) v = anywhere(random, 3, v.w);
+          for (const std::uint32_t i : {9u, 10u, 17u}) fabric.positions[i] = {0.1f, 0, 0.1f, fabric.positions[i].w};   // a triangle of no area
+          SinglePass passes(device(), scene, fabric, storage);
+          FrameInput input = frame_of(4);
+          input.gravity = scene.gravity;
+          input.air = air_of(air, {air.wind, {3, 1, 4}}, 2.5, 4 * fabric.h, {1, 0, 0});
+          passes.begin(input);
+          if (stirred) passes.run("air_stir");
+          passes.run("air", 2);
+          const auto after = passes.particles(buffers::velocities), predicted = passes.particles(buffers::predicted);
+          const auto corners = corners_of(scene, fabric);
+          const reference::Points x = points(fabric.positions), v = points(fabric.velocities);
+          const reference::Vector gravity(scene.gravity.x, scene.gravity.y, scene.gravity.z);
+          for (std::uint32_t i = 0; i < x.size(); ++i) {
+            const reference::Vector stir = 0.5 * (reference::stirred_at(*input.air, x[i], 0) + reference::stirred_at(*input.air, x[i], 1));
+            const reference::Vector u = vector(input.air->air.wind) + stir - (v[i] - fabric.h * gravity);
+            const reference::Vector dv =
+                reference::push_by_air(input.air->air, corners[i], x[i], x, u, double(fabric.positions[i].w), fabric.h);
+            const double tolerance = 400 * kRounding * (1 + u.norm() + 10 * (stirred ? speed : 0));
+            EXPECT_LT((vector(after[i]) - v[i] - dv).norm(), tolerance) << i;
+            EXPECT_LE(dv.norm(), 1.5 * u.norm()) << i;
+            if (fabric.positions[i].w > 0) { EXPECT_LT((vector(predicted[i]) - x[i] - fabric.h * (v[i] + dv)).norm(), 4 * kRounding + fabric.h * tolerance); }
+          }
+        }
+}
+
+TEST_F(KernelAir, a_neighbour_that_is_not_finite_spoils_nobody) {
+  const Scene scene = in_air(5, Topology::diagonal);
+  CookedFabric fabric = cooked(scene);
+  fabric.positions[14].x = std::numeric_limits<float>::quiet_NaN();
+  fabric.velocities[21].y = std::numeric_limits<float>::infinity();
+  SinglePass passes(device(), scene, fabric);
+  FrameInput input = frame_of(1);
+  input.air = air_of(*scene.air, {scene.air->wind}, 0, fabric.h, {});
+  passes.begin(input);
+  passes.run("air");
+  const auto after = passes.particles(buffers::velocities);
+  for (std::uint32_t i = 0; i < after.size(); ++i)
+    if (i != 21) { EXPECT_TRUE(std::isfinite(after[i].x + after[i].y + after[i].z)) << i; }
+}
+
+// Of a sum of plane waves whose velocity is across the way they go; and as strong as it was asked to be.
+TEST(Eddies, have_no_divergence_and_the_strength_and_length_that_the_scene_says) {
+  Air air;
+  air.turbulence = 3;
+  air.eddy = 2;
+  const MovingAir moving = air_of(air, {{5, 0, 1}}, 7, 0.02, {});
+  ASSERT_EQ(moving.used, WEFT_AIR_EDDIES);
+  double squares = 0, longest = 0, shortest = 1e9;
+  for (const gpu::AirWave& wave : std::span(moving.waves).first(moving.used)) {
+    const reference::Vector velocity = vector(wave.velocity), along = vector(wave.wave);
+    EXPECT_LT(std::abs(velocity.dot(along)), 1e-5 * velocity.norm() * along.norm());
+    squares += velocity.squaredNorm() / 2;
+    longest = std::max(longest, 2 * std::numbers::pi / along.norm());
+    shortest = std::min(shortest, 2 * std::numbers::pi / along.norm());
+  }
+  EXPECT_NEAR(std::sqrt(squares), 3, 1e-4);
+  EXPECT_NEAR(longest, 2, 1e-4);
+  EXPECT_NEAR(shortest, 0.25, 1e-4);
+  Random random(8);   // over places and times, too, no component more than another by far
+  reference::Vector mean = reference::Vector::Zero(), square = mean;
+  constexpr int kPlaces = 4000;
+  for (int k = 0; k < kPlaces; ++k) {
+    const MovingAir then = air_of(air, {{5, 0, 1}, {between(random, 0, 100), 0, 0}}, between(random, 0, 100), 0.02, {});
+    const reference::Vector u = reference::stirred_at(then, vector(anywhere(random, 50, 0)), 0);
+    mean += u / kPlaces;
+    square += u.cwiseAbs2() / kPlaces;
+  }
+  EXPECT_LT(mean.norm(), 0.2);
+  EXPECT_NEAR(std::sqrt(square.sum()), 3, 0.1);
+  EXPECT_GT(square.minCoeff(), 0.15 * square.sum());
+}
+
+// Frozen turbulence (Taylor's hypothesis): who goes with the wind sees only what turns over by itself, and frames join without a jump.
+TEST(Eddies, go_with_the_wind_and_frames_join) {
+  Air air;
+  air.turbulence = 0.01;   // so that eddies hardly turn over
+  air.wind = {8, 0, 3};
+  AirState state{air.wind};
+  const double frame = 0.02;
+  const MovingAir first = air_of(air, state, 0, frame, {2, 0, 0});
+  state.pass(frame);
+  const MovingAir second = air_of(air, state, frame, frame, {2, 0, 0});
+  for (const double place : {0.0, 1.3, -7.0}) {
+    const reference::Vector x(place, 0.5, 0.2), there = reference::stirred_at(first, x, 0);
+    EXPECT_LT((reference::stirred_at(second, x + frame * reference::Vector(8, 0, 3), 0) - there).norm(), 0.02 * 0.01);
+    EXPECT_LT((reference::stirred_at(second, x, 0) - reference::stirred_at(first, x, 1)).norm(), 1e-4 * 0.01);
+  }
+}
+
+}  // namespace
+}  // namespace weft
