@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -9,10 +10,10 @@
 #include "compute/descriptors.h"
 #include "compute/pipeline.h"
 #include "compute/recorder.h"
+#include "engine/effects/air/air.h"
 #include "engine/fabric.h"
 #include "engine/scene.h"
 #include "engine/solve/frame_program.h"
-#include "engine/effects/air/air.h"
 #include "engine/solve/plan.h"
 
 namespace weft {

@@ -78,8 +78,8 @@ std::string csv(const ContactPrices& prices) {
   std::string text = "contacts,frames,ms_median,ms_p95,strain_mean,strain_max,crossings\n";
   for (const auto& [name, price] : {std::pair("false", &prices.without), std::pair("true", &prices.with)}) {
     char line[160];
-    std::snprintf(line, sizeof line, "%s,%u,%g,%g,%g,%g,%zu\n", name, prices.frames, price->frame.median, price->frame.p95, price->strain.mean,
-                  price->strain.max, price->crossings);
+    std::snprintf(line, sizeof line, "%s,%u,%g,%g,%g,%g,%zu\n", name, prices.frames, price->frame.median, price->frame.p95,
+                  price->strain.mean, price->strain.max, price->crossings);
     text += line;
   }
   return text;

@@ -1,16 +1,16 @@
 // air: the force of the air on the triangles about a particle, a third of each, with the particle's own velocity. With u the air's velocity
 // against it, N a triangle's normal and c = N . u / |u|, the cosine of the angle between them,
 //     F = 1/2 rho A |u| ( (C_drag c^2 + C_friction (1 - c^2)) u + C_lift c (|u| N - c u) ):
-// drag along the wind, as of a plate between broadside and edge on, and lift across it (Ling 1997; Wejchert and Haumann 1991 have the part
-// along N). It does not matter which of its two sides N is of, nothing has an edge where the plate turns through the wind, and F . u is never
-// below 0: no triangle gains from the air more than the wind gives. A is the rest area, so that cloth that is stretched is not blown
-// further, and stretched the more.
+// drag along the wind, as of a plate between broadside and edge on, and lift across it (Ling 1997; Wejchert and Haumann 1991 have the
+// part along N). It does not matter which of its two sides N is of, nothing has an edge where the plate turns through the wind, and F . u
+// is never below 0: no triangle gains from the air more than the wind gives. A is the rest area, so that cloth that is stretched is not
+// blown further, and stretched the more.
 //
 // u is that of the velocity before this substep's gravity, which is the one that cloth moves with: a sheet then falls at its terminal
-// velocity to the second order of the substep h. With S the sum of rho A |u| C / 6 over the triangles, C being the most that a part of u can
-// meet, the particle would lose b = h w S of its velocity against the air at most, and if b is above 1 that would be turned round, and the more
-// so the faster it is. So the change is divided by sqrt(1 + b^2), with which it cannot, whatever wind and rate are; that too is 1 to the second
-// order of h.
+// velocity to the second order of the substep h. With S the sum of rho A |u| C / 6 over the triangles, C being the most that a part of u
+// can meet, the particle would lose b = h w S of its velocity against the air at most, and if b is above 1 that would be turned round,
+// and the more so the faster it is. So the change is divided by sqrt(1 + b^2), with which it cannot, whatever wind and rate are; that too
+// is 1 to the second order of h.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"

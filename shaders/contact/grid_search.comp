@@ -94,7 +94,8 @@ void search_level(Search search) {
       const uvec2 run = all_entries ? uvec2(0, clusters) : run_of(search, from, last.x, row);
       for (uint k = run.x; k < run.y; ++k) {
         uint other = 0;
-        for (bool found = false; !found && k < run.y; k += uint(!found)) found = is_near(search, k < clusters ? k : k - clusters, all_entries, row, other);
+        for (bool found = false; !found && k < run.y; k += uint(!found))
+          found = is_near(search, k < clusters ? k : k - clusters, all_entries, row, other);
         if (k >= run.y) break;
         list_both(other);
       }

@@ -35,9 +35,9 @@ Vec3 across(Vec3 way, double angle) {
   return static_cast<float>(std::cos(angle)) * first + static_cast<float>(std::sin(angle)) * second;
 }
 
-// Turbulence as the sum of waves of Kraichnan (1970), the curl of a potential that is a sum of sines: lengths from the largest eddies' to an eighth of
-// it in even steps of an octave's part, energy by Kolmogorov's k^(-5/3), and so crests by k^(-1/3). The wind carries them along, and each has a
-// turn of its own as well, as fast as eddies of its length turn over.
+// Turbulence as the sum of waves of Kraichnan (1970), the curl of a potential that is a sum of sines: lengths from the largest eddies' to
+// an eighth of it in even steps of an octave's part, energy by Kolmogorov's k^(-5/3), and so crests by k^(-1/3). The wind carries them
+// along, and each has a turn of its own as well, as fast as eddies of its length turn over.
 void add_eddies(const Air& air, const AirState& state, double time, double seconds, Vec3 origin, MovingAir& moving) {
   if (!(air.turbulence > 0)) return;
   double energy = 0;
@@ -163,10 +163,12 @@ constinit const Effect air{
     .passes = kPasses,
     .specialize =
         [](const Cooked& s, Constants& constants) {
-          constants[gpu::constant::air_wave_count] = static_cast<std::uint32_t>(s.scene.air->gusts.size()) + (s.scene.air->turbulence > 0 ? WEFT_AIR_EDDIES : 0);
+          const Air& air = *s.scene.air;
+          constants[gpu::constant::air_wave_count] =
+              static_cast<std::uint32_t>(air.gusts.size()) + (air.turbulence > 0 ? WEFT_AIR_EDDIES : 0);
           constants[gpu::constant::air_stride] = s.fabric.own.of<AirLists>().fans.stride;
         },
-    .slice = {"air", [](const Cooked& s) { return made(std::vector{s.scene.air ? air_of(*s.scene.air, {s.scene.air->wind}, 0, 0, {}).air : gpu::Air{}}); }},
+    .slice = {"air", [](const Cooked& s) { return made(std::vector{air_of(*s.scene.air, {s.scene.air->wind}, 0, 0, {}).air}); }},
     .reference = Reference::absent,
     .cook = cook,
     .lay_out = lay_out,

@@ -23,8 +23,8 @@ struct MovingAir {
 };
 MovingAir air_of(const Air& air, const AirState& state, double time, double seconds, Vec3 origin);
 
-/// A particle's triangles lie in fans about it. A fan is a list of particles, in winding order, each with a third of the rest area (m^2) of the
-/// triangle between it and the one before; 0 for the first, and where a row is filled up.
+/// A particle's triangles lie in fans about it. A fan is a list of particles, in winding order, each with a third of the rest area (m^2)
+/// of the triangle between it and the one before; 0 for the first, and where a row is filled up.
 struct AirLists {
   PairRows fans;   // entries: (particle, that as float bits)
 };
@@ -36,7 +36,8 @@ inline constexpr Buffer air_waves =
 /// Of each particle: first pair, number of pairs.
 inline constexpr Buffer air_rows = own<gpu::uvec2, &AirLists::fans, &PairRows::rows>("air_rows");
 inline constexpr Buffer air_fans = own<gpu::uvec4, &AirLists::fans, &PairRows::pairs>("air_fans");
-/// Two a particle: xyz the velocity of gusts and eddies where it is when the frame begins, as it is then, and as it is when the frame ends (m/s).
+/// Two a particle: xyz the velocity of gusts and eddies where it is when the frame begins, as it is then, and as it is when the frame
+/// ends (m/s).
 inline constexpr Buffer air_stirred = scratch<gpu::vec4>("air_stirred", [](const Cooked& s) { return 2 * lengths::particles(s); });
 }  // namespace buffers
 }  // namespace weft
