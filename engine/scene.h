@@ -202,12 +202,25 @@ struct Air {
     double period = 1;          // s, > 0
     double phase = 0;           // degrees: where in its swing it is at the start
   };
+  /// What the air does in a part of space, besides.
+  struct Field {
+    enum class Shape { box, sphere, jet, vortex };
+    Shape shape = Shape::box;
+    Vec3 centre;                // m: of a box or a sphere; of a jet's nozzle; a point of a vortex's axis
+    Vec3 velocity;              // m/s: within a box or a sphere; of a jet in its nozzle, and where it goes. Of a vortex the axis, about which it
+                                // turns by the right hand, as long as it is fast where it is fastest
+    Vec3 size{1, 1, 1};         // m, boxes only: whole sides, > 0
+    double radius = 0.5;        // m, > 0: of a sphere, a jet's nozzle, or the core of a vortex, where it is fastest
+    double falloff = 0.5;       // m, boxes and spheres only: how far outside the velocity has faded away
+    bool operator==(const Field&) const = default;
+  };
   double density = 1.2;         // kg/m^3, at 20 degrees C at sea level
   double drag = 1.17;           // broadside on, along the wind (a square plate: Hoerner 1965, 3-16)
   double lift = 1.15;           // across the wind, times the sine and the cosine of the angle between plate and wind
   double friction = 0.02;       // edge on, along the wind
   Vec3 wind;                    // m/s; the host may change it (Simulation::set_wind)
   std::vector<Gust> gusts;      // at most 8
+  std::vector<Field> fields;    // at most 16; the host may move them (Simulation::move_air_field)
   double turbulence = 0;        // m/s, root mean square; free of divergence, carried along by the wind
   double eddy = 1;              // m, > 0: the length of the largest eddies; the smallest are an eighth of it
 };

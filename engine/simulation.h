@@ -30,7 +30,7 @@
 // error of advance, submit or record the simulation is consistent and can go on: the clock has moved by that frame, the cloth
 // may not have. After a lost device every call fails; the simulation can only be destroyed.
 //
-// Limitations: no wind yet; a mesh collider that rotates moves each vertex along a straight line to its place at the frame's
+// Limitations: a mesh collider that rotates moves each vertex along a straight line to its place at the frame's
 // end; anchors are chosen at create and can be moved, not added; hosts that record must record frames in the order they submit
 // them.
 #pragma once
@@ -187,6 +187,9 @@ class Simulation {
   /// From the next frame on (m/s): gusts and turbulence come on top, and eddies go with it. Errors: a scene without air; not finite, or above
   /// kFastestWind; the wind is then as it was.
   Result<void> set_wind(Vec3 wind);
+  /// Where a field of the scene's air is (m) and its velocity (m/s), from the next frame on. Errors: no such field; a place that is not finite, or
+  /// 1e10 m away or more; a velocity that set_wind refuses. Nothing has changed then.
+  Result<void> move_air_field(std::uint32_t field, Vec3 centre, Vec3 velocity);
 
   /// The origin of the particles' positions, in world space (m); chosen at create.
   Vec3 origin() const;

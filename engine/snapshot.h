@@ -42,6 +42,9 @@ struct Snapshot {
     bool is_pending = false;       // `pending` is for the next frame
     ColliderPose pose, pending;
   };
+  struct AirFieldState {
+    Vec3 centre, velocity;         // m, m/s
+  };
   /// A buffer of the GPU, from its start on.
   struct Content {
     std::string name;           // as shared.h has it
@@ -53,6 +56,7 @@ struct Snapshot {
   double left_over = 0;          // s, less than a substep: for the next frame
   Vec3 gravity;                  // m/s^2
   Vec3 wind;                     // m/s
+  std::vector<AirFieldState> air_fields;
   std::array<double, 3> wind_travelled{};   // m: its way since the start
   std::uint32_t phase = 0;       // substeps modulo 3, as the solver counts them
   std::uint32_t capacity = 0;    // of candidate pairs; 0 without contacts

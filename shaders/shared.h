@@ -32,7 +32,8 @@
   X(17, bool, has_wide_levels)  /* 1: of more than WEFT_LOW_LEVEL nodes (level_wide.comp) */                                \
   X(18, bool, untangles)        /* 1: edges that go through triangles are looked for (untangle/crossing.glsl) */              \
   X(19, uint, air_wave_count)   /* gusts and eddies: a constant, because unrolled they take a third of the time */           \
-  X(20, uint, air_stride)       /* pairs in every row of air_fans; 0: air_rows tell */
+  X(20, uint, air_stride)       /* pairs in every row of air_fans; 0: air_rows tell */  \
+  X(21, uint, air_field_count)  /* of air_fields */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
@@ -203,6 +204,21 @@ struct AirWave {
   float phase;        // rad, at the particles' origin, where the frame begins
   vec3 wave;          // 1/m; 0 for a gust, which is everywhere the same
   float turn;         // rad: by how much the phase changes in the frame
+};
+
+#define WEFT_AIR_FIELDS 16u
+#define WEFT_AIR_BOX 0u
+#define WEFT_AIR_SPHERE 1u
+#define WEFT_AIR_JET 2u
+#define WEFT_AIR_VORTEX 3u
+/// What the air does in a part of space (engine/scene.h, Air::Field).
+struct AirField {
+  vec3 centre;        // m
+  float radius;       // m
+  vec3 half_sides;    // m, boxes only
+  float falloff;      // m
+  vec3 velocity;      // m/s
+  uint shape;         // WEFT_AIR_BOX ...
 };
 
 struct Linear {

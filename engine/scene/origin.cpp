@@ -27,6 +27,8 @@ Scene relative_to(Scene scene, Vec3 origin) {
     for (Anchor& anchor : cloth.anchors)
       if (anchor.box) anchor.box = Anchor::Box{anchor.box->low - origin, anchor.box->high - origin};
   }
+  if (scene.air)
+    for (Air::Field& field : scene.air->fields) field.centre = field.centre - origin;
   for (Collider& collider : scene.colliders) collider.centre = collider.centre - origin;
   return scene;
 }

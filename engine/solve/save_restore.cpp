@@ -97,6 +97,7 @@ Result<Snapshot> Simulation::save() const try {
   snapshot.left_over = s.clock.left_over;
   snapshot.gravity = s.gravity;
   snapshot.wind = s.moving_air.wind;
+  for (const Air::Field& field : s.moving_air.fields) snapshot.air_fields.push_back({field.centre, field.velocity});
   snapshot.wind_travelled = s.moving_air.travelled;
   snapshot.phase = s.solver->phase();
   snapshot.capacity = s.solver->contact_settings().capacity;
@@ -129,6 +130,10 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
     return unfit("the ", snapshot.left_over, " s left over are not between 0 and a substep of ", fabric.h, " s");
   if (!is_finite(snapshot.gravity)) return unfit("its gravity is not finite");
   if (!is_finite(snapshot.wind)) return unfit("its wind is not finite");
+  if (snapshot.air_fields.size() != moving_air.fields.size())
+    return unfit("its air has ", snapshot.air_fields.size(), " fields instead of ", moving_air.fields.size());
+  for (const auto& [centre, velocity] : snapshot.air_fields)
+    if (!is_finite(centre) || !is_finite(velocity)) return unfit("a field of its air is not finite");
   for (const double way : snapshot.wind_travelled)
     if (!std::isfinite(way)) return unfit("its wind has travelled ", way, " m");
   if (snapshot.phase > 2) return unfit("its phase of ", snapshot.phase, " is above 2");
@@ -233,6 +238,10 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
   clock.left_over = snapshot.left_over;
   gravity = snapshot.gravity;
   moving_air.wind = snapshot.wind;
+  for (std::size_t k = 0; k < moving_air.fields.size(); ++k) {
+    moving_air.fields[k].centre = snapshot.air_fields[k].centre;
+    moving_air.fields[k].velocity = snapshot.air_fields[k].velocity;
+  }
   moving_air.travelled = snapshot.wind_travelled;
   kinematic.is_host_driven.assign(kinematic.is_host_driven.size(), false);
   kinematic.pending.assign(kinematic.pending.size(), std::nullopt);

@@ -76,7 +76,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   state->origin = origin;
   state->options = options;
   state->gravity = scene.gravity;
-  if (scene.air) state->moving_air.wind = scene.air->wind;
+  if (scene.air) state->moving_air = {scene.air->wind, state->scene.air->fields, {}};
   auto fabric = cook(scene, meshes);
   if (!fabric) return fabric.take_error();
   state->fabric = std::move(*fabric);
@@ -271,14 +271,29 @@ Result<void> Simulation::set_gravity(Vec3 gravity) try {
   return caught("the gravity");
 }
 
+static bool is_wind(Vec3 v) {
+  return is_finite(v) && std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}) <= kFastestWind;
+}
+
 Result<void> Simulation::set_wind(Vec3 wind) try {
   if (!state_->scene.air) return fail("the scene has no air (its key \"air\") for a wind to blow in");
-  if (!is_finite(wind) || !(std::max({std::abs(wind.x), std::abs(wind.y), std::abs(wind.z)}) <= kFastestWind))
-    return fail("the wind is not finite, or above ", kFastestWind, " m/s along an axis");
+  if (!is_wind(wind)) return fail("the wind is not finite, or above ", kFastestWind, " m/s along an axis");
   state_->moving_air.wind = wind;
   return {};
 } catch (...) {
   return caught("the wind");
+}
+
+Result<void> Simulation::move_air_field(std::uint32_t field, Vec3 centre, Vec3 velocity) try {
+  std::vector<Air::Field>& fields = state_->moving_air.fields;
+  if (field >= fields.size()) return fail("there is no field ", field, " of the air, the scene has ", fields.size());
+  if (!is_finite(centre) || !is_wind(velocity))
+    return fail("field ", field, " of the air: its place is not finite, or its velocity not, or above ", kFastestWind, " m/s along an axis");
+  fields[field].centre = centre - state_->origin;
+  fields[field].velocity = velocity;
+  return {};
+} catch (...) {
+  return caught("the field of the air");
 }
 
 VkSemaphore Simulation::ready_semaphore() const { return state_->queue.ready.get(); }

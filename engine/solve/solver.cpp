@@ -346,6 +346,7 @@ void Solver::record_input(compute::Recorder& recorder, const FrameInput& input) 
   if (!uniforms_.empty()) copy(arena_[arena_.size() - 1], uniforms_);
   if (input.anchors_move && has(buffers::anchors)) copy(buffer(buffers::anchors), std::as_bytes(input.anchors));
   if (input.air && has(buffers::air_waves)) copy(buffer(buffers::air_waves), std::as_bytes(std::span(input.air->waves)));
+  if (input.air && has(buffers::air_fields)) copy(buffer(buffers::air_fields), std::as_bytes(std::span(input.air->fields)));
   if (has(buffers::colliders)) copy(buffer(buffers::colliders), std::as_bytes(input.colliders));
   recorder.barrier(compute::Use::transfer, compute::Use::compute);
 }

@@ -19,6 +19,31 @@ inline Vector stirred_at(const MovingAir& air, const Vector& x, double fraction)
   return velocity;
 }
 
+/// The velocity of a field at x (m/s).
+inline Vector field_at(const Air::Field& field, const Vector& x) {
+  const Vector d = x - Vector(field.centre.x, field.centre.y, field.centre.z), velocity(field.velocity.x, field.velocity.y, field.velocity.z);
+  const Vector way = velocity.norm() > 0 ? Vector(velocity.normalized()) : Vector(Vector::Zero());
+  const double along = d.dot(way), across = (d - along * way).norm();
+  switch (field.shape) {
+    case Air::Field::Shape::jet: {
+      if (along < 0) return Vector::Zero();
+      const double half_width = std::max(field.radius, 0.094 * along), core = 5.8 * 2 * field.radius;
+      return (along > core ? core / along : 1) * std::exp2(-std::pow(across / half_width, 2)) * velocity;
+    }
+    case Air::Field::Shape::vortex: {   // alpha solves exp(alpha) = 1 + 2 alpha: then it is fastest at the radius of the core
+      constexpr double kAlpha = 1.2564312086261697;
+      if (across < 1e-9) return Vector::Zero();
+      const double r = across / field.radius, speed = velocity.norm() * (1 + 0.5 / kAlpha) / r * (1 - std::exp(-kAlpha * r * r));
+      return speed * way.cross(d).normalized();
+    }
+    default: break;
+  }
+  const Vector half(field.size.x / 2, field.size.y / 2, field.size.z / 2);
+  const double outside = field.shape == Air::Field::Shape::box ? (d.cwiseAbs() - half).cwiseMax(0).norm() : std::max(d.norm() - field.radius, 0.0);
+  const double t = outside <= 0 ? 0 : field.falloff > 0 ? std::min(outside / field.falloff, 1.0) : 1;
+  return (1 - t * t * (3 - 2 * t)) * velocity;
+}
+
 /// Force (N) of air that comes at `u` on a plate with the unit normal n.
 inline Vector air_force(const gpu::Air& air, double area, const Vector& n, const Vector& u) {
   const double speed = u.norm(), c = speed > 0 ? n.dot(u) / speed : 0;

@@ -50,6 +50,8 @@ const Flaw kFlaws[] = {
     {"cloths[0].tethers.slack: -0.5 is less than 0", [](Scene& s) { s.cloths[0].tether_slack = -0.5; }},
     {"air.density: -1 is less than 0 (kg/m^3)", [](Scene& s) { s.air.emplace().density = -1; }},
     {"air.wind[1]: ", [](Scene& s) { s.air.emplace().wind.y = std::numeric_limits<float>::quiet_NaN(); }},
+    {"air.fields[0].radius: 0 is less than 0.001 (m)", [](Scene& s) { s.air.emplace().fields.emplace_back().radius = 0; }},
+    {"air.fields[0].shape: 9 is not the number of", [](Scene& s) { s.air.emplace().fields.emplace_back().shape = Air::Field::Shape(9); }},
     {"air.gusts[0].period: 0 is less than 0.01 (s)", [](Scene& s) { s.air.emplace().gusts.push_back({{1, 0, 0}, 0}); }},
     {"cloths[0].springs.shear.stiffness: -1 is less than 0 (N/m)", [](Scene& s) { s.cloths[0].springs.emplace().shear.stiffness = -1; }},
     {"cloths[0].anchors[0].every: 0 is less than 1", [](Scene& s) { s.cloths[0].anchors[0].every = 0; }},

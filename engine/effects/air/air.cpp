@@ -81,6 +81,11 @@ MovingAir air_of(const Air& air, const AirState& state, double time, double seco
     wave.phase = wrapped(kTurn * (time / gust.period + gust.phase / 360));
     wave.turn = static_cast<float>(kTurn * seconds / gust.period);
   }
+  for (std::size_t k = 0; k < state.fields.size(); ++k) {
+    const Air::Field& field = state.fields[k];
+    moving.fields[k] = {packed(field.centre), static_cast<float>(field.radius), packed(0.5f * field.size), static_cast<float>(field.falloff),
+                        packed(field.velocity), static_cast<gpu::uint>(field.shape)};
+  }
   add_eddies(air, state, time, seconds, origin, moving);
   return moving;
 }
@@ -88,9 +93,9 @@ MovingAir air_of(const Air& air, const AirState& state, double time, double seco
 namespace effects {
 namespace {
 
-constexpr const Buffer* kBuffers[] = {&buffers::air_waves, &buffers::air_rows, &buffers::air_fans, &buffers::air_stirred};
+constexpr const Buffer* kBuffers[] = {&buffers::air_waves, &buffers::air_fields, &buffers::air_rows, &buffers::air_fans, &buffers::air_stirred};
 
-bool is_stirred(const Needs& needs) { return needs.constants[gpu::constant::air_wave_count] > 0; }
+bool is_stirred(const Needs& needs) { return needs.constants[gpu::constant::air_wave_count] + needs.constants[gpu::constant::air_field_count] > 0; }
 
 constexpr Pass kPasses[] = {
     {.name = "air_stir", .stage = Stage::frame_begin, .threads = threads::particles, .when = is_stirred},
@@ -166,9 +171,10 @@ constinit const Effect air{
           const Air& air = *s.scene.air;
           constants[gpu::constant::air_wave_count] =
               static_cast<std::uint32_t>(air.gusts.size()) + (air.turbulence > 0 ? WEFT_AIR_EDDIES : 0);
+          constants[gpu::constant::air_field_count] = static_cast<std::uint32_t>(air.fields.size());
           constants[gpu::constant::air_stride] = s.fabric.own.of<AirLists>().fans.stride;
         },
-    .slice = {"air", [](const Cooked& s) { return made(std::vector{air_of(*s.scene.air, {s.scene.air->wind}, 0, 0, {}).air}); }},
+    .slice = {"air", [](const Cooked& s) { return made(std::vector{air_of(*s.scene.air, {s.scene.air->wind, {}, {}}, 0, 0, {}).air}); }},
     .reference = Reference::absent,
     .cook = cook,
     .lay_out = lay_out,

@@ -7,9 +7,10 @@
 
 namespace weft {
 
-/// How far the air has come, besides the time: the host may change the wind.
+/// How far the air has come, besides the time: the host may change the wind, and move fields.
 struct AirState {
   Vec3 wind;                   // m/s
+  std::vector<Air::Field> fields;   // relative to the particles' origin
   std::array<double, 3> travelled{};   // m: the wind's way since the start, which carries eddies along
 
   void pass(double seconds);   // s
@@ -20,6 +21,7 @@ struct MovingAir {
   gpu::Air air;
   std::uint32_t used = 0;   // of waves
   std::array<gpu::AirWave, WEFT_AIR_WAVES> waves{};
+  std::array<gpu::AirField, WEFT_AIR_FIELDS> fields{};
 };
 MovingAir air_of(const Air& air, const AirState& state, double time, double seconds, Vec3 origin);
 
@@ -33,10 +35,13 @@ namespace buffers {
 /// Gusts and eddies of the frame.
 inline constexpr Buffer air_waves =
     buffer<gpu::AirWave>("air_waves", Lifetime::uploaded, [](const Cooked&) { return std::uint64_t(WEFT_AIR_WAVES); });
+/// Of the frame.
+inline constexpr Buffer air_fields =
+    buffer<gpu::AirField>("air_fields", Lifetime::uploaded, [](const Cooked&) { return std::uint64_t(WEFT_AIR_FIELDS); });
 /// Of each particle: first pair, number of pairs.
 inline constexpr Buffer air_rows = own<gpu::uvec2, &AirLists::fans, &PairRows::rows>("air_rows");
 inline constexpr Buffer air_fans = own<gpu::uvec4, &AirLists::fans, &PairRows::pairs>("air_fans");
-/// Two a particle: xyz the velocity of gusts and eddies where it is when the frame begins, as it is then, and as it is when the frame
+/// Two a particle: xyz the velocity of gusts, eddies and fields where it is when the frame begins, as it is then, and as it is when the frame
 /// ends (m/s).
 inline constexpr Buffer air_stirred = scratch<gpu::vec4>("air_stirred", [](const Cooked& s) { return 2 * lengths::particles(s); });
 }  // namespace buffers

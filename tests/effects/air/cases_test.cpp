@@ -113,6 +113,12 @@ std::unique_ptr<Simulation> flag(const compute::Device& device, bool contacts) {
   scene.air->wind = {6, 0, 1};
   scene.air->turbulence = 1;
   scene.air->gusts.push_back({{2, 0, 0}, 0.5, 90});
+  scene.air->fields.resize(2);
+  scene.air->fields[0].centre = {0.3f, 0, 0};
+  scene.air->fields[0].velocity = {0, 0, 8};
+  scene.air->fields[0].size = {0.2f, 0.2f, 1};
+  scene.air->fields[1].shape = Air::Field::Shape::vortex;
+  scene.air->fields[1].velocity = {0, 2, 0};
   scene.contacts.enabled = contacts;
   return must(Simulation::create(device, scene));
 }
@@ -124,6 +130,7 @@ TEST_F(AirCase, the_same_bits_in_every_way_and_from_a_snapshot_and_the_host_turn
       auto simulation = flag(device(), contacts);
       for (int frame = 0; frame < 40; ++frame) {
         if (frame == 20) must(simulation->set_wind({-4, 0, 2}));
+        if (frame == 22) must(simulation->move_air_field(0, {0, 0.2f, 0}, {0, 3, -8}));
         if (way == 3 && frame == 25) {
           const Snapshot snapshot = must(simulation->save());
           simulation = flag(device(), contacts);
@@ -144,6 +151,25 @@ TEST_F(AirCase, the_same_bits_in_every_way_and_from_a_snapshot_and_the_host_turn
   EXPECT_GT(mean_of(*still).x(), mean_of(*turned).x() + 0.2);
 }
 
+// A field blows where it is, in the world, wherever the cloth's own origin lies, and goes where the host puts it.
+TEST_F(AirCase, a_field_blows_where_it_is) {
+  for (const float place : {0.f, 1000.f}) {
+    Scene scene = free_sheet(8);
+    scene.gravity = {};
+    scene.cloths[0].transform.translate = {place, 0, 0};
+    scene.air->fields.resize(1);
+    scene.air->fields[0].centre = {place + 5, 0, 0};
+    scene.air->fields[0].velocity = {0, 4, 0};
+    const auto simulation = must(Simulation::create(device(), scene));
+    const double before = mean_of(*simulation).y();
+    run(*simulation, 0.2);
+    EXPECT_EQ(mean_of(*simulation).y(), before) << place;
+    must(simulation->move_air_field(0, {place, 0, 0}, {0, 4, 0}));
+    run(*simulation, 0.2);
+    EXPECT_GT(mean_of(*simulation).y(), before + 0.1) << place;
+  }
+}
+
 TEST_F(AirCase, a_wind_that_cannot_be_is_refused) {
   const auto simulation = flag(device(), false);
   for (const float wrong : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1001.f}) {
@@ -151,6 +177,11 @@ TEST_F(AirCase, a_wind_that_cannot_be_is_refused) {
     ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().find("the wind is not finite, or above 1000 m/s along an axis"), std::string::npos) << refused.error();
   }
+  const auto nowhere = simulation->move_air_field(2, {}, {});
+  ASSERT_FALSE(nowhere);
+  EXPECT_NE(nowhere.error().find("there is no field 2 of the air, the scene has 2"), std::string::npos) << nowhere.error();
+  EXPECT_FALSE(simulation->move_air_field(0, {0, INFINITY, 0}, {}));
+  EXPECT_FALSE(simulation->move_air_field(0, {}, {0, 0, -1001}));
   Scene scene = sheet(4);
   const auto vacuum = must(Simulation::create(device(), scene));
   const auto refused = vacuum->set_wind({1, 0, 0});

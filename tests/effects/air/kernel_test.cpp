@@ -34,6 +34,18 @@ Scene in_air(std::uint32_t cells, Topology topology) {
   return scene;
 }
 
+Air::Field any_field(Random& random, Air::Field::Shape shape, double speed) {
+  const gpu::vec4 centre = anywhere(random, 0.5, 0), velocity = anywhere(random, speed, 0);
+  Air::Field field;
+  field.shape = shape;
+  field.centre = {centre.x, centre.y, centre.z};
+  field.velocity = {velocity.x, velocity.y, velocity.z};
+  field.size = {static_cast<float>(between(random, 0.1, 1)), 0.3f, 0.6f};
+  field.radius = between(random, 0.05, 0.5);
+  field.falloff = between(random, 0.05, 0.5);
+  return field;
+}
+
 // From a breath to a storm in which an explicit step would turn the velocity round a hundred times over.
 TEST_F(KernelAir, does_what_its_twin_does_on_crumpled_sheets_in_every_wind) {
   Random random(5);
@@ -52,6 +64,7 @@ TEST_F(KernelAir, does_what_its_twin_does_on_crumpled_sheets_in_every_wind) {
           if (stirred) {
             air.turbulence = 0.3 * speed;
             air.gusts.push_back({{1, 2, -1}, 0.7, 30});
+            for (std::uint32_t k = 0; k < 8; ++k) air.fields.push_back(any_field(random, Air::Field::Shape(k % 4), speed));
           }
           CookedFabric fabric = cooked(scene);
           for (gpu::vec4& x : fabric.positions) {
@@ -65,7 +78,7 @@ TEST_F(KernelAir, does_what_its_twin_does_on_crumpled_sheets_in_every_wind) {
           SinglePass passes(device(), scene, fabric, storage);
           FrameInput input = frame_of(4);
           input.gravity = scene.gravity;
-          input.air = air_of(air, {air.wind, {3, 1, 4}}, 2.5, 4 * fabric.h, {1, 0, 0});
+          input.air = air_of(air, {air.wind, air.fields, {3, 1, 4}}, 2.5, 4 * fabric.h, {1, 0, 0});
           passes.begin(input);
           if (stirred) passes.run("air_stir");
           passes.run("air", 2);
@@ -74,11 +87,13 @@ TEST_F(KernelAir, does_what_its_twin_does_on_crumpled_sheets_in_every_wind) {
           const reference::Points x = points(fabric.positions), v = points(fabric.velocities);
           const reference::Vector gravity(scene.gravity.x, scene.gravity.y, scene.gravity.z);
           for (std::uint32_t i = 0; i < x.size(); ++i) {
-            const reference::Vector stir = 0.5 * (reference::stirred_at(*input.air, x[i], 0) + reference::stirred_at(*input.air, x[i], 1));
+            reference::Vector still = reference::Vector::Zero();
+            for (const Air::Field& field : air.fields) still += reference::field_at(field, x[i]);
+            const reference::Vector stir = still + 0.5 * (reference::stirred_at(*input.air, x[i], 0) + reference::stirred_at(*input.air, x[i], 1));
             const reference::Vector u = vector(input.air->air.wind) + stir - (v[i] - fabric.h * gravity);
             const reference::Vector dv =
                 reference::push_by_air(input.air->air, corners[i], x[i], x, u, double(fabric.positions[i].w), fabric.h);
-            const double tolerance = 400 * kRounding * (1 + u.norm() + 10 * (stirred ? speed : 0));
+            const double tolerance = 400 * kRounding * (1 + u.norm() + 10 * (stirred ? 10 * speed : 0));
             EXPECT_LT((vector(after[i]) - v[i] - dv).norm(), tolerance) << i;
             EXPECT_LE(dv.norm(), 1.5 * u.norm()) << i;
             if (fabric.positions[i].w == 0) continue;
@@ -94,7 +109,7 @@ TEST_F(KernelAir, a_neighbour_that_is_not_finite_spoils_nobody) {
   fabric.velocities[21].y = std::numeric_limits<float>::infinity();
   SinglePass passes(device(), scene, fabric);
   FrameInput input = frame_of(1);
-  input.air = air_of(*scene.air, {scene.air->wind}, 0, fabric.h, {});
+  input.air = air_of(*scene.air, {scene.air->wind, {}, {}}, 0, fabric.h, {});
   passes.begin(input);
   passes.run("air");
   const auto after = passes.particles(buffers::velocities);
@@ -102,12 +117,59 @@ TEST_F(KernelAir, a_neighbour_that_is_not_finite_spoils_nobody) {
     if (i != 21) { EXPECT_TRUE(std::isfinite(after[i].x + after[i].y + after[i].z)) << i; }
 }
 
+// Pope 2000, 5.1: far from the nozzle a jet keeps its momentum, the integral of the velocity squared over its cross-section.
+TEST(AirFields, a_jet_keeps_its_momentum_and_a_vortex_its_circulation) {
+  Air::Field jet;
+  jet.shape = Air::Field::Shape::jet;
+  jet.velocity = {0, 0, 12};
+  jet.radius = 0.1;
+  const auto momentum = [&](double along) {
+    double sum = 0;
+    for (double r = 0.0005; r < 4; r += 0.001) sum += 2 * 3.14159265 * r * 0.001 * reference::field_at(jet, {r, 0, along}).squaredNorm();
+    return sum;
+  };
+  for (const double along : {2.0, 4.0, 8.0}) EXPECT_NEAR(momentum(along), momentum(3), 0.01 * momentum(3)) << along;
+  EXPECT_NEAR(momentum(3), 144 * 3.14159265 * 0.01, 0.3 * momentum(3)) << "that of the nozzle, about";
+  EXPECT_EQ(reference::field_at(jet, {0, 0, -0.01}).norm(), 0);
+  EXPECT_NEAR(reference::field_at(jet, {0, 0, 0.5}).norm(), 12, 1e-9);
+
+  Air::Field vortex;
+  vortex.shape = Air::Field::Shape::vortex;
+  vortex.velocity = {0, 3, 0};
+  vortex.radius = 0.4;
+  EXPECT_NEAR(reference::field_at(vortex, {0.4, 7, 0}).norm(), 3, 1e-6);
+  for (const double r : {0.1, 0.3, 0.39, 0.41, 1.0}) EXPECT_LT(reference::field_at(vortex, {r, 0, 0}).norm(), 3) << r;
+  EXPECT_NEAR(10 * reference::field_at(vortex, {10, 0, 0}).norm(), 5 * reference::field_at(vortex, {5, 0, 0}).norm(), 1e-6);
+  EXPECT_LT(reference::field_at(vortex, {1, 0, 0}).z(), 0) << "by the right hand about +y";
+}
+
+// A box and a sphere: all of it inside, nothing beyond the falloff, and no step between.
+TEST(AirFields, fade_out_without_a_step) {
+  for (const auto shape : {Air::Field::Shape::box, Air::Field::Shape::sphere}) {
+    Air::Field field;
+    field.shape = shape;
+    field.velocity = {5, 0, 0};
+    field.size = {1, 1, 1};
+    field.radius = 0.5;
+    field.falloff = 0.25;
+    EXPECT_EQ(reference::field_at(field, {0, 0, 0.49}).norm(), 5);
+    EXPECT_EQ(reference::field_at(field, {0, 0, 0.76}).norm(), 0);
+    double before = 5;
+    for (double z = 0.49; z < 0.8; z += 0.01) {
+      const double now = reference::field_at(field, {0, 0, z}).norm();
+      EXPECT_LE(now, before);
+      EXPECT_LT(before - now, 0.35);
+      before = now;
+    }
+  }
+}
+
 // Of a sum of plane waves whose velocity is across the way they go; and as strong as it was asked to be.
 TEST(Eddies, have_no_divergence_and_the_strength_and_length_that_the_scene_says) {
   Air air;
   air.turbulence = 3;
   air.eddy = 2;
-  const MovingAir moving = air_of(air, {{5, 0, 1}}, 7, 0.02, {});
+  const MovingAir moving = air_of(air, {{5, 0, 1}, {}, {}}, 7, 0.02, {});
   ASSERT_EQ(moving.used, WEFT_AIR_EDDIES);
   double squares = 0, longest = 0, shortest = 1e9;
   for (const gpu::AirWave& wave : std::span(moving.waves).first(moving.used)) {
@@ -124,7 +186,7 @@ TEST(Eddies, have_no_divergence_and_the_strength_and_length_that_the_scene_says)
   reference::Vector mean = reference::Vector::Zero(), square = mean;
   constexpr int kPlaces = 4000;
   for (int k = 0; k < kPlaces; ++k) {
-    const MovingAir then = air_of(air, {{5, 0, 1}, {between(random, 0, 100), 0, 0}}, between(random, 0, 100), 0.02, {});
+    const MovingAir then = air_of(air, {{5, 0, 1}, {}, {between(random, 0, 100), 0, 0}}, between(random, 0, 100), 0.02, {});
     const reference::Vector u = reference::stirred_at(then, vector(anywhere(random, 50, 0)), 0);
     mean += u / kPlaces;
     square += u.cwiseAbs2() / kPlaces;
@@ -139,7 +201,7 @@ TEST(Eddies, go_with_the_wind_and_frames_join) {
   Air air;
   air.turbulence = 0.01;   // so that eddies hardly turn over
   air.wind = {8, 0, 3};
-  AirState state{air.wind};
+  AirState state{air.wind, {}, {}};
   const double frame = 0.02;
   const MovingAir first = air_of(air, state, 0, frame, {2, 0, 0});
   state.pass(frame);
