@@ -6,6 +6,8 @@
     pleats.glb       a skirt of 24 pleats, 0.55 m long, sewn along a UV seam; its waist up, its hem on y = 0
     table.glb        a table, 0.9 m x 0.9 m, 0.72 m high, on y = 0: one closed surface with hard edges
     table_linen.glb  two panels, 1.5 m x 1.5 m, 61 x 61 places, sewn along a UV seam; flat, on y = 0
+    body.glb, skirt.glb, cape.glb
+                     a character that walks on the spot, and what it wears: a skin over one skeleton, a walk cycle (character.py)
     plain_weave_*.png, twill_*.png
                      a woven fabric that tiles: albedo (sRGB), normal (tangent space, green up), roughness, occlusion
     banner.png       a picture, to show that any picture can be put on a cloth
@@ -22,6 +24,8 @@ import random
 import struct
 import zlib
 from pathlib import Path
+
+import character
 
 TILE = 512          # texels a side
 YARNS = 32          # of each kind a tile: a multiple of 4, so that a twill of four tiles
@@ -55,13 +59,16 @@ FLOAT, UINT16, UINT32 = 5126, 5123, 5125
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
 
 
-def glb(name, positions, normals, uvs, triangles, wide_indices):
+def glb(name, positions, normals, uvs, triangles, wide_indices, influences=None, colours=None):
+    """`influences`: of each vertex up to four (joint, weight) of the character's skeleton."""
     binary, views, accessors = b"", [], []
 
-    def add(rows, kind, code, component, target):
+    def add(rows, kind, code, component, target=None):
         nonlocal binary
         packed = b"".join(struct.pack(f"<{len(row)}{code}", *row) for row in rows)
-        views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(packed), "target": target})
+        views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(packed)})
+        if target is not None:
+            views[-1]["target"] = target
         count = len(rows) * (len(rows[0]) if kind == "SCALAR" else 1)
         accessor = {"bufferView": len(views) - 1, "componentType": component, "count": count, "type": kind}
         if not accessors:   # positions come first, and they alone must state their bounds, in the precision they are stored in
@@ -75,10 +82,21 @@ def glb(name, positions, normals, uvs, triangles, wide_indices):
     attributes = {"POSITION": add(positions, "VEC3", "f", FLOAT, ARRAY_BUFFER),
                   "NORMAL": add(normals, "VEC3", "f", FLOAT, ARRAY_BUFFER),
                   "TEXCOORD_0": add(uvs, "VEC2", "f", FLOAT, ARRAY_BUFFER)}
+    nodes, more = [{"name": name, "mesh": 0}], {}
+    if colours:
+        attributes["COLOR_0"] = add(colours, "VEC3", "f", FLOAT, ARRAY_BUFFER)
+    if influences:
+        four = [(list(some) + [(0, 0.0)] * 4)[:4] for some in influences]
+        attributes["JOINTS_0"] = add([tuple(joint for joint, _ in some) for some in four], "VEC4", "H", UINT16, ARRAY_BUFFER)
+        attributes["WEIGHTS_0"] = add([tuple(weight for _, weight in some) for some in four], "VEC4", "f", FLOAT, ARRAY_BUFFER)
+        joints, skin, animation = character.skeleton(lambda rows, kind: add(rows, kind, "f", FLOAT), accessors)
+        nodes[0]["skin"] = 0
+        nodes += joints
+        more = {"skins": [skin], "animations": [animation]}
     indices = add(triangles, "SCALAR", "I" if wide_indices else "H", UINT32 if wide_indices else UINT16, ELEMENT_ARRAY_BUFFER)
     document = {
         "asset": {"version": "2.0", "generator": "Weft assets/make_assets.py"},
-        "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"name": name, "mesh": 0}],
+        "scene": 0, "scenes": [{"nodes": [0, 1] if influences else [0]}], "nodes": nodes, **more,
         "meshes": [{"name": name, "primitives": [{"attributes": attributes, "indices": indices, "material": 0}]}],
         "materials": [{"name": "cloth", "doubleSided": True,
                        "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0.9}}],
@@ -111,6 +129,10 @@ def sewn_panels(name, width, height, columns, rows, place, normal):
                 positions.append(place(width * ((panel * columns + i) / (2 * columns) - 0.5), height * j / rows))
                 uvs.append((0.5 * width * i / columns, height * (1 - j / rows)))
     return glb(name, positions, [normal] * len(positions), uvs, triangles, wide_indices=False)
+
+
+def on_skeleton(name, surface):
+    return glb(name, surface.positions, surface.normals, surface.uvs, surface.triangles, False, surface.influences, surface.colours)
 
 
 def curtain():
@@ -412,6 +434,8 @@ def main():
         save(folder / "pleats.glb", pleats())
         save(folder / "table.glb", table())
         save(folder / "table_linen.glb", table_linen())
+        for part in (character.body, character.skirt, character.cape):
+            save(folder / f"{part.__name__}.glb", on_skeleton(part.__name__, part()))
         save(folder / "banner.png", banner())
         for maps in (plain_weave(), twill()):
             for name, content in maps.items():

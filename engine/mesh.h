@@ -12,13 +12,15 @@
 // w cross(normal, tangent) points up in the picture, which is what glTF's normal maps (+Y up) expect.
 //
 // Limitations: welding goes by position alone, so two sheets that lie exactly on each other become one (their triangles are
-// duplicates then, and are counted as such). Skins and morph targets are left out, and counted; animations and materials of a
-// file are not read.
+// duplicates then, and are counted as such). Morph targets are left out, and counted; materials of a file are not read. Of a vertex's
+// joints the four with the largest weights count.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -55,6 +57,44 @@ struct WingedEdge {
   std::array<std::uint32_t, 2> across;
 };
 
+/// Joints that carry the points of a mesh along, as glTF has them: a tree of nodes, of which joints are some, and animations that move the
+/// nodes. A point goes where its joints take it, in the mean of their weights (linear blend skinning: Magnenat-Thalmann et al. 1988).
+struct Skin {
+  struct Node {
+    std::uint32_t parent = kNone;   // comes before its children
+    Vec3 translation, scale{1, 1, 1};   // m; and with the rotation: scale first, translation last
+    Rotation rotation;
+    std::optional<Affine> matrix;   // instead of these
+  };
+  struct Joint {
+    std::string name;
+    std::uint32_t node = 0;
+    Affine inverse_bind;            // from the mesh as the file stores it to the joint's axes
+  };
+  enum class Moves { translation, rotation, scale };
+  enum class Interpolation { step, linear, cubic };
+  /// What happens to one figure of one node.
+  struct Channel {
+    std::uint32_t node = 0;
+    Moves moves = Moves::translation;
+    Interpolation interpolation = Interpolation::linear;
+    std::vector<float> times;       // s, growing
+    std::vector<Vec4> values;       // one a time (a rotation is a quaternion); cubic: in-tangent, value and out-tangent of each
+  };
+  struct Animation {
+    std::string name;
+    std::vector<Channel> channels;
+  };
+  static constexpr std::size_t kInfluences = 4;
+
+  std::vector<Node> nodes;
+  std::vector<Joint> joints;        // 1 ... 65535
+  std::vector<Animation> animations;
+  std::vector<std::array<std::uint16_t, kInfluences>> joints_of;   // of each point
+  std::vector<std::array<float, kInfluences>> weights;             // of each point: not below 0, their sum is 1
+  Affine place;                     // from the file's space to the mesh's: what transform_mesh has done
+};
+
 struct Mesh {
   RenderMesh render;
   std::vector<std::uint32_t> point_of;          // render vertex -> point; every point has at least one render vertex
@@ -64,6 +104,10 @@ struct Mesh {
   std::vector<WingedEdge> edges;                // manifold after repair; each pair of points once, sorted by (smaller, greater) point
   std::vector<std::string> mended;              // repairs: one sentence a kind of fault, with its count; empty for a clean mesh
   double weld_tolerance = 0;                    // m
+  std::optional<Skin> skin;
+  std::string skin_fault;                       // why a file's skin was left out; empty: it was not
+  /// Of each point, by name: a file's vertex colours (COLOR_0, linear) and its own attributes (_NAME), which a scene's maps name.
+  std::map<std::string, std::vector<Vec4>> attributes;
 };
 
 /// A grid with (cells + 1) vertices a side, plus one a cell in the centre topology. Indices are integers throughout, so
@@ -87,8 +131,9 @@ inline constexpr std::uint32_t kMostVertices = 4'000'000;
 inline constexpr std::uint32_t kMostCorners = 1000;   // of a face: the time that it takes to cut it grows with the square
 
 /// Reads glTF, GLB or OBJ: all triangle primitives of the default scene, node transforms applied (a mirroring one turns the
-/// winding back outwards; a skinned mesh has none, as glTF says), missing normals and UVs made. Faces of an OBJ are cut into
-/// triangles, concave ones too. Lines, points, skins and morph targets are left out, with a sentence in `mended`. Where
+/// winding back outwards; a skinned mesh has none, as glTF says), missing normals and UVs made; with skins, their animations and vertex
+/// colours. Faces of an OBJ are cut into
+/// triangles, concave ones too. Lines, points, morph targets, and skins or attributes that are not as they must be, are left out, with a sentence in `mended`. Where
 /// triangles share no vertices, those that agree in everything are joined. A glTF's buffers are read only below its own
 /// folder, links followed, or anywhere; nothing that an OBJ names is.
 /// Errors: missing, unreadable, cut short or foreign file, or one of more than 1 GiB; a buffer that is missing or not allowed;
@@ -96,6 +141,14 @@ inline constexpr std::uint32_t kMostCorners = 1000;   // of a face: the time tha
 /// indices that make no whole triangles; no triangle; a vertex that is not finite, or 1e10 m or more away; more than kMostVertices
 /// vertices; a scene of more than 100,000 nodes, or as many primitives that share no accessors; a face of more than kMostCorners corners.
 Result<Mesh> load_mesh(const std::filesystem::path& file, BufferFiles buffer_files = BufferFiles::below_its_folder);
+
+/// How long an animation takes (s): up to the last of its times.
+double duration_of(const Skin::Animation& animation);
+
+/// Where an animation has the joints at `time` (s; before its first and after its last time it holds still): for each the map from the
+/// mesh at rest to where the joint takes it, both in the mesh's space. kNone instead of an animation: as the nodes stand in the file.
+/// Asserts that check(mesh) finds no fault.
+std::vector<Affine> joints_at(const Skin& skin, std::uint32_t animation, double time);
 
 /// Applies a transform (scale, then rotation, then translation) to positions, normals and tangents.
 void transform_mesh(Mesh& mesh, const Transform& transform);

@@ -109,6 +109,35 @@ struct Start {
   double imperfection = 0.02;
 };
 
+/// What moves the skin of a cloth's or a mesh collider's file: an animation of it, or the host (Simulation::set_pose). A mesh without
+/// a skin has a single joint, which carries all of it. A cloth's anchors without keys go where the skin goes; so does all of a collider.
+struct Skinning {
+  std::string animation;        // its name in the file; empty: the file's first, if there is one
+  double speed = 1;             // times as fast as the file has it, >= 0
+  double start = 0;             // s: how far it is at the scene's start, >= 0
+  bool loops = true;            // begins anew after its end; else it stays as it ends
+  bool operator==(const Skinning&) const = default;
+};
+
+/// Keeps a cloth's particles near the places to which its skin takes them (its animated pose), and in front of what lies behind these.
+///
+///        max distance      .  particle            A backstop is a sphere behind the animated place: its nearest point is
+///            .     .      /                       `distance` behind it, along the animated normal.
+///          .         .   /
+///         .     o-----.-'  animated place, with its normal upwards
+///     ----.----___----.------ backstop
+///
+struct MotionConstraints {
+  double max_distance = 0.1;    // m, >= 0: no farther from the animated place; 0 holds particles there
+  double stiffness = 1;         // 0 ... 1: the part of what is beyond the max distance that an iteration takes back
+  double backstop_distance = 0; // m, >= 0
+  double backstop_radius = 0;   // m; 0: no backstop
+  /// Vertex colours (glTF's COLOR_n, or a custom attribute _NAME; with its channel: "COLOR_0.r") that max_distance and backstop_distance
+  /// are multiplied by; empty: 1 everywhere.
+  std::string max_distance_map = {}, backstop_map = {};
+  bool operator==(const MotionConstraints&) const = default;
+};
+
 /// About which shape a cloth bends: flat, whatever its mesh is, or the mesh's own, with its folds and curves.
 enum class BendRest { flat, mesh };
 
@@ -128,6 +157,8 @@ struct Cloth {
   std::optional<double> tether_slack;
   std::optional<Springs> springs;   // methods implicit, mass_spring and verlet only, in place of the fabric's links and bends
   std::vector<Anchor> anchors;
+  std::optional<Skinning> skin;
+  std::optional<MotionConstraints> motion_constraints;   // to the rest pose, where nothing moves the skin
   Appearance appearance;
 };
 
@@ -146,6 +177,7 @@ struct Collider {
   Vec3 axis{0, 1, 0};           // unit: along which a capsule lies, or about which a box or a mesh is turned
   double degrees = 0;           // boxes and meshes only: how far
   double friction = 0.4;        // combined with the fabric's by the geometric mean
+  std::optional<Skinning> skin; // meshes only
   std::vector<Key> keys;
   Vec3 colour{0.5f, 0.5f, 0.5f};
 };

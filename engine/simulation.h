@@ -191,6 +191,18 @@ class Simulation {
   /// 1e10 m away or more; a velocity that set_wind refuses. Nothing has changed then.
   Result<void> move_air_field(std::uint32_t field, Vec3 centre, Vec3 velocity);
 
+  /// The pose of a cloth's skin (Cloth::skin) for the end of the next frame: for each joint the map from the cloth at rest, as make_meshes has
+  /// it, to where the joint takes it (world space), the product of the joint's matrix and its inverse bind matrix in other words. The host
+  /// drives the skin from now on, instead of an animation; a frame without a new pose holds still. Anchors without keys go there, and motion
+  /// constraints follow, evenly through the frame. Errors: no such cloth, or none with a skin; another number of joints than its mesh has
+  /// (1 without a skin of its own); a map that is not finite. Nothing has changed then.
+  Result<void> set_pose(std::uint32_t cloth, std::span<const Affine> joints);
+  /// The same of a mesh collider (Collider::skin): maps from its shape at rest to its shape, in its own axes; its pose comes on top.
+  Result<void> set_body_pose(std::uint32_t collider, std::span<const Affine> joints);
+  /// From the next frame on: what a cloth's max distances are multiplied by (0 ... 1e6), and the stiffness of its motion constraints (0 ... 1).
+  /// Errors: a cloth without motion constraints; other values. Nothing has changed then.
+  Result<void> limit_motion(std::uint32_t cloth, double scale, double stiffness);
+
   /// The origin of the particles' positions, in world space (m); chosen at create.
   Vec3 origin() const;
 

@@ -42,6 +42,13 @@ struct Snapshot {
     bool is_pending = false;       // `pending` is for the next frame
     ColliderPose pose, pending;
   };
+  struct SkinState {
+    bool is_host_driven = false;
+    std::vector<Affine> pose, pending;   // joints; pending: for the next frame, or empty
+  };
+  struct MotionLimitsState {
+    float scale = 1, stiffness = 1;
+  };
   struct AirFieldState {
     Vec3 centre, velocity;         // m, m/s
   };
@@ -58,6 +65,8 @@ struct Snapshot {
   Vec3 wind;                     // m/s
   std::vector<AirFieldState> air_fields;
   std::array<double, 3> wind_travelled{};   // m: its way since the start
+  std::vector<SkinState> skins;
+  std::vector<MotionLimitsState> motion_limits;   // of each cloth
   std::uint32_t phase = 0;       // substeps modulo 3, as the solver counts them
   std::uint32_t capacity = 0;    // of candidate pairs; 0 without contacts
   std::vector<AnchorTargetState> anchors;

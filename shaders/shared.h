@@ -33,7 +33,9 @@
   X(18, bool, untangles)        /* 1: edges that go through triangles are looked for (untangle/crossing.glsl) */              \
   X(19, uint, air_wave_count)   /* gusts and eddies: a constant, because unrolled they take a third of the time */           \
   X(20, uint, air_stride)       /* pairs in every row of air_fans; 0: air_rows tell */  \
-  X(21, uint, air_field_count)  /* of air_fields */
+  X(21, uint, air_field_count)  /* of air_fields */ \
+  X(22, uint, motion_constraints)   /* 1: with max distances, 2: with backstops, too */ \
+  X(23, bool, skins_move_anchors)   /* 1: or mesh colliders */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
@@ -194,7 +196,6 @@ struct FreeCloth {
   vec3 drift;              // m/s
 };
 
-/// Where the solve of an implicit substep is (implicit.glsl).
 #define WEFT_AIR_EDDIES 16u
 #define WEFT_AIR_GUSTS 8u
 #define WEFT_AIR_WAVES 24u   // both
@@ -221,6 +222,32 @@ struct AirField {
   uint shape;         // WEFT_AIR_BOX ...
 };
 
+/// A particle that a skin moves: where it is at rest, and the joints that carry it (skin.comp).
+struct SkinPoint {
+  uint particle;
+  uint anchor;        // its entry of `anchors`; WEFT_NONE: it is free
+  uint cloth;         // whose motion constraints it has; WEFT_NONE: none
+  float max_distance; // m
+  float backstop_distance, backstop_radius;   // m; a radius of 0: no backstop
+  uvec2 joints;       // four, 16 bits each
+  vec4 weights;
+  vec3 rest;          // m
+  vec3 normal;        // unit, at rest
+};
+
+/// A joint's map from the rest pose to the frame's start and end: three rows of an affine matrix each.
+struct Joint {
+  vec4 from[3];
+  vec4 to[3];
+};
+
+/// What the host may change of a cloth's motion constraints while running.
+struct MotionLimits {
+  float scale;        // of all max distances
+  float stiffness;    // 0 ... 1
+};
+
+/// Where the solve of an implicit substep is (implicit.glsl).
 struct Linear {
   float first;        // squared residual r . D^-1 r of the free flight
   float squared;      // squared residual before the last iteration
@@ -366,6 +393,7 @@ SLICE(Air, air)
 #ifdef __cplusplus
 
 static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
+static_assert(sizeof(SkinPoint) == 72 && sizeof(Joint) == 96 && sizeof(MotionLimits) == 8);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 40);
 static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 316 && sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);

@@ -12,6 +12,8 @@
 #include "engine/effects/implicit/implicit.h"
 #include "engine/effects/level/level.h"
 #include "engine/effects/motion/motion.h"
+#include "engine/effects/motion_constraint/motion_constraint.h"
+#include "engine/effects/skin/skin.h"
 #include "engine/effects/spring/spring.h"
 #include "engine/effects/strand/strand.h"
 #include "engine/effects/stretch/stretch.h"

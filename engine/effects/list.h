@@ -23,4 +23,6 @@
   EFFECT(air) \
   EFFECT(contact) \
   EFFECT(untangle) \
+  EFFECT(skin) \
+  EFFECT(motion_constraint) \
   EFFECT(surface)

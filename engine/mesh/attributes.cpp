@@ -142,6 +142,9 @@ void transform_mesh(Mesh& mesh, const Transform& transform) {
     const Vec3 moved = narrow((turn * Vector3d(t.x, t.y, t.z)).normalized());
     t = {moved.x, moved.y, moved.z, t.w};
   }
+  if (mesh.skin)
+    mesh.skin->place = narrow(Eigen::Affine3d(Eigen::Translation3d(shift) * Eigen::Affine3d(turn) * Eigen::Scaling(transform.scale)) *
+                              wide(mesh.skin->place));
   mesh.weld_tolerance *= transform.scale;
 }
 

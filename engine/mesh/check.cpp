@@ -1,9 +1,10 @@
 // Checks a mesh that a program made: everything that is used as an index, and what floats cannot hold.
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "engine/finite.h"
-#include "engine/mesh.h"
+#include "engine/mesh/parts.h"
 
 namespace weft {
 namespace {
@@ -82,10 +83,20 @@ Result<void> edges_are_of_triangles(const Mesh& mesh) {
   return {};
 }
 
+Result<void> points_are_described(const Mesh& mesh) {
+  for (const auto& [name, values] : mesh.attributes) {
+    if (values.size() != mesh.points.size())
+      return fail("attributes[\"", name, "\"] has ", values.size(), " entries, and points has ", mesh.points.size());
+    for (const Vec4& v : values)
+      if (!std::isfinite(v.x + v.y + v.z + v.w)) return fail("attributes[\"", name, "\"] has a value that is not finite");
+  }
+  return mesh.skin ? parts::check_skin(*mesh.skin, mesh.points.size()) : Result<void>();
+}
+
 }  // namespace
 
 Result<void> check(const Mesh& mesh) try {
-  for (const auto good : {lists_are_as_long, points_are_there, triangles_are_of_points, edges_are_of_triangles})
+  for (const auto good : {lists_are_as_long, points_are_there, triangles_are_of_points, edges_are_of_triangles, points_are_described})
     if (Result<void> done = good(mesh); !done) return done;
   return {};
 } catch (...) {

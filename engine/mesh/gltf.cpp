@@ -2,51 +2,32 @@
 //
 // assimp decodes well, but it trusts lengths and references, follows materials and animations that a cloth does not need, and has a
 // mesh for every primitive, with all vertices of its accessors. So every range is checked here, and what passed is written into a
-// new GLB in memory, where primitives that share their accessors are one. Skins and morph targets stay outside and are counted. What
+// new GLB in memory, where primitives that share their accessors are one. Skins and vertex colours are read beside it (gltf_skin.cpp); morph targets are counted. What
 // is copied is bounded by kMostVertices, kMostIndices and kMostPieces, however often a document shows it.
 #include "engine/mesh/gltf.h"
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstring>
 #include <functional>
 #include <map>
+#include <utility>
 
 #include "engine/mesh/parts.h"
 
 namespace weft::parts {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "accessors are read as they lie in memory");
-
-constexpr std::size_t kDeepestNodes = 256;                                 // a cloth's file has one or two levels
-constexpr std::uint64_t kMostIndices = std::uint64_t{6} * kMostVertices;   // a closed triangle mesh has two triangles a vertex
 constexpr std::size_t kMostPieces = 100'000;                               // nodes, and sets of vertices: kilobytes each in assimp
-
-/// Elements in a buffer; none for an attribute that a primitive does not have.
-struct Accessor {
-  const char* bytes = nullptr;
-  std::size_t step = 0;
-  std::uint64_t count = 0, component = 0;
-
-  template <class T>
-  T at(std::size_t element) const {
-    T value;
-    std::memcpy(&value, bytes + element * step, sizeof value);
-    return value;
-  }
-  std::uint32_t index(std::size_t element) const {
-    return component == 5121 ? at<std::uint8_t>(element) : component == 5123 ? at<std::uint16_t>(element) : at<std::uint32_t>(element);
-  }
-};
 
 enum Mode : std::uint64_t { points, lines, line_loop, line_strip, triangles, triangle_strip, triangle_fan };
 
 /// The accessors that primitives share, or do not.
 struct Vertices {
   Accessor position, normal, tangent, uv;
+  const json* attributes;
 };
+using AccessorNumbers = std::array<std::uint64_t, 6>;
 
 struct Primitive {
   std::size_t vertices;   // of its mesh's
@@ -88,6 +69,11 @@ class GltfStripper {
       if (document_.fault.empty()) read_part(mesh);
     if (document_.fault.empty()) show_scene();
     if (!document_.fault.empty()) return Error{document_.fault};
+    // A file is read without what is wrong in these.
+    out_.attributes = read_attributes(document_, shown_);
+    out_.attribute_fault = std::exchange(document_.fault, {});
+    if (out_.skins > 0) out_.skin = read_skin(document_, shown_);
+    out_.skin_fault = std::exchange(document_.fault, {});
     out_.glb = glb_.finish();
     return std::move(out_);
   }
@@ -98,38 +84,6 @@ class GltfStripper {
     document_.say(parts...);
   }
 
-  /// `width` is 1 for indices, else the numbers of a vector.
-  Accessor accessor(const json& object, const char* key, std::size_t width) {
-    const json* accessor = document_.entry(document_.list(root_, "accessors"), object, key);
-    if (!accessor) return {};
-    if (has(*accessor, "sparse")) say("the accessor of \"", key, "\" is sparse, which is not read");
-    const bool indices = width == 1;
-    const std::uint64_t component = document_.natural(*accessor, "componentType", 0);
-    const std::size_t size = width * (component == 5121 ? 1 : component == 5123 ? 2 : 4);
-    const bool right_component = indices ? component == 5121 || component == 5123 || component == 5125 : component == 5126;
-    if (!right_component)
-      say("the accessor of \"", key, "\" has the component type ", component, "; ",
-          indices ? "5121, 5123 and 5125 (integers)" : "only 5126 (float)", " can be read");
-    const std::string type = indices ? "SCALAR" : "VEC" + std::to_string(width);
-    if (!has(*accessor, "type") || !is_text((*accessor)["type"], type)) say("the accessor of \"", key, "\" is not a ", type);
-    if (!has(*accessor, "bufferView")) say("the accessor of \"", key, "\" has no \"bufferView\", and so nothing that can be read");
-    const json* view = document_.entry(document_.list(root_, "bufferViews"), *accessor, "bufferView");
-    if (!view) return {};
-    const std::uint64_t buffer = document_.natural(*view, "buffer", 0), view_offset = document_.natural(*view, "byteOffset", 0),
-                        view_size = document_.natural(*view, "byteLength", 0);
-    const std::uint64_t offset = document_.natural(*accessor, "byteOffset", 0), count = document_.natural(*accessor, "count", 0);
-    const std::uint64_t stride = document_.natural(*view, "byteStride", 0), step = stride ? stride : size;
-    if (buffer >= document_.buffers.size() || view_offset + view_size > document_.buffers[buffer].size())
-      say("the buffer view of \"", key, "\" reaches past the end of its buffer: ", view_offset, " + ", view_size, " bytes");
-    if (step < size || step > 252) say("the buffer view of \"", key, "\" has a stride of ", step, " bytes, outside ", size, " ... 252");
-    if (count > kMostIndices)
-      say("the accessor of \"", key, "\" has ", count, " elements; at most ", kMostIndices, " are allowed");
-    else if (count > 0 && offset + (count - 1) * step + size > view_size)
-      say("the accessor of \"", key, "\" reaches past the end of its buffer view: ", count, " elements in ", view_size, " bytes");
-    if (!document_.fault.empty()) return {};
-    return {document_.buffers[buffer].data() + view_offset + offset, step, count, component};
-  }
-
   void check_indices(const Accessor& indices, std::uint64_t vertices) {
     for (std::size_t i = 0; i < indices.count; ++i)
       if (indices.index(i) >= vertices) return say("index ", i, " is ", indices.index(i), ", past the last of ", vertices, " vertices");
@@ -137,7 +91,7 @@ class GltfStripper {
 
   void read_part(const json& mesh) {
     Part& part = parts_.emplace_back();
-    std::map<std::array<std::uint64_t, 4>, std::size_t> known;   // by the numbers of their accessors
+    std::map<AccessorNumbers, std::size_t> known;   // by the numbers of their accessors
     for (const json& primitive : document_.list(mesh, "primitives")) {
       read_primitive(primitive, part, known);
       if (!document_.fault.empty()) return;
@@ -145,7 +99,7 @@ class GltfStripper {
     }
   }
 
-  void read_primitive(const json& primitive, Part& part, std::map<std::array<std::uint64_t, 4>, std::size_t>& known) {
+  void read_primitive(const json& primitive, Part& part, std::map<AccessorNumbers, std::size_t>& known) {
     const std::uint64_t mode = document_.natural(primitive, "mode", triangles);
     if (mode > triangle_fan) return say("a primitive has the mode ", mode, "; the highest is ", std::uint64_t{triangle_fan});
     static const json none = json::object();
@@ -154,11 +108,11 @@ class GltfStripper {
     if (has(extensions, "KHR_draco_mesh_compression") && !has_plain_copy(attributes))
       return say("a primitive is compressed (KHR_draco_mesh_compression), which is not read");
 
-    const Accessor position = accessor(attributes, "POSITION", 3);
+    const Accessor position = accessor(document_, attributes, "POSITION", "VEC3", Components::floats);
     if (!document_.fault.empty()) return;
     Primitive read{part.vertices.size(), mode, position.count, {}};
     if (has(primitive, "indices")) {
-      read.indices = accessor(primitive, "indices", 1);
+      read.indices = accessor(document_, primitive, "indices", "SCALAR", Components::indices);
       read.count = read.indices.count;
       check_indices(read.indices, position.count);
     }
@@ -173,17 +127,19 @@ class GltfStripper {
     if (mode == triangles && read.count % 3 != 0) return say("a primitive has ", read.count, " corners, which is no multiple of 3");
     if (read.count < 3) return say("a strip or fan has ", read.count, " corners; 3 are needed");
 
-    std::array<std::uint64_t, 4> numbers{};
-    Vertices vertices{position, {}, {}, {}};
+    AccessorNumbers numbers{};
+    Vertices vertices{position, {}, {}, {}, &attributes};
     std::size_t k = 0;
     numbers[k++] = document_.natural(attributes, "POSITION", kNone);
-    for (const auto& [name, width, into] : {std::tuple{"NORMAL", std::size_t{3}, &vertices.normal}, {"TANGENT", 4, &vertices.tangent},
-                                            {"TEXCOORD_0", 2, &vertices.uv}}) {
+    for (const auto& [name, type, into] : {std::tuple{"NORMAL", "VEC3", &vertices.normal}, {"TANGENT", "VEC4", &vertices.tangent},
+                                           {"TEXCOORD_0", "VEC2", &vertices.uv}}) {
       numbers[k++] = document_.natural(attributes, name, kNone);
       if (!attributes.contains(name)) continue;
-      *into = accessor(attributes, name, width);
+      *into = accessor(document_, attributes, name, type, Components::floats);
       if (into->count != position.count) say("a primitive has ", position.count, " positions but ", into->count, " of ", name);
     }
+    for (const char* name : {"JOINTS_0", "WEIGHTS_0"})
+      numbers[k++] = attributes.contains(name) && attributes[name].is_number_unsigned() ? attributes[name].get<std::uint64_t>() : kNone;
     const auto [which, added] = known.try_emplace(numbers, part.vertices.size());
     read.vertices = which->second;
     part.primitives.push_back(read);
@@ -218,25 +174,6 @@ class GltfStripper {
     return tree;
   }
 
-  /// The parent of each node, kNone at the top; a fault unless nodes are a forest.
-  std::vector<std::size_t> parents(const json& nodes) {
-    std::vector<std::size_t> parent(nodes.size(), kNone);
-    for (std::size_t n = 0; n < nodes.size(); ++n)
-      for (const json& child : document_.list(nodes[n], "children")) {
-        const std::uint64_t c = child.is_number_unsigned() ? child.get<std::uint64_t>() : kNone;
-        if (c < nodes.size() && parent[c] == kNone)
-          parent[c] = n;
-        else
-          say("node ", n, " has the child ", child.dump().substr(0, 40), ", which does not exist or has another parent");
-      }
-    for (std::size_t n = 0; n < parent.size(); ++n) {
-      std::size_t steps = 0;
-      for (std::size_t up = n; up != kNone && steps <= kDeepestNodes; up = parent[up]) ++steps;
-      if (steps > kDeepestNodes) say("node ", n, " lies below itself or deeper than ", kDeepestNodes, " levels");
-    }
-    return parent;
-  }
-
   std::vector<std::size_t> roots(const json& nodes, const std::vector<std::size_t>& parent) {
     std::vector<std::size_t> shown;
     const json& scenes = document_.list(root_, "scenes");
@@ -264,11 +201,11 @@ class GltfStripper {
       std::size_t node, parent;   // of the document; in the GLB
     };
     const json& nodes = document_.list(root_, "nodes");
-    const std::vector<std::size_t> tops = roots(nodes, parents(nodes));
+    const std::vector<std::size_t> tops = roots(nodes, parents_of(document_, nodes));
     for (std::size_t n = 0; n < nodes.size(); ++n) place(nodes[n], n);   // faults of nodes that no scene shows, too
     // A file of meshes without nodes is a library in glTF's words; every mesh is shown once.
     if (nodes.empty() && document_.list(root_, "scenes").empty())
-      for (Part& part : parts_) show(part, glb_.add_node(JsonTree(json::object()), kNone));
+      for (Part& part : parts_) show(part, glb_.add_node(JsonTree(json::object()), kNone), kNone, kNone);
     std::vector<Visit> stack;
     for (std::size_t k = tops.size(); k-- > 0;) stack.push_back({tops[k], kNone});
     while (!stack.empty() && document_.fault.empty()) {
@@ -280,11 +217,13 @@ class GltfStripper {
       if (has(node, "mesh")) {
         const std::uint64_t mesh = document_.natural(node, "mesh", 0);
         if (mesh >= parts_.size()) return say("node ", n, ": \"mesh\" points to ", mesh, " of ", parts_.size());
+        std::size_t skin = kNone;
         if (has(node, "skin") && !parts_[mesh].primitives.empty()) {
           ++out_.skins;
+          skin = node["skin"].is_number_unsigned() ? node["skin"].get<std::size_t>() : kNone - 1;
           glb_.nodes.root[copy]["name"] = kSkinned;
         }
-        show(parts_[mesh], copy);
+        show(parts_[mesh], copy, n, skin);
       }
       const json& children = document_.list(node, "children");
       for (std::size_t k = children.size(); k-- > 0;) stack.push_back({children[k].get<std::size_t>(), copy});   // the first is taken next
@@ -292,12 +231,16 @@ class GltfStripper {
     if (out_.triangles == 0) say("it has no triangle in its scene");
   }
 
-  void show(Part& part, std::size_t node) {
+  /// `node` is that of the GLB, `from` and `skin` are the document's.
+  void show(Part& part, std::size_t node, std::size_t from, std::size_t skin) {
     out_.points += part.points;
     out_.lines += part.lines;
     out_.morph_targets += part.morph_targets;
     if (part.primitives.empty()) return;
-    for (const Vertices& vertices : part.vertices) out_.vertices += vertices.position.count;
+    for (const Vertices& vertices : part.vertices) {
+      out_.vertices += vertices.position.count;
+      shown_.push_back({from, skin, vertices.attributes, vertices.position.count});
+    }
     if (out_.vertices > kMostVertices) return say("it has more than ", kMostVertices, " vertices");
     for (const Primitive& primitive : part.primitives) out_.triangles += primitive.triangle_count();
     if (out_.triangles > kMostIndices / 3) return say("it has more than ", kMostIndices / 3, " triangles");
@@ -357,6 +300,7 @@ class GltfStripper {
   GltfGeometry out_;
   GltfWriter glb_;
   std::vector<Part> parts_;
+  std::vector<ShownVertices> shown_;
   std::uint64_t index_total_ = 0;
   std::size_t sets_ = 0;
 };

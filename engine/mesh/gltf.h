@@ -3,13 +3,19 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "compute/result.h"
 #include "engine/json_tree.h"
+#include "engine/mesh.h"
 #include "engine/scene.h"
 
 namespace weft::parts {
@@ -40,6 +46,52 @@ struct GltfDocument {
 /// Errors: not JSON, too large or nested too deeply, cut short, another version than 2.
 Result<GltfDocument> open_gltf(const std::string& content, const std::filesystem::path& folder, BufferFiles buffer_files);
 
+inline constexpr std::uint64_t kMostIndices = std::uint64_t{6} * kMostVertices;   // a closed triangle mesh has two triangles a vertex
+
+/// Elements in a buffer; none for an attribute that a primitive does not have.
+struct Accessor {
+  const char* bytes = nullptr;
+  std::size_t step = 0;
+  std::uint64_t count = 0, component = 0;
+  bool is_normalized = false;
+
+  template <class T>
+  T at(std::size_t element) const {
+    T value;
+    std::memcpy(&value, bytes + element * step, sizeof value);
+    return value;
+  }
+  std::uint32_t index(std::size_t element) const {
+    return component == 5121 ? at<std::uint8_t>(element) : component == 5123 ? at<std::uint16_t>(element) : at<std::uint32_t>(element);
+  }
+  /// The k-th number of an element; a normalised integer is a fraction.
+  double number(std::size_t element, std::size_t k) const;
+};
+
+enum class Components { indices, floats, numbers };   // numbers: floats, and integers of up to 16 bits
+
+/// The accessor that `key` of `object` names. `type` is SCALAR, VEC2 to VEC4 or MAT4. None, and a fault, where it is not what is wanted or
+/// reaches beyond its buffer.
+Accessor accessor(GltfDocument& document, const json& object, const char* key, std::string_view type, Components components);
+
+/// The parent of each node, kNone at the top; a fault unless nodes are a forest.
+std::vector<std::size_t> parents_of(GltfDocument& document, const json& nodes);
+
+/// A set of vertices that a document's scene shows.
+struct ShownVertices {
+  std::size_t node = 0;               // the document's; kNone: none
+  std::size_t skin = kNone;           // the document's
+  const json* attributes = nullptr;   // of the primitive that they are of
+  std::size_t count = 0;
+};
+
+/// The skins of all that is shown, as one: over its vertices, in their order. What has no skin goes with its node. A fault where there is
+/// something wrong.
+std::optional<Skin> read_skin(GltfDocument& document, std::span<const ShownVertices> shown);
+
+/// Vertex colours and attributes of the file's own, over all vertices that are shown; 1 where there is none.
+std::map<std::string, std::vector<Vec4>> read_attributes(GltfDocument& document, std::span<const ShownVertices> shown);
+
 /// A GLB in memory, as assimp is given it.
 struct GltfWriter {
   JsonTree nodes = json::array(), meshes = json::array();
@@ -67,6 +119,9 @@ inline std::size_t triangles_that_name(std::size_t vertices) { return (vertices 
 struct GltfGeometry {
   std::string glb;
   std::size_t vertices = 0, triangles = 0, points = 0, lines = 0, skins = 0, morph_targets = 0;
+  std::optional<Skin> skin;   // over these vertices
+  std::map<std::string, std::vector<Vec4>> attributes;
+  std::string skin_fault, attribute_fault;   // why there is none
 };
 
 /// Checks a document, and writes the triangles of its scene anew. Errors: see read_gltf.

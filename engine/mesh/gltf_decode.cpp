@@ -103,7 +103,7 @@ void refuse_for_memory(const std::exception_ptr& thrown) {
   }
 }
 
-Result<Harvest> decode_gltf(const GltfGeometry& geometry) {
+Result<Harvest> decode_gltf(GltfGeometry& geometry) {
   struct Visit {
     const aiNode* node;
     Affine3d parent;
@@ -133,6 +133,10 @@ Result<Harvest> decode_gltf(const GltfGeometry& geometry) {
   harvest.lines = geometry.lines;
   harvest.skins = geometry.skins;
   harvest.morph_targets = geometry.morph_targets;
+  harvest.skin = std::move(geometry.skin);
+  harvest.attributes = std::move(geometry.attributes);
+  harvest.skin_fault = std::move(geometry.skin_fault);
+  harvest.attribute_fault = std::move(geometry.attribute_fault);
   return harvest;
 }
 
@@ -141,7 +145,7 @@ Result<Harvest> decode_gltf(const GltfGeometry& geometry) {
 Result<Harvest> read_gltf(const std::string& content, const std::filesystem::path& folder, BufferFiles buffer_files) {
   Result<GltfDocument> document = open_gltf(content, folder, buffer_files);
   if (!document) return document.take_error();
-  const Result<GltfGeometry> geometry = strip_gltf(*document);
+  Result<GltfGeometry> geometry = strip_gltf(*document);
   if (!geometry) return Error{geometry.why()};
   document = Error{};   // assimp needs the memory
   return decode_gltf(*geometry);

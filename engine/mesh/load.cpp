@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <fstream>
+#include <utility>
 
 #include "engine/mesh/parts.h"
 
@@ -88,6 +89,20 @@ Result<parts::Harvest> harvest_of(const std::filesystem::path& file, BufferFiles
   return harvest;
 }
 
+// What belongs to vertices of the file becomes that of points: the first vertex of each decides.
+void take_over(parts::Harvest& harvest, Mesh& mesh) {
+  std::vector<std::uint32_t> vertex_of(mesh.points.size(), kNone);
+  for (std::uint32_t v = 0; v < mesh.point_of_source.size(); ++v)
+    if (const std::uint32_t point = mesh.point_of_source[v]; point != kNone && vertex_of[point] == kNone) vertex_of[point] = v;
+  for (const auto& [name, values] : harvest.attributes)
+    for (const std::uint32_t v : vertex_of) mesh.attributes[name].push_back(values[v]);
+  if (!harvest.skin) return;
+  Skin& skin = mesh.skin.emplace(std::move(*harvest.skin));
+  const auto joints_of = std::exchange(skin.joints_of, {});
+  const auto weights = std::exchange(skin.weights, {});
+  for (const std::uint32_t v : vertex_of) skin.joints_of.push_back(joints_of[v]), skin.weights.push_back(weights[v]);
+}
+
 Result<Mesh> load(const std::filesystem::path& file, BufferFiles buffer_files) {
   Result<parts::Harvest> harvest = harvest_of(file, buffer_files);
   if (!harvest) return harvest.take_error();
@@ -100,6 +115,8 @@ Result<Mesh> load(const std::filesystem::path& file, BufferFiles buffer_files) {
   for (std::uint32_t& v : joined) v = mesh->point_of_source[v];
   if (!joined.empty()) mesh->point_of_source = std::move(joined);
   mesh->point_of_source.resize(harvest->source_vertices);
+  take_over(*harvest, *mesh);
+  mesh->skin_fault = harvest->skin_fault;
 
   const auto note = [&](std::size_t count, const char* one, const char* many, const char* what) {
     if (count) mesh->mended.insert(mesh->mended.begin(), fail(count, " ", count == 1 ? one : many, what).message);
@@ -108,7 +125,9 @@ Result<Mesh> load(const std::filesystem::path& file, BufferFiles buffer_files) {
   note(harvest->bad_uvs, "texture coordinate was", "texture coordinates were", " not finite; projected instead");
   note(harvest->bad_normals, "normal was", "normals were", " not finite or had no direction; made anew");
   note(harvest->morph_targets, "morph target was", "morph targets were", " left out: the mesh has its base shape");
-  note(harvest->skins, "skin was", "skins were", " left out: the mesh has the shape that the file stores, without a node's transform");
+  if (!harvest->skin_fault.empty()) mesh->mended.insert(mesh->mended.begin(), "its skin was left out: " + harvest->skin_fault);
+  if (!harvest->attribute_fault.empty())
+    mesh->mended.insert(mesh->mended.begin(), "its vertex attributes were left out: " + harvest->attribute_fault);
   note(harvest->lines, "line was", "lines were", " left out");
   note(harvest->points, "point was", "points were", " left out");
   return mesh;

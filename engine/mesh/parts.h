@@ -20,6 +20,16 @@ inline Eigen::Vector3d wide(Vec3 v) { return {v.x, v.y, v.z}; }
 inline Vec3 narrow(const Eigen::Vector3d& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
+inline Eigen::Affine3d wide(const Affine& m) {
+  Eigen::Affine3d result = Eigen::Affine3d::Identity();
+  result.linear() << wide(m.x), wide(m.y), wide(m.z);
+  result.translation() = wide(m.origin);
+  return result;
+}
+inline Affine narrow(const Eigen::Affine3d& m) {
+  return {narrow(Eigen::Vector3d(m.linear().col(0))), narrow(Eigen::Vector3d(m.linear().col(1))), narrow(Eigen::Vector3d(m.linear().col(2))),
+          narrow(Eigen::Vector3d(m.translation()))};
+}
 inline bool finite(Vec2 v) { return std::isfinite(v.x) && std::isfinite(v.y); }
 inline bool finite(Vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
@@ -57,6 +67,9 @@ struct Harvest {
   std::size_t source_vertices = 0;   // the file's own, the first of `render`; copies of an OBJ's come after them
   std::size_t points = 0, lines = 0, skins = 0, morph_targets = 0;
   std::size_t bad_normals = 0, bad_uvs = 0, crossed_faces = 0;
+  std::optional<Skin> skin;          // over the file's own vertices, as these are
+  std::map<std::string, std::vector<Vec4>> attributes;
+  std::string skin_fault, attribute_fault;   // why one was left out
 };
 
 /// A glTF or GLB file's scene. `folder` is where the file's relative URIs start from, and nothing outside it is read.
@@ -67,6 +80,9 @@ Result<Harvest> read_gltf(const std::string& content, const std::filesystem::pat
 /// An OBJ file's faces.
 /// Errors: a line that does not read as what it claims to be, an index without its vertex, too many corners or vertices, no face.
 Result<Harvest> read_obj(std::string_view content);
+
+/// Whether a skin of a mesh of so many points is what Skin says; else a sentence.
+Result<void> check_skin(const Skin& skin, std::size_t points);
 
 /// Whether all are finite and nearer than kTooLarge (engine/finite.h); else a sentence with the first that is not.
 Result<void> check_places(std::span<const Vec3> positions);

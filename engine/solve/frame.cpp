@@ -106,6 +106,8 @@ void Simulation::State::move_collider_meshes() {
 
 void Simulation::State::move_scene(FrameInput& input) {
   const std::vector<Vec3> keyed = kinematic.are_keyed ? anchor_targets(scene, fabric, now()) : std::vector<Vec3>();
+  const std::vector<Affine> pose = next_pose();
+  const std::vector<ColliderPose> before = pose.empty() ? std::vector<ColliderPose>() : bodies.poses;
   input.anchors_move = kinematic.are_dirty;
   for (gpu::Anchor& anchor : kinematic.targets) anchor.from = anchor.to;
   for (std::size_t k = 0; k < keyed.size(); ++k)
@@ -115,6 +117,7 @@ void Simulation::State::move_scene(FrameInput& input) {
     kinematic.pending[k].reset();
   }
   move_collider_meshes();
+  move_skins(pose, before, input);
   for (const gpu::Anchor& anchor : kinematic.targets) input.anchors_move |= !same(anchor.from, anchor.to);
   bodies.colliders.clear();
   for (const std::uint32_t k : bodies.order) {

@@ -99,6 +99,12 @@ Result<Snapshot> Simulation::save() const try {
   snapshot.wind = s.moving_air.wind;
   for (const Air::Field& field : s.moving_air.fields) snapshot.air_fields.push_back({field.centre, field.velocity});
   snapshot.wind_travelled = s.moving_air.travelled;
+  for (std::size_t k = 0; k < s.skinned_meshes().size(); ++k) {
+    const SkinnedMesh& skinned = s.skinned_meshes()[k];
+    const auto joints = s.skins.pose.begin() + skinned.first_joint;
+    snapshot.skins.push_back({s.skins.is_host_driven[k], {joints, joints + skinned.joints}, s.skins.pending[k]});
+  }
+  for (const gpu::MotionLimits& limits : s.skins.limits) snapshot.motion_limits.push_back({limits.scale, limits.stiffness});
   snapshot.phase = s.solver->phase();
   snapshot.capacity = s.solver->contact_settings().capacity;
   for (std::uint32_t k = 0; k < s.kinematic.is_host_driven.size(); ++k)
@@ -136,6 +142,7 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
     if (!is_finite(centre) || !is_finite(velocity)) return unfit("a field of its air is not finite");
   for (const double way : snapshot.wind_travelled)
     if (!std::isfinite(way)) return unfit("its wind has travelled ", way, " m");
+  if (auto good = check_skins(snapshot); !good) return unfit(good.why());
   if (snapshot.phase > 2) return unfit("its phase of ", snapshot.phase, " is above 2");
   if (const std::uint64_t most = std::max<std::uint64_t>(most_candidates(fabric), solver->contact_settings().capacity);
       snapshot.capacity > most)
@@ -223,6 +230,7 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
     uploads.push_back({&buffer, *find(snapshot, buffer.name)});
   }
   std::vector<gpu::Anchor> targets = anchors_of(snapshot);
+  Skins skinned = skins_of(snapshot);
   if (auto done = compute::upload_all(*device, uploads); !done) return done;
 
   // From here on nothing asks for memory, up to the surface.
@@ -243,6 +251,7 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
     moving_air.fields[k].velocity = snapshot.air_fields[k].velocity;
   }
   moving_air.travelled = snapshot.wind_travelled;
+  skins = std::move(skinned);
   kinematic.is_host_driven.assign(kinematic.is_host_driven.size(), false);
   kinematic.pending.assign(kinematic.pending.size(), std::nullopt);
   for (const Snapshot::AnchorTargetState& state : snapshot.anchors) {

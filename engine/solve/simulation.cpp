@@ -49,6 +49,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
     for (Mesh& mesh : cloths) {
       for (Vec3& p : mesh.points) p = p - origin;
       for (Vec3& p : mesh.render.positions) p = p - origin;
+      if (mesh.skin) mesh.skin->place.origin = mesh.skin->place.origin - origin;
     }
   return create_at(device, scene, origin, std::move(meshes), options);
 } catch (...) {
@@ -147,6 +148,11 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   for (const ColliderMesh& mesh : state->fabric.collider_meshes) state->kinematic.are_keyed |= !scene.colliders[mesh.collider].keys.empty();
   state->kinematic.pending.resize(state->fabric.anchors.size());
   state->kinematic.is_host_driven.resize(state->fabric.anchors.size());
+  state->skins.pose = std::as_const(state->fabric.own).of<SkinLists>().first_pose;
+  state->skins.pending.resize(state->skinned_meshes().size());
+  state->skins.is_host_driven.resize(state->skinned_meshes().size());
+  state->skins.joints.reserve(state->skins.pose.size());   // a frame that has begun to move them needs no memory
+  state->skins.limits = motion_limits_of(scene);
   const std::size_t colliders = scene.colliders.size();
   state->bodies.pending.resize(colliders);
   state->bodies.is_host_driven.resize(colliders);
@@ -244,8 +250,9 @@ Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPo
   if (const ColliderMesh* mesh = state_->mesh_of(collider)) {
     auto positions = read_positions();
     if (!positions) return positions.take_error();
+    const std::vector<Vec3> shape = state_->body_shape(*mesh);
     for (std::uint32_t k = 0; k < mesh->particles; ++k) {
-      const Vec3 at = collider_point(state_->fabric, *mesh, k, there->centre, there->rotation);
+      const Vec3 at = there->centre + rotated(there->rotation, shape[k]);
       (*positions)[mesh->first_particle + k] = {at.x, at.y, at.z, 0};
     }
     // put() makes written positions the targets, too. Anchors that cloth holds back must keep theirs.

@@ -47,6 +47,21 @@ void fields(Walk& walk, T& state) {
   walk(state.is_host_driven), walk(state.is_pending), walk(state.pose), walk(state.pending);
 }
 
+template <class Walk, Is<Affine> T>
+void fields(Walk& walk, T& m) {
+  walk(m.x), walk(m.y), walk(m.z), walk(m.origin);
+}
+
+template <class Walk, Is<Snapshot::SkinState> T>
+void fields(Walk& walk, T& state) {
+  walk(state.is_host_driven), walk(state.pose), walk(state.pending);
+}
+
+template <class Walk, Is<Snapshot::MotionLimitsState> T>
+void fields(Walk& walk, T& limits) {
+  walk(limits.scale), walk(limits.stiffness);
+}
+
 template <class Walk, Is<Snapshot::AirFieldState> T>
 void fields(Walk& walk, T& state) {
   walk(state.centre), walk(state.velocity);
@@ -59,7 +74,9 @@ void fields(Walk& walk, T& content) {
 
 template <class Walk, Is<Snapshot> T>
 void fields(Walk& walk, T& s) {
-  walk(s.digest), walk(s.substeps), walk(s.left_over), walk(s.gravity), walk(s.wind), walk(s.air_fields), walk(s.wind_travelled[0]), walk(s.wind_travelled[1]), walk(s.wind_travelled[2]);
+  walk(s.digest), walk(s.substeps), walk(s.left_over), walk(s.gravity);
+  walk(s.wind), walk(s.air_fields), walk(s.wind_travelled[0]), walk(s.wind_travelled[1]), walk(s.wind_travelled[2]);
+  walk(s.skins), walk(s.motion_limits);
   walk(s.phase), walk(s.capacity);
   walk(s.anchors), walk(s.colliders), walk(s.contents), walk(s.note);
 }

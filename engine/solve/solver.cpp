@@ -8,6 +8,8 @@
 #include "engine/effects/collide/collide.h"
 #include "engine/effects/contact/contact.h"
 #include "engine/effects/motion/motion.h"
+#include "engine/effects/motion_constraint/motion_constraint.h"
+#include "engine/effects/skin/skin.h"
 #include "engine/solve/sizes.h"
 
 namespace weft {
@@ -348,6 +350,8 @@ void Solver::record_input(compute::Recorder& recorder, const FrameInput& input) 
   if (input.air && has(buffers::air_waves)) copy(buffer(buffers::air_waves), std::as_bytes(std::span(input.air->waves)));
   if (input.air && has(buffers::air_fields)) copy(buffer(buffers::air_fields), std::as_bytes(std::span(input.air->fields)));
   if (has(buffers::colliders)) copy(buffer(buffers::colliders), std::as_bytes(input.colliders));
+  if (has(buffers::skin_joints)) copy(buffer(buffers::skin_joints), std::as_bytes(input.joints));
+  if (has(buffers::motion_limits)) copy(buffer(buffers::motion_limits), std::as_bytes(input.motion_limits));
   recorder.barrier(compute::Use::transfer, compute::Use::compute);
 }
 

@@ -34,6 +34,8 @@ struct FrameInput {
   bool few_contacts = false;                  // Crowd::few; the same bits either way
   std::span<const gpu::Anchor> anchors;       // when they move
   std::span<const gpu::Collider> colliders;   // by shape, as the buffer has them
+  std::span<const gpu::Joint> joints;         // of all skins
+  std::span<const gpu::MotionLimits> motion_limits;   // of all cloths
 };
 
 class Solver {

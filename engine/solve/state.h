@@ -56,6 +56,15 @@ struct Bodies {
   std::vector<gpu::Collider> colliders;        // of the frame at hand, in that order
 };
 
+/// Skins: their joints, an entry each, and what the host has said, an entry a skinned mesh (SkinLists::meshes).
+struct Skins {
+  std::vector<Affine> pose;                    // at the last frame's end; of a mesh collider in its own axes
+  std::vector<std::vector<Affine>> pending;    // poses that the host has set since the last frame; empty: none
+  std::vector<bool> is_host_driven;
+  std::vector<gpu::Joint> joints;              // of the frame at hand, in the particles' space
+  std::vector<gpu::MotionLimits> limits;       // of each cloth
+};
+
 /// What it takes to repeat a frame. While `frame_is_torn` the solver's buffers are in the middle of a frame, and `saved` holds its
 /// start.
 struct Rollback {
@@ -115,6 +124,7 @@ struct Simulation::State {
   Clock clock;
   KinematicTargets kinematic;
   Bodies bodies;
+  Skins skins;
   Rollback rollback;
   ContactCapacity capacity;
   FrameQueue queue;
@@ -129,6 +139,13 @@ struct Simulation::State {
   const ColliderMesh* mesh_of(std::uint32_t collider) const;   // null: it is none
   Vec3 move_collider_on(std::uint32_t collider);
   void move_collider_meshes();
+  std::span<const SkinnedMesh> skinned_meshes() const { return fabric.own.of<SkinLists>().meshes; }
+  Result<void> check_skins(const Snapshot& snapshot) const;
+  Skins skins_of(const Snapshot& snapshot) const;
+  std::vector<Affine> next_pose() const;
+  std::vector<Vec3> body_shape(const ColliderMesh& mesh) const;
+  void move_skins(std::span<const Affine> pose, std::span<const ColliderPose> before, FrameInput& input);
+  Result<void> set_joints(bool is_collider, std::uint32_t index, std::span<const Affine> joints);
   void record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool save, std::size_t place);
   Result<void> submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits, bool save);
   Result<void> run_pass_by_pass(const FrameInput& input, bool save);

@@ -1,4 +1,5 @@
-// apply: what contact_apply does for particle i. Needs collide/colliders.glsl, motion/displacement_bound.glsl, and ITERATE(i).
+// apply: what contact_apply does for particle i. Needs collide/colliders.glsl,
+// motion/displacement_bound.glsl, motion_constraint/motion_constraint.glsl, and ITERATE(i).
 
 vec3 moved_by_contacts(uint i, vec3 p) {
   if (contact_penetrations[i] != 0) contact_penetrations[i] = 0;
@@ -11,6 +12,7 @@ vec3 moved_by_contacts(uint i, vec3 p) {
 void apply_corrections(uint i) {
   const vec4 before = ITERATE(i);
   vec3 p = moved_by_contacts(i, before.xyz);
+  if (motion_constraints > 0) p = within_motion_constraint(i, p);
   if (has_colliders) {
     const vec3 start = FETCH(positions, i).xyz + (triangles_collide > 0 ? ways_out[i].xyz : vec3(0));   // as in finalize.glsl
     p = out_of_colliders(start, p, FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)));

@@ -30,6 +30,7 @@ SHARE(Detection, detection)
 
 #include "collide/colliders.glsl"
 #include "motion/displacement_bound.glsl"
+#include "motion_constraint/motion_constraint.glsl"
 #include "contact/contact.glsl"
 #include "contact/contact_share.glsl"
 #include "contact/penetration.glsl"

@@ -1,4 +1,5 @@
-// contact_apply: moves each particle that has active contacts by the sum of its contacts' corrections [and out of colliders]. The last iteration also keeps it
+// contact_apply: moves each particle that has active contacts by the sum of its contacts' corrections [within its motion constraints,
+// and out of colliders]. The last iteration also keeps it
 // within its displacement bound, on which detection relies (displacement_bound.glsl). A bound of 0 means that a candidate of this particle
 // has overflowed: it stays where the substep began.
 #version 460
@@ -18,6 +19,7 @@ GATHER(velocities)
 GATHER(materials)
 #include "collide/colliders.glsl"
 #include "motion/displacement_bound.glsl"
+#include "motion_constraint/motion_constraint.glsl"
 
 #define ITERATE(i) FETCH(predicted, i)
 #include "contact/apply.glsl"

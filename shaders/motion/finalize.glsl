@@ -1,4 +1,4 @@
-// finalize: what a particle can do alone at the end of an iteration: [tethers] [colliders] and, after a substep's last iteration, the
+// finalize: what a particle can do alone at the end of an iteration: [tethers] [motion constraints] [colliders] and, after a substep's last iteration, the
 // velocity update. Fused into the last pass that moves the particle, because each part costs less than reading the particle again, and
 // specialised to the parts that the scene has. Where triangles collide (triangle_collide), tethers come before that, in the last pass
 // of the constraints. With contacts a particle is kept within its displacement bound first, and one that has candidates ends its substep
@@ -14,6 +14,7 @@ READ_WRITE(Detection, detection)
 #include "motion/watch_bound.glsl"
 #include "collide/colliders.glsl"
 #include "tether/tether.glsl"
+#include "motion_constraint/motion_constraint.glsl"
 
 READ_WRITE(vec4, chebyshev_iterates)
 READ_WRITE(ivec4, collision_sums)
@@ -57,6 +58,7 @@ void finalize(uint i, vec4 p) {
     p.xyz += asked.out_of + asked.friction;
     if (has_contacts) ways_out[i] = vec4(asked.out_of, 0);   // contact_apply puts the particle out once more
   }
+  if (motion_constraints > 0) p.xyz = within_motion_constraint(i, p.xyz);
   if (has_colliders) p.xyz = out_of_colliders(start, p.xyz, material);
   if (is_accelerated) chebyshev_iterates[3 * i + 1] = vec4(p.xyz, 0);
   if (has_contacts && last) {

@@ -49,6 +49,8 @@ Sheet sheet_for(const Calls& calls) {
     made.scene.cloths[0].anchors.resize(1);
     made.scene.cloths[0].anchors[0].top = 0;
   }
+  if (calls.has(Id::skin)) made.scene.cloths[0].skin.emplace();
+  if (calls.has(Id::motion_constraint)) made.scene.cloths[0].motion_constraints.emplace().backstop_radius = 1;
   if (calls.has(Id::collide)) made.scene.colliders.resize(3);
   if (calls.has(Id::triangle)) made.scene.colliders[0].shape = ColliderShape::box;
   made.scene.contacts.enabled = calls.has(Id::contact);
@@ -78,7 +80,8 @@ TEST(NeedsOf, a_scene_calls_for_what_it_has) {
     const Needs wanted = setup_for(calls, true), got = needs_of(sheet.subject(), kWorkgroup, true);
     EXPECT_EQ(got.effects, wanted.effects);
     for (const auto id : {constant::workgroup, constant::through_texels, constant::is_iterated, constant::is_accelerated,
-                          constant::has_levels, constant::has_colliders, constant::triangles_collide, constant::has_contacts, constant::untangles})
+                          constant::has_levels, constant::has_colliders, constant::triangles_collide, constant::has_contacts, constant::untangles,
+                          constant::motion_constraints, constant::skins_move_anchors})
       EXPECT_EQ(got.constants[id], wanted.constants[id]) << "constant " << id;
     EXPECT_EQ(got.constants[constant::planes], calls.has(Id::triangle) ? 2u : calls.has(Id::collide) ? 3u : 0u);
   }

@@ -29,7 +29,7 @@ TEST(Plan, exactly_one_pass_finalizes_and_it_is_the_last_of_its_iteration) {
     EXPECT_TRUE(iteration.back()->pass->can_finalize && iteration.back()->pass->changes == Changes::iterate);
     const bool alone = std::string(iteration.back()->pass->name) == "finalize";
     const bool ends_in_tethers = calls.has(Id::tether) && !calls.has(Id::triangle);
-    const bool something = ends_in_tethers || calls.has(Id::collide) || !alone;
+    const bool something = ends_in_tethers || calls.has(Id::collide) || calls.has(Id::motion_constraint) || !alone;
     // Tethers end the constraints, before triangles collide; nothing else is a part of another pass than the last.
     int with_tethers = 0;
     for (const PlannedPass* planned : iteration) {
@@ -197,6 +197,8 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
             &b::contact_counts, &b::contact_sums, &b::contact_penetrations, &b::slides, &b::kinematic_lags, &b::step_fractions, &b::contact_list,
             &b::touched_particles});
     expect(calls.has(Id::air), {&b::air_rows, &b::air_fans});
+    expect(calls.has(Id::skin), {&b::skin_points, &b::skin_joints});
+    expect(calls.has(Id::motion_constraint), {&b::motion_targets, &b::motion_limits});
     expect(calls.has(Id::untangle), {&b::tangled_pairs, &b::crossed_triangles, &b::regions, &b::region_sizes});
     expect(true, {&b::positions, &b::velocities, &b::predicted, &b::next_iterate, &b::materials, &b::surface_rows, &b::corners,
                   &b::vertex_positions, &b::vertex_normals, &b::counters});

@@ -42,6 +42,8 @@ inline Needs setup_for(const Calls& calls, bool texels) {
   setup.constants[constant::has_contacts] = calls.has(Id::contact);
   setup.constants[constant::untangles] = calls.has(Id::untangle);
   setup.constants[constant::air_wave_count] = calls.has(Id::air);
+  setup.constants[constant::motion_constraints] = calls.has(Id::motion_constraint) ? 2 : 0;
+  setup.constants[constant::skins_move_anchors] = calls.has(Id::skin) && calls.has(Id::anchor);
   for (const Id id : {Id::motion, Id::surface}) setup.effects.set(static_cast<std::size_t>(id));
   for (const Id id : calls.effects) setup.effects.set(static_cast<std::size_t>(id));
   return setup;
@@ -70,6 +72,9 @@ inline std::vector<Calls> combinations() {
     if (calls.has(Id::triangle) && !calls.has(Id::collide)) continue;
     found.push_back(with(calls, {Id::stretch}));
     if (calls.has(Id::contact) && calls.has(Id::anchor)) found.push_back(with(calls, {Id::stretch, Id::untangle}));
+    if (calls.has(Id::anchor)) found.push_back(with(calls, {Id::stretch, Id::skin}));
+    found.push_back(with(calls, {Id::stretch, Id::skin, Id::motion_constraint}));
+    found.push_back(with(calls, {Id::gauss_seidel, Id::skin, Id::motion_constraint}));
     found.push_back(with(calls, {Id::gauss_seidel}));
     found.push_back(with(calls, {Id::gauss_seidel, Id::level}));
     found.push_back(with(calls, {Id::stretch, Id::level}));
@@ -91,7 +96,7 @@ inline std::vector<Calls> combinations() {
 inline std::vector<Id> others() {
   constexpr Id kKnown[] = {Id::anchor,   Id::level,     Id::strand, Id::stretch, Id::gauss_seidel, Id::bend,   Id::dihedral, Id::spring,
                            Id::implicit, Id::chebyshev, Id::tether, Id::collide, Id::triangle,     Id::motion, Id::contact,  Id::surface,
-                           Id::untangle};
+                           Id::untangle, Id::skin,      Id::motion_constraint};
   std::vector<Id> found;
   for (std::size_t k = 0; k < kEffects; ++k)
     if (std::find(std::begin(kKnown), std::end(kKnown), Id(k)) == std::end(kKnown)) found.push_back(Id(k));

@@ -18,7 +18,7 @@ inline constexpr ShapeKey kShapeKeys[] = {
     {"length", {false, false, true, false, false}},    {"size", {false, false, false, true, false}},
     {"axis", {false, false, true, true, true}},        {"degrees", {false, false, false, true, true}},
     {"mesh", {false, false, false, false, true}},      {"scale", {false, false, false, false, true}},
-    {"thickness", {false, false, false, false, true}},
+    {"thickness", {false, false, false, false, true}}, {"skin", {false, false, false, false, true}},
 };
 
 template <class V>
@@ -35,6 +35,7 @@ void fields(V& v, Collider& collider) {
   v.unit("axis", collider.axis);
   v.number("degrees", collider.degrees, kTurn);
   v.number("friction", collider.friction, kFriction);
+  v.optional_object("skin", collider.skin);
   v.list("keys", collider.keys, 0, kMostKeys);
   v.colour("colour", collider.colour, between(0, 1));
 }

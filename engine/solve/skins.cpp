@@ -1,0 +1,152 @@
+// Skins in a frame: where their joints go, and what the host says of them.
+#include <algorithm>
+#include <cmath>
+
+#include "engine/solve/state.h"
+
+namespace weft {
+namespace {
+
+constexpr double kMostScale = 1e6;   // of max distances
+
+bool is_sound(const Affine& m) {
+  return is_finite(m.x) && is_finite(m.y) && is_finite(m.z) && is_finite(m.origin);
+}
+
+// How far the linear part moves a point, in double: far away the point itself is coarse.
+Vec3 moved_origin(const Affine& m, Vec3 p) {
+  const auto along = [&](float Vec3::*axis, double own) {
+    return static_cast<float>(double(p.x) * m.x.*axis + double(p.y) * m.y.*axis + double(p.z) * m.z.*axis - own);
+  };
+  return {along(&Vec3::x, p.x), along(&Vec3::y, p.y), along(&Vec3::z, p.z)};
+}
+
+const SkinnedMesh* find(std::span<const SkinnedMesh> meshes, bool is_collider, std::uint32_t index) {
+  const auto at = std::ranges::find_if(meshes, [&](const SkinnedMesh& m) { return m.is_collider == is_collider && m.index == index; });
+  return at == meshes.end() ? nullptr : &*at;
+}
+
+}  // namespace
+
+// At the frame's end, whose time it is already: what the host has set, or else what the animation has, or else what it was.
+std::vector<Affine> Simulation::State::next_pose() const {
+  std::vector<Affine> pose = skins.pose;
+  for (std::size_t k = 0; k < skinned_meshes().size(); ++k) {
+    const SkinnedMesh& skinned = skinned_meshes()[k];
+    const auto joints = pose.begin() + skinned.first_joint;
+    if (!skins.pending[k].empty())
+      std::ranges::copy(skins.pending[k], joints);
+    else if (!skins.is_host_driven[k] && skinned.animation != kNone)
+      std::ranges::copy(joints_at(scene, skinned, meshes[skinned.mesh], now()), joints);
+  }
+  return pose;
+}
+
+// Of a mesh collider in its own axes (m), as its skin has it, if there is one.
+std::vector<Vec3> Simulation::State::body_shape(const ColliderMesh& mesh) const {
+  std::vector<Vec3> shape = collider_points(fabric, mesh, {}, {});
+  if (find(skinned_meshes(), true, mesh.collider) == nullptr) return shape;
+  for (const gpu::SkinPoint& point : fabric.own.of<SkinLists>().points)
+    if (point.particle >= mesh.first_particle && point.particle - mesh.first_particle < mesh.particles)
+      shape[point.particle - mesh.first_particle] = skinned_point(point, skins.pose);
+  return shape;
+}
+
+// `before`: the colliders' poses where the frame begins; they have moved on. The GPU makes targets of joints (skin.comp).
+void Simulation::State::move_skins(std::span<const Affine> pose, std::span<const ColliderPose> before, FrameInput& input) {
+  skins.joints.clear();
+  for (std::size_t m = 0; m < skinned_meshes().size(); ++m) {
+    const SkinnedMesh& skinned = skinned_meshes()[m];
+    const auto place = [&](std::span<const ColliderPose> poses) {
+      return skinned.is_collider ? affine(poses[skinned.index].centre, poses[skinned.index].rotation) : Affine{};
+    };
+    const Affine from = place(before), to = place(bodies.poses);
+    for (std::uint32_t k = skinned.first_joint; k < skinned.first_joint + skinned.joints; ++k) {
+      skins.joints.push_back(joint_between(from * skins.pose[k], to * pose[k]));
+      input.anchors_move |= !(from == to) || !(skins.pose[k] == pose[k]);
+    }
+    skins.pending[m].clear();
+  }
+  std::ranges::copy(pose, skins.pose.begin());
+  input.joints = skins.joints;
+  input.motion_limits = skins.limits;
+}
+
+Result<void> Simulation::State::set_joints(bool is_collider, std::uint32_t index, std::span<const Affine> joints) {
+  const std::string name = fail(is_collider ? "collider " : "cloth ", index).message;
+  const SkinnedMesh* skinned = find(skinned_meshes(), is_collider, index);
+  if (skinned == nullptr)
+    return fail(name, " has no skin that a pose could move: there is none, or the scene does not ask for one (its key \"skin\")");
+  if (joints.size() != skinned->joints) return fail("the pose of ", name, " has ", joints.size(), " joints, and its skin ", skinned->joints);
+  std::vector<Affine> pose(joints.begin(), joints.end());
+  for (std::size_t k = 0; k < pose.size(); ++k) {
+    if (!is_sound(pose[k])) return fail("joint ", k, " of the pose of ", name, " is not finite, or moves by ", kTooLarge, " m or more");
+    // Particles are relative to the origin, and a mesh collider's to its centre.
+    if (!is_collider) pose[k].origin = pose[k].origin + moved_origin(pose[k], origin);
+  }
+  const auto m = static_cast<std::size_t>(skinned - skinned_meshes().data());
+  skins.pending[m] = std::move(pose);
+  skins.is_host_driven[m] = true;
+  return {};
+}
+
+// Errors: what is damaged.
+Result<void> Simulation::State::check_skins(const Snapshot& snapshot) const {
+  if (snapshot.skins.size() != skinned_meshes().size())
+    return fail("it has ", snapshot.skins.size(), " skins instead of ", skinned_meshes().size());
+  for (std::size_t k = 0; k < snapshot.skins.size(); ++k) {
+    const auto& [is_host_driven, pose, pending] = snapshot.skins[k];
+    const std::size_t joints = skinned_meshes()[k].joints;
+    if (pose.size() != joints || (!pending.empty() && pending.size() != joints) || !std::ranges::all_of(pose, is_sound) ||
+        !std::ranges::all_of(pending, is_sound))
+      return fail("skin ", k, " has another number of joints than ", joints, ", or one that is not finite");
+  }
+  if (snapshot.motion_limits.size() != skins.limits.size())
+    return fail("it has motion constraints of ", snapshot.motion_limits.size(), " cloths instead of ", skins.limits.size());
+  for (const auto& [scale, stiffness] : snapshot.motion_limits)
+    if (!(scale >= 0 && scale <= kMostScale && stiffness >= 0 && stiffness <= 1))
+      return fail("motion constraints have a scale of ", scale, " and a stiffness of ", stiffness);
+  return {};
+}
+
+// As a snapshot that was checked has them.
+Skins Simulation::State::skins_of(const Snapshot& snapshot) const {
+  Skins there = skins;
+  for (std::size_t k = 0; k < snapshot.skins.size(); ++k) {
+    std::ranges::copy(snapshot.skins[k].pose, there.pose.begin() + skinned_meshes()[k].first_joint);
+    there.pending[k] = snapshot.skins[k].pending;
+    there.is_host_driven[k] = snapshot.skins[k].is_host_driven;
+  }
+  for (std::size_t k = 0; k < there.limits.size(); ++k)
+    there.limits[k] = {snapshot.motion_limits[k].scale, snapshot.motion_limits[k].stiffness};
+  there.joints.reserve(there.pose.size());
+  return there;
+}
+
+Result<void> Simulation::set_pose(std::uint32_t cloth, std::span<const Affine> joints) try {
+  return state_->set_joints(false, cloth, joints);
+} catch (...) {
+  return caught("the pose");
+}
+
+Result<void> Simulation::set_body_pose(std::uint32_t collider, std::span<const Affine> joints) try {
+  return state_->set_joints(true, collider, joints);
+} catch (...) {
+  return caught("the pose");
+}
+
+Result<void> Simulation::limit_motion(std::uint32_t cloth, double scale, double stiffness) try {
+  const std::vector<Cloth>& cloths = state_->scene.cloths;
+  if (cloth >= cloths.size() || !cloths[cloth].motion_constraints)
+    return fail("cloth ", cloth, " has no motion constraints (its key \"motion_constraints\")");
+  if (!(scale >= 0 && scale <= kMostScale))
+    return fail("the scale of cloth ", cloth, "'s max distances is ", scale, ", not from 0 to ", kMostScale);
+  if (!(stiffness >= 0 && stiffness <= 1))
+    return fail("the stiffness of cloth ", cloth, "'s motion constraints is ", stiffness, ", not from 0 to 1");
+  state_->skins.limits[cloth] = {static_cast<float>(scale), static_cast<float>(stiffness)};
+  return {};
+} catch (...) {
+  return caught("the motion constraints");
+}
+
+}  // namespace weft

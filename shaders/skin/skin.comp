@@ -1,0 +1,65 @@
+// skin: where joints carry particles, at the frame's start and at its end. Linear blend skinning: a point goes where the mean of its joints'
+// maps, by its weights, takes it (Magnenat-Thalmann, Laperriere, Thalmann 1988). An anchor, or a corner of a mesh collider, gets it as its
+// target; a free particle as its animated place, with the centre of its backstop (motion_constraint.glsl).
+//
+// A frame begins to the bit where the one before has ended, since both are made from the same joints by the same sums.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+READ(SkinPoint, skin_points)
+READ(Joint, skin_joints)
+READ(MotionLimits, motion_limits)
+WRITE(Anchor, anchors)
+WRITE(vec4, motion_targets)
+
+struct Blend {
+  vec4 row[3];   // of an affine matrix
+};
+
+vec3 applied(Blend m, vec4 x) {
+  precise vec3 y = vec3(dot(m.row[0], x), dot(m.row[1], x), dot(m.row[2], x));
+  return y;
+}
+
+#define BLENDED(row) \
+  w.x * skin_joints[joint.x].row + w.y * skin_joints[joint.y].row + w.z * skin_joints[joint.z].row + w.w * skin_joints[joint.w].row
+
+Blend blend_from(uvec4 joint, vec4 w) {
+  precise Blend blend = Blend(vec4[](BLENDED(from[0]), BLENDED(from[1]), BLENDED(from[2])));
+  return blend;
+}
+
+Blend blend_to(uvec4 joint, vec4 w) {
+  precise Blend blend = Blend(vec4[](BLENDED(to[0]), BLENDED(to[1]), BLENDED(to[2])));
+  return blend;
+}
+
+// The normal turns with the surface (not quite where joints scale by directions). Without a length: up.
+vec3 turned(Blend m, vec3 normal) {
+  const vec3 n = applied(m, vec4(normal, 0));
+  const float size = length(n);
+  return size > 1e-12 ? n / size : vec3(0, 1, 0);
+}
+
+void constrain(SkinPoint point, Blend from, Blend to, vec3 x_from, vec3 x_to) {
+  const MotionLimits limits = motion_limits[point.cloth];
+  const uint at = 4 * point.particle;
+  motion_targets[at] = vec4(x_from, limits.scale * point.max_distance);
+  motion_targets[at + 1] = vec4(x_to, limits.stiffness);
+  if (motion_constraints < 2) return;
+  const float behind = point.backstop_distance + point.backstop_radius;
+  motion_targets[at + 2] = vec4(x_from - behind * turned(from, point.normal), point.backstop_radius);
+  motion_targets[at + 3] = vec4(x_to - behind * turned(to, point.normal), 0);
+}
+
+void main() {
+  const uint k = gl_GlobalInvocationID.x;
+  if (k >= push.count) return;
+  const SkinPoint point = skin_points[k];
+  const uvec4 joint = uvec4(point.joints.x & 0xffffu, point.joints.x >> 16, point.joints.y & 0xffffu, point.joints.y >> 16);
+  const Blend from = blend_from(joint, point.weights), to = blend_to(joint, point.weights);
+  const vec3 x_from = applied(from, vec4(point.rest, 1)), x_to = applied(to, vec4(point.rest, 1));
+  if (skins_move_anchors && point.anchor != WEFT_NONE) anchors[point.anchor] = Anchor(point.particle, x_from, x_to);
+  if (motion_constraints > 0 && point.cloth != WEFT_NONE) constrain(point, from, to, x_from, x_to);
+}
