@@ -197,6 +197,7 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
             &b::contact_counts, &b::contact_sums, &b::contact_penetrations, &b::slides, &b::kinematic_lags, &b::step_fractions, &b::contact_list,
             &b::touched_particles});
     expect(calls.has(Id::air), {&b::air_rows, &b::air_fans});
+    expect(calls.has(Id::grab), {&b::grabs});
     expect(calls.has(Id::untangle), {&b::tangled_pairs, &b::crossed_triangles, &b::regions, &b::region_sizes});
     expect(true, {&b::positions, &b::velocities, &b::predicted, &b::next_iterate, &b::materials, &b::surface_rows, &b::corners,
                   &b::vertex_positions, &b::vertex_normals, &b::counters});

@@ -42,6 +42,7 @@ inline Needs setup_for(const Calls& calls, bool texels) {
   setup.constants[constant::has_contacts] = calls.has(Id::contact);
   setup.constants[constant::untangles] = calls.has(Id::untangle);
   setup.constants[constant::air_wave_count] = calls.has(Id::air);
+  setup.constants[constant::grab_count] = calls.has(Id::grab);
   for (const Id id : {Id::motion, Id::surface}) setup.effects.set(static_cast<std::size_t>(id));
   for (const Id id : calls.effects) setup.effects.set(static_cast<std::size_t>(id));
   return setup;
