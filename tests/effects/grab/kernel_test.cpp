@@ -27,13 +27,11 @@ gpu::Grab any_grab(Random& random, const CookedFabric& fabric, std::uint32_t par
   return {particle, fabric.iterate_weights[particle], grip(), grip(), grip(), target(), target()};
 }
 
-reference::Vector vector_of(const gpu::vec3& v) { return {v.x, v.y, v.z}; }
-
 TEST_F(KernelGrab, does_what_its_twin_does_with_every_grip_and_where_hands_share_a_particle) {
   Random random(3);
   const Scene scene = grabbed_scene();
   for (int trial = 0; trial < 20; ++trial) {
-    CookedFabric fabric = loose_particles(random, kParticles, scene);
+    CookedFabric fabric = loose_particles(random, kParticles, scene.solver);
     std::vector<gpu::Grab> grabs;
     for (std::uint32_t k = 0; k < 3 * kGrabs; ++k) {
       grabs.push_back(any_grab(random, fabric, random() % (trial < 10 ? kParticles : 6)));
@@ -59,7 +57,7 @@ TEST_F(KernelGrab, does_what_its_twin_does_with_every_grip_and_where_hands_share
       }
       for (const gpu::Grab& grab : grabs) {
         if (grab.particle == WEFT_NONE || fabric.positions[grab.particle].w == 0) continue;
-        const reference::Vector from = vector_of(grab.from), to = vector_of(grab.to);
+        const reference::Vector from = vector(grab.from), to = vector(grab.to);
         const reference::Pull pull{grab.stiffness, grab.damping, grab.force, from + 0.75 * (to - from), (to - from) / (4 * fabric.h)};
         auto& particle = wanted[grab.particle];
         particle = reference::pulled(pull, vector(fabric.positions[grab.particle]), particle.velocity, particle.mass, fabric.h);
@@ -77,7 +75,7 @@ TEST_F(KernelGrab, does_what_its_twin_does_with_every_grip_and_where_hands_share
 TEST_F(KernelGrab, no_hand_moves_what_is_held_or_not_finite_and_no_target_spoils_another) {
   Random random(4);
   const Scene scene = grabbed_scene();
-  CookedFabric fabric = loose_particles(random, kParticles, scene);
+  CookedFabric fabric = loose_particles(random, kParticles, scene.solver);
   fabric.positions[1].w = fabric.iterate_weights[1] = 0;
   fabric.positions[2].w = 2;
   fabric.positions[2].x = NAN;
