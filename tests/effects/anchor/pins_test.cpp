@@ -1,6 +1,9 @@
 // Pins: vertices that the host holds and releases while a simulation runs are as anchors are from the start.
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <cstdio>
+
 #include "tests/support/every_method.h"
 #include "tests/support/ways.h"
 
@@ -69,7 +72,9 @@ void handle(Simulation& simulation, int frame) {
   if (frame == 2) must(simulation.pin(few));
   if (frame == 4) must(simulation.release(Vertices{0, 3}));
   if (frame >= 4 && frame < 7) {
-    const Vec3 targets[] = {{0.1f, 0.02f * static_cast<float>(frame), 0}, {0.2f, 0.02f * static_cast<float>(frame), 0}};
+    // Slowly: submit and record do not repeat frames with more candidate pairs than there is room for.
+    const std::vector<Vec3> at = must(simulation.read_vertex_positions());
+    const Vec3 targets[] = {at[40] + Vec3{0, 0.01f, 0}, at[41] + Vec3{0.002f, 0.01f, 0}};
     must(simulation.move_pins(std::span(few).first(2), targets));
   }
   if (frame == 7) must(simulation.release(few));
@@ -91,6 +96,7 @@ TEST_F(Pins, the_same_bits_in_every_way_and_from_snapshots) {
       }
       hashes.push_back(hash_of(*simulation));
       EXPECT_EQ(simulation->counts().non_finite, 0u);
+      EXPECT_EQ(simulation->counts().contacts_overflowed, 0u);
     }
     auto simulation = created(device(), scene);
     for (int frame = 0; frame < 12; ++frame) {
@@ -119,7 +125,7 @@ TEST_F(Pins, a_pinned_vertex_stays_where_it_is_and_a_moved_one_is_at_its_target)
     anchored.cloths[0].anchors.emplace_back().vertices = {84};
     const auto other = created(device(), anchored);
     run(*other, 0.5);
-    EXPECT_LT(strain_of(*simulation).mean, 1.5 * strain_of(*other).mean) << contacts;
+    EXPECT_LT(strain_of(*simulation).mean, 2 * strain_of(*other).mean) << contacts;   // it was stopped in its fall
     for (int frame = 1; frame <= 10; ++frame) {
       const Vec3 target = there + Vec3{0.01f * static_cast<float>(frame), 0.005f, 0};
       must(simulation->move_pins(Vertices{84}, std::span(&target, 1)));
@@ -182,6 +188,38 @@ TEST_F(Pins, a_released_anchor_has_its_mass_again_and_its_tethers_are_gone) {
   must(simulation->pin(Vertices{0, 8, 40}));   // anchors take no pins of the scene's
   must(simulation->advance(kFrame));
   EXPECT_GT(simulation->fabric().tether_count, 0u);
+}
+
+// What the CPU does where a frame begins, against making the simulation. `--gtest_filter=Pins.a_pin_costs*` prints it.
+TEST_F(Pins, a_pin_costs_a_fraction_of_a_new_simulation) {
+  const auto milliseconds = [](const auto& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  };
+  for (const bool levels : {false, true}) {
+    Scene scene = sheet(99);
+    scene.cloths[0].anchors.push_back(held_at({Corner::low_low, Corner::high_low}));
+    scene.solver.levels = levels;
+    scene.pins = 4;
+    std::unique_ptr<Simulation> simulation;
+    const double whole = milliseconds([&] { simulation = created(device(), scene); });
+    double plain = 1e9, pinned = 1e9;
+    const auto record = [&] {
+      double taken = 0;
+      must(compute::run_once(device(), "host", [&](VkCommandBuffer commands) {
+        taken = milliseconds([&] { must(simulation->record(commands, kFrame)); });
+      }));
+      return taken;
+    };
+    for (int k = 0; k < 4; ++k) {
+      plain = std::min(plain, record());
+      must(k % 2 == 0 ? simulation->pin(Vertices{5050}) : simulation->release(Vertices{5050}));
+      pinned = std::min(pinned, record());
+    }
+    std::printf("100 x 100, levels %d: create %.0f ms, a frame's recording %.2f ms, with a pin %.1f ms\n", levels, whole, plain, pinned);
+    EXPECT_LT(pinned, 0.5 * whole);
+  }
 }
 
 // Contacts: a pinned vertex is kinematic, and cloth that falls on pinned cloth stays on it.

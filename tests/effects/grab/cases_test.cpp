@@ -103,9 +103,9 @@ TEST_F(GrabCase, no_grip_mass_or_rate_is_unstable) {
   for (const double rate : {30.0, 60.0, 240.0})
     for (const double density : {0.01, 1.0})
       for (const Grip& grip : {Grip{1e9, 0, 1e9}, Grip{1, 1e9, 1e9}, Grip{1e9, 1e9, 1e9}, Grip{1e5, 0, 1e3}})
-        for (const std::uint32_t iterations : {1u, 4u}) {
+        for (const std::uint32_t iterations : {1u, 3u}) {
           SCOPED_TRACE(std::to_string(rate) + " Hz, " + std::to_string(density) + " kg/m^2, " + std::to_string(grip.stiffness) + " N/m");
-          Scene scene = grabbable(6);
+          Scene scene = grabbable(4);
           scene.cloths[0].fabric.damping = 2;   // so that it comes to rest
           scene.solver.rate = rate;
           scene.solver.iterations = iterations;
@@ -118,7 +118,7 @@ TEST_F(GrabCase, no_grip_mass_or_rate_is_unstable) {
             must(simulation->advance(1 / rate));
           }
           must(simulation->move_grab(grabbed.grab, grabbed.point));
-          run(*simulation, 2, 1 / rate);
+          run(*simulation, 1.5, 1 / rate);
           EXPECT_LT(top_speed(*simulation), 3);
           EXPECT_EQ(simulation->counts().non_finite, 0u);
         }
