@@ -106,7 +106,7 @@ TEST_F(GrabCase, no_grip_mass_or_rate_is_unstable) {
         for (const std::uint32_t iterations : {1u, 3u}) {
           SCOPED_TRACE(std::to_string(rate) + " Hz, " + std::to_string(density) + " kg/m^2, " + std::to_string(grip.stiffness) + " N/m");
           Scene scene = grabbable(4);
-          scene.cloths[0].fabric.damping = 2;   // so that it comes to rest
+          scene.cloths[0].fabric.damping = 4;   // so that it comes to rest
           scene.solver.rate = rate;
           scene.solver.iterations = iterations;
           scene.cloths[0].fabric.area_density = density;
