@@ -55,7 +55,8 @@ Grabbed Simulation::State::take_hold(std::uint32_t grab, const Hit& hit, std::sp
   }
   for (std::size_t k = 0; k < 3; ++k) held.offsets[k] = places[corners[k]] - held.place;
   grabs.held[grab] = held;
-  const auto cloth = std::ranges::find_if(fabric.cloths, [&](const ClothRange& range) { return corners[0] < range.first_particle + range.particles; });
+  const auto has_it = [&](const ClothRange& range) { return corners[0] < range.first_particle + range.particles; };
+  const auto cloth = std::ranges::find_if(fabric.cloths, has_it);
   return {grab, static_cast<std::uint32_t>(cloth - fabric.cloths.begin()), held.place + origin, hit.distance};
 }
 

@@ -153,8 +153,8 @@ bool Simulation::State::are_targets(const std::vector<gpu::Anchor>& targets) con
     if (!is_finite(Vec3{targets[k].to.x, targets[k].to.y, targets[k].to.z})) return false;
     if (may_be_none && targets[k].particle == WEFT_NONE) continue;
     const std::uint32_t particle = may_be_none ? targets[k].particle & ~(WEFT_STAYS | WEFT_FROM_HERE) : targets[k].particle;
-    if (pin ? particle >= cloth_particles(fabric) : k < fabric.anchors.size() ? particle != fabric.anchors[k].particle : particle != kinematic.targets[k].particle)
-      return false;
+    const std::uint32_t own = k < fabric.anchors.size() ? fabric.anchors[k].particle : kinematic.targets[k].particle;
+    if (pin ? particle >= cloth_particles(fabric) : particle != own) return false;
     if (!seen.insert(particle).second) return false;
   }
   return true;

@@ -15,6 +15,7 @@ inline std::uint64_t anchors(const Cooked& s) { return kinematic_particles(s.fab
 namespace buffers {
 /// Each kinematic particle's position at the frame's start and its target at the frame's end (m).
 inline constexpr Buffer anchors =
-    buffer<gpu::Anchor>("anchors", Lifetime::uploaded, lengths::anchors, [](const Cooked& s) { return made(anchors_at_rest(s.fabric, s.scene.pins)); });
+    buffer<gpu::Anchor>("anchors", Lifetime::uploaded, lengths::anchors,
+                        [](const Cooked& s) { return made(anchors_at_rest(s.fabric, s.scene.pins)); });
 }  // namespace buffers
 }  // namespace weft
