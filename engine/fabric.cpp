@@ -41,6 +41,7 @@ Result<void> add_particles(CookState& state, std::uint32_t index, std::span<cons
       return fail("cloths[", index, "]: point ", point, " has a mass of ", masses[point], " kg; it must be above 0");
     fabric.positions.push_back({x.x, x.y, x.z, static_cast<float>(1 / masses[point])});
     fabric.velocities.push_back({0, 0, 0, std::bit_cast<float>(index)});
+    if (state.may_pin()) fabric.inverse_masses.push_back(fabric.positions.back().w);
   }
   for (const auto& [entry, point, vertex] : anchors) {
     fabric.positions[state.particle_of()[point]].w = 0;
@@ -74,12 +75,19 @@ Result<void> add_cloth(CookState& state, std::uint32_t index, const Mesh& mesh) 
   return {};
 }
 
+// As they are while nothing is held, where the host may release all: the stiffest that the scene can be.
+std::vector<gpu::vec4> all_free(const CookedFabric& fabric) {
+  std::vector<gpu::vec4> positions = fabric.positions;
+  for (std::size_t i = 0; i < fabric.inverse_masses.size(); ++i) positions[i].w = fabric.inverse_masses[i];
+  return positions;
+}
+
 // Divides substeps that are too long for the springs.
 Result<void> fit_substep(CookState& state) {
   const Scene& scene = state.scene();
   CookedFabric& fabric = state.fabric();
   if (scene.solver.method != Method::mass_spring && scene.solver.method != Method::verlet) return {};
-  fabric.largest_step = cooking::largest_step(fabric.springs, fabric.positions);
+  fabric.largest_step = cooking::largest_step(fabric.springs, all_free(fabric));
   const double wanted = fabric.h, parts = std::ceil(wanted / fabric.largest_step - 1e-9), substeps = parts * substeps_of(scene.solver);
   if (!(parts > 1)) return {};
   if (substeps > kMostParts)
@@ -168,6 +176,7 @@ Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) try 
   for (const Effect* effect : all_effects())
     if (effect->cook_bodies != nullptr)
       if (auto added = effect->cook_bodies(state, meshes.subspan(cloths)); !added) return added.take_error();
+  if (state.may_pin()) state.fabric().inverse_masses.resize(state.fabric().positions.size());
   if (auto fits = fit_substep(state); !fits) return fits.take_error();
   for (const Effect* effect : all_effects())
     if (effect->lay_out != nullptr) effect->lay_out(state);
@@ -177,6 +186,14 @@ Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) try 
   return std::move(fabric);
 } catch (...) {
   return caught("the scene's cloth");
+}
+
+CookedFabric held_anew(const Scene& scene, std::span<const Mesh> meshes, const CookedFabric& fabric, const std::vector<bool>& held) {
+  CookState state(scene, fabric);
+  for (std::size_t i = 0; i < held.size(); ++i) state.fabric().positions[i].w = held[i] ? 0 : fabric.inverse_masses[i];
+  for (const Effect* effect : all_effects())
+    if (effect->hold != nullptr) effect->hold(state, meshes);
+  return std::move(state.fabric());
 }
 
 }  // namespace weft

@@ -107,6 +107,7 @@ struct CookedFabric {
   std::vector<gpu::vec4> positions;          // particles: xyz (m), w inverse mass (1/kg), 0 for anchors
   std::vector<gpu::vec4> velocities;         // particles: xyz (m/s), w the material's index as bits: the cloth's, or cloths + mesh
                                              // collider's
+  std::vector<float> inverse_masses;         // particles: 1/kg, of those that are held, too; only where a scene may pin, colliders' 0
   std::vector<float> split_weights;          // particles: n w (mass split) or w (count), see stretch.comp
   std::vector<float> iterate_weights;        // particles: weight of the sum over a particle's links, see stretch.comp
   std::vector<StretchLink> links;
@@ -148,6 +149,10 @@ Result<std::vector<Mesh>> make_meshes(const Scene& scene);
 /// Errors: no particle, more than WEFT_MAX_PARTICLES, an anchor that chooses nothing or a vertex the mesh does not have,
 /// mass or a coefficient that is not finite. `meshes` has one entry a cloth and one a mesh collider, as make_meshes gives them.
 Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes);
+
+/// The same cloth with other particles held, an entry each: all lists that depend on who is held, of the lengths that they had. Only of
+/// scenes with `pins`. `meshes`: of which it was cooked.
+CookedFabric held_anew(const Scene& scene, std::span<const Mesh> meshes, const CookedFabric& fabric, const std::vector<bool>& held);
 
 /// Where every anchor should be at a time, in CookedFabric::anchors' order, by the scene's keys.
 std::vector<Vec3> anchor_targets(const Scene& scene, const CookedFabric& fabric, double time);

@@ -223,6 +223,9 @@ struct Contacts {
   bool operator==(const Contacts&) const = default;
 };
 
+/// Scene::pins and Scene::grabs at most.
+inline constexpr std::uint32_t kMostPins = 4096, kMostGrabs = 16;
+
 /// m/s. No component of a wind may be faster.
 inline constexpr float kFastestWind = 1e3f;
 
@@ -282,6 +285,8 @@ struct Scene {
   SolverSettings solver;
   Contacts contacts;
   std::optional<Air> air;             // none: cloth meets no resistance but its own damping
+  std::uint32_t pins = 0;             // vertices that the host may pin at a time, besides anchors (Simulation::pin); 0: none, nor release any
+  std::uint32_t grabs = 0;            // places of cloth that the host may pull at a time (Simulation::grab)
   std::vector<Cloth> cloths;          // at least one
   std::vector<Collider> colliders;    // at most 64
   Camera camera;

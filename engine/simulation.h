@@ -31,7 +31,7 @@
 // may not have. After a lost device every call fails; the simulation can only be destroyed.
 //
 // Limitations: a mesh collider that rotates moves each vertex along a straight line to its place at the frame's
-// end; anchors are chosen at create and can be moved, not added; hosts that record must record frames in the order they submit
+// end; hosts that record must record frames in the order they submit
 // them.
 #pragma once
 
@@ -116,6 +116,21 @@ struct BufferUse {
   std::uint64_t bytes = 0;
 };
 
+/// How a hand pulls: a spring to its target with damping against the target's motion, which gives no more than its force.
+struct Grip {
+  double stiffness = 200;   // N/m, > 0, at most 1e9
+  double damping = 2;       // N s/m, >= 0, at most 1e9
+  double force = 20;        // N, > 0, at most 1e9
+};
+
+/// What a hand has got hold of.
+struct Grabbed {
+  std::uint32_t grab = 0;   // its number, below Scene::grabs
+  std::uint32_t cloth = 0;
+  Vec3 point;               // m, world space: of the cloth; where its target is until it is moved
+  double distance = 0;      // m, along the ray or from the point
+};
+
 class Simulation {
  public:
   /// Loads the scene's meshes, cooks, allocates, compiles. `device` must outlive the simulation. Errors: what check(scene) names; a
@@ -172,6 +187,34 @@ class Simulation {
   /// target, by at most Contacts::kinematic_lag_limit (8) times the larger thickness of the two. Errors: beyond the last anchor;
   /// a target that is not finite, or 1e10 m away or more. Nothing has changed then.
   Result<void> move_anchors(std::uint32_t first, std::span<const Vec3> targets);
+  /// Pins vertices of cloth (numbers as in positions()) from the next frame on, each where it is then: it is held as an anchor is, and gets
+  /// tethers as from one. What is held already stays as it is. Does not wait; the next frame cooks lists anew on the CPU (engine/README.md,
+  /// "Hands", says how long that takes). Errors: a scene without `pins`, or with fewer than it takes; no such vertex; one of a mesh
+  /// collider. Nothing has changed then.
+  Result<void> pin(std::span<const std::uint32_t> vertices);
+  /// Lets go of vertices, pinned or the scene's own anchors, from the next frame on: each flies on with the velocity that it had in the last
+  /// substep, with its own mass, and its tethers are gone. What is not held stays free. pin() holds a released anchor again, without a pin of
+  /// the scene's, and without its keys. Does not wait, and costs what pin() does. Errors: as pin.
+  Result<void> release(std::span<const std::uint32_t> vertices);
+  /// Targets for the end of the next frame (m, world space) of vertices that are held, pinned or anchors, one each; as with move_anchors.
+  /// Errors: another number of targets; a vertex that is not held, or that pin refuses; a target that is not finite, or 1e10 m away or more.
+  /// Nothing has changed then.
+  Result<void> move_pins(std::span<const std::uint32_t> vertices, std::span<const Vec3> targets);
+
+  /// Takes hold of the cloth where a ray (m, world space; any length of direction) first meets it, from either side; nothing where it meets none.
+  /// From the next frame on `grip` pulls that place to its target. The CPU looks for it among all triangles of the cloth as it is: waits, and
+  /// copies positions back; frames that a host has recorded must be done. Colliders hide nothing: a host that knows of one in front compares
+  /// distances. Errors: no free place among the scene's `grabs`; a ray that is not finite, or without a direction; a grip
+  /// out of its limits; memory; what Vulkan refuses.
+  Result<std::optional<Grabbed>> grab(Vec3 origin, Vec3 direction, const Grip& grip = {});
+  /// The same at the point of the cloth that is nearest to `point` (m, world space).
+  Result<Grabbed> grab_near(Vec3 point, const Grip& grip = {});
+  /// The target for the end of the next frame (m, world space); it goes there in a straight line. Errors: nothing is held by that
+  /// number; not finite, or 1e10 m away or more.
+  Result<void> move_grab(std::uint32_t grab, Vec3 target);
+  /// Lets go: from the next frame on the cloth flies on with the velocity that it has. Errors: nothing is held by that number.
+  Result<void> let_go(std::uint32_t grab);
+
   /// The complete pose for the end of the next frame (world space; a capsule or a box without a rotation stands along its own
   /// axes). The host drives this collider from now on, instead of the scene's keys. It rotates by the shorter arc. Errors: no
   /// such collider; a pose that is not finite, or 1e10 m away or more; a normal or rotation of length 0.
@@ -231,6 +274,7 @@ class Simulation {
   const Scene& scene() const;
   /// One a cloth, relative to origin(), then one a mesh collider, in its own axes.
   const std::vector<Mesh>& meshes() const;
+  /// Lists that depend on who is held are those of the last frame.
   const CookedFabric& fabric() const;
   const compute::Device& device() const;
 

@@ -31,9 +31,9 @@
 namespace weft {
 
 struct Snapshot {
-  /// An anchor that the host drives.
+  /// An anchor that the host drives, or a pin.
   struct AnchorTargetState {
-    std::uint32_t anchor = 0;   // in CookedFabric::anchors' order
+    std::uint32_t anchor = 0;   // in CookedFabric::anchors' order; pins come after them
     bool is_pending = false;    // `target` is for the next frame
     Vec3 target;                // m
   };
@@ -51,6 +51,16 @@ struct Snapshot {
   };
   struct AirFieldState {
     Vec3 centre, velocity;         // m, m/s
+  };
+  /// A place of cloth that a hand pulls at, as a triangle's corners share it.
+  struct GrabState {
+    std::uint32_t grab = 0;
+    bool is_pending = false;       // `pending` is for the next frame
+    Vec3 place, pending;           // m: the target
+    float stiffness = 0, damping = 0, force = 0;   // N/m, N s/m, N
+    std::array<std::uint32_t, 3> particles{};
+    std::array<float, 3> weights{};
+    std::array<Vec3, 3> offsets{}; // m: of each corner's target
   };
   /// A buffer of the GPU, from its start on.
   struct Content {
@@ -70,6 +80,7 @@ struct Snapshot {
   std::uint32_t phase = 0;       // substeps modulo 3, as the solver counts them
   std::uint32_t capacity = 0;    // of candidate pairs; 0 without contacts
   std::vector<AnchorTargetState> anchors;
+  std::vector<GrabState> grabs;
   std::vector<ColliderState> colliders;   // of every collider of the scene
   std::vector<Content> contents;
   std::vector<std::byte> note;   // the host's own bytes, given back unchanged: how far its run was, say

@@ -35,7 +35,9 @@
   X(20, uint, air_stride)       /* pairs in every row of air_fans; 0: air_rows tell */  \
   X(21, uint, air_field_count)  /* of air_fields */ \
   X(22, uint, motion_constraints)   /* 1: with max distances, 2: with backstops, too */ \
-  X(23, bool, skins_move_anchors)   /* 1: or mesh colliders */
+  X(23, bool, skins_move_anchors)   /* 1: or mesh colliders */ \
+  X(24, bool, has_pins)         /* 1: the host may pin and release particles (anchor.comp) */ \
+  X(25, uint, grab_count)       /* of grabs */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
@@ -134,9 +136,22 @@ struct Tether {
   float max_distance; // m
 };
 
+#define WEFT_STAYS 0x80000000u       // bits of a pin's particle: it is to stay where it is, wherever that is
+#define WEFT_FROM_HERE 0x40000000u   // it begins the frame where it is, and the host does not know where
 struct Anchor {
-  uint particle;
+  uint particle;      // WEFT_NONE: a place for a pin, or an anchor that was released
   vec3 from;          // m, at the frame's start
+  vec3 to;            // m, at its end
+};
+
+/// A particle that a hand pulls to a target (grab.comp).
+struct Grab {
+  uint particle;      // WEFT_NONE: nobody pulls
+  float weight;       // of its iterate while nobody pulls (motion.h)
+  float stiffness;    // N/m
+  float damping;      // N s/m
+  float force;        // N, at most
+  vec3 from;          // m, the target at the frame's start
   vec3 to;            // m, at its end
 };
 
@@ -392,8 +407,8 @@ SLICE(Air, air)
 
 #ifdef __cplusplus
 
-static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
-static_assert(sizeof(SkinPoint) == 72 && sizeof(Joint) == 96 && sizeof(MotionLimits) == 8);
+static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28);
+static_assert(sizeof(Grab) == 44 && sizeof(Collider) == 96 && sizeof(SkinPoint) == 72 && sizeof(Joint) == 96 && sizeof(MotionLimits) == 8);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 40);
 static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 316 && sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);

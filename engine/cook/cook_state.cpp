@@ -22,5 +22,11 @@ CookState::CookState(const Scene& scene) : scene_(scene) { fabric_.h = 1 / (scen
 
 double CookState::softening() const { return relaxation_of(scene_.solver) / (fabric_.h * fabric_.h); }
 
+std::vector<std::uint32_t> particles_of(const CookedFabric& fabric, const ClothRange& cloth, const Mesh& mesh) {
+  std::vector<std::uint32_t> particles(mesh.points.size(), kNone);
+  for (std::uint32_t v = 0; v < cloth.vertices; ++v) particles[mesh.point_of[v]] = fabric.surface_rows[cloth.first_vertex + v].x;
+  return particles;
+}
+
 }  // namespace cooking
 }  // namespace weft

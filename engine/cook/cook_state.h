@@ -20,9 +20,13 @@ struct ClothInput {
 class CookState {
  public:
   explicit CookState(const Scene& scene);
+  /// Of cloth that is cooked.
+  CookState(const Scene& scene, const CookedFabric& fabric) : scene_(scene), fabric_(fabric) {}
 
   const Scene& scene() const { return scene_; }
   CookedFabric& fabric() { return fabric_; }
+  /// Whether lists keep their lengths whoever is held: then they have places for those that are.
+  bool may_pin() const { return scene_.pins > 0; }
   /// Of the current cloth: point -> particle.
   std::span<const std::uint32_t> particle_of() const { return particle_of_; }
   void set_particles(std::vector<std::uint32_t> particle_of) { particle_of_ = std::move(particle_of); }

@@ -23,6 +23,9 @@ inline Eigen::Vector3d vector(Vec3 v) { return {v.x, v.y, v.z}; }
 /// order[k] is the point that becomes the cloth's k-th particle: reverse Cuthill-McKee (1969) over the mesh's edges.
 std::vector<std::uint32_t> locality_order(const Mesh& mesh);
 
+/// Of a cloth that is cooked: the particle of each point.
+std::vector<std::uint32_t> particles_of(const CookedFabric& fabric, const ClothRange& cloth, const Mesh& mesh);
+
 /// A link between two points, with the stiffness of the strip of cloth that it represents.
 struct Spring {
   std::uint32_t a, b;      // points
@@ -78,7 +81,7 @@ std::vector<gpu::Bend> bend_stencils(const Mesh& mesh, double rigidity, std::uin
 /// masses and uses. Returns the number of elements softened because they lie on slivers. See
 /// engine/effects/dihedral/hinges.cpp.
 std::uint32_t add_hinges(const Mesh& mesh, std::span<const std::uint32_t> particle_of, double rigidity, CookedFabric& fabric);
-void lay_out_hinges(Averaging averaging, CookedFabric& fabric);
+void lay_out_hinges(Averaging averaging, bool may_pin, CookedFabric& fabric);
 
 /// The nearest `count` of `anchors` (points) to every point with their geodesic distances, nearest first; fewer where fewer
 /// are connected. See engine/effects/tether/geodesic.cpp.

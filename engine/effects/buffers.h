@@ -9,6 +9,7 @@
 #include "engine/effects/contact/contact.h"
 #include "engine/effects/dihedral/dihedral.h"
 #include "engine/effects/gauss_seidel/gauss_seidel.h"
+#include "engine/effects/grab/grab.h"
 #include "engine/effects/implicit/implicit.h"
 #include "engine/effects/level/level.h"
 #include "engine/effects/motion/motion.h"

@@ -140,6 +140,8 @@ struct Effect {
   Result<void> (*cook)(cooking::CookState&, const cooking::ClothInput&) = nullptr;
   Result<void> (*cook_bodies)(cooking::CookState&, std::span<const Mesh> collider_meshes) = nullptr;   // particles that are no cloth
   void (*lay_out)(cooking::CookState&) = nullptr;
+  /// Makes its lists anew where they depend on who is held, when that has changed (held_anew). Lengths stay.
+  void (*hold)(cooking::CookState&, std::span<const Mesh> meshes) = nullptr;
 };
 
 /// Each in its own folder.

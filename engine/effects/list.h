@@ -20,6 +20,7 @@
   EFFECT(collide) \
   EFFECT(triangle) \
   EFFECT(motion) \
+  EFFECT(grab) \
   EFFECT(air) \
   EFFECT(contact) \
   EFFECT(untangle) \

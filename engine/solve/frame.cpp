@@ -55,6 +55,8 @@ Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input)
   input.gravity = gravity;
   input.few_contacts = contacts_are_few();
   if (advance.substeps == 0) return advance;
+  follow_holds();
+  input.edits = holds.edits;
   if (scene.air) {
     input.air = air_of(*scene.air, moving_air, now(), advance.simulated, origin);
     moving_air.pass(advance.simulated);
@@ -92,7 +94,7 @@ const ColliderMesh* Simulation::State::mesh_of(std::uint32_t collider) const {
 
 // Their particles are kinematic targets, as anchors are: each moves along a straight line to its next position.
 void Simulation::State::move_collider_meshes() {
-  auto at = kinematic.targets.begin() + static_cast<std::ptrdiff_t>(fabric.anchors.size());
+  auto at = kinematic.targets.begin() + static_cast<std::ptrdiff_t>(anchors_and_pins());
   for (const ColliderMesh& mesh : fabric.collider_meshes) {
     const ColliderPose from = bodies.poses[mesh.collider];
     move_collider_on(mesh.collider);
@@ -104,20 +106,33 @@ void Simulation::State::move_collider_meshes() {
   }
 }
 
-void Simulation::State::move_scene(FrameInput& input) {
+void Simulation::State::move_anchors() {
   const std::vector<Vec3> keyed = kinematic.are_keyed ? anchor_targets(scene, fabric, now()) : std::vector<Vec3>();
-  const std::vector<Affine> pose = next_pose();
-  const std::vector<ColliderPose> before = pose.empty() ? std::vector<ColliderPose>() : bodies.poses;
-  input.anchors_move = kinematic.are_dirty;
-  for (gpu::Anchor& anchor : kinematic.targets) anchor.from = anchor.to;
+  for (gpu::Anchor& anchor : kinematic.targets) {
+    const bool stays = anchor.particle != WEFT_NONE && (anchor.particle & WEFT_STAYS) != 0;
+    if (anchor.particle != WEFT_NONE && !stays) anchor.particle &= ~WEFT_FROM_HERE;
+    anchor.from = anchor.to;
+  }
   for (std::size_t k = 0; k < keyed.size(); ++k)
     if (!kinematic.is_host_driven[k]) kinematic.targets[k].to = gpu_vector(keyed[k]);
   for (std::size_t k = 0; k < kinematic.pending.size(); ++k) {
-    if (kinematic.pending[k]) kinematic.targets[k].to = gpu_vector(*kinematic.pending[k]);
+    gpu::Anchor& anchor = kinematic.targets[k];
+    if (kinematic.pending[k]) {
+      anchor.to = gpu_vector(*kinematic.pending[k]);
+      if ((anchor.particle & WEFT_STAYS) != 0) anchor.particle ^= WEFT_STAYS | WEFT_FROM_HERE;
+    }
     kinematic.pending[k].reset();
   }
+}
+
+void Simulation::State::move_scene(FrameInput& input) {
+  const std::vector<Affine> pose = next_pose();
+  const std::vector<ColliderPose> before = pose.empty() ? std::vector<ColliderPose>() : bodies.poses;
+  input.anchors_move = kinematic.are_dirty || scene.pins > 0;   // pins always: the anchor pass tells their velocities
+  move_anchors();
   move_collider_meshes();
   move_skins(pose, before, input);
+  move_grabs();
   for (const gpu::Anchor& anchor : kinematic.targets) input.anchors_move |= !same(anchor.from, anchor.to);
   bodies.colliders.clear();
   for (const std::uint32_t k : bodies.order) {
@@ -134,6 +149,7 @@ void Simulation::State::move_scene(FrameInput& input) {
   }
   kinematic.are_dirty = input.anchors_move;
   input.anchors = kinematic.targets;
+  input.grabs = grabs.corners;
   input.colliders = bodies.colliders;
 }
 
@@ -253,7 +269,7 @@ Result<Advance> Simulation::advance(double seconds) try {
   if (auto done = s.wait(); !done) return done.take_error();
   if (auto done = s.run_to_the_end(input); !done) return done.take_error();
   advance->pairs_lost = s.lost_since_told();
-  if (advance->substeps > 0) s.kinematic.are_dirty = false;
+  s.frame_is_sent(*advance);
   return advance;
 } catch (...) {
   return caught("the frame");
@@ -267,7 +283,7 @@ Result<Advance> Simulation::submit(double seconds, std::span<const VkSemaphoreSu
   advance->pairs_lost = state_->lost_since_told();
   state_->make_room();
   if (auto done = state_->submit_frame(input, waits, false); !done) return done.take_error();
-  if (advance->substeps > 0) state_->kinematic.are_dirty = false;
+  state_->frame_is_sent(*advance);
   return advance;
 } catch (...) {
   return caught("the frame");
@@ -285,10 +301,17 @@ Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) try
   state_->has_recorded = true;
   state_->growth_is_recorded();
   state_->rollback.frame_is_torn = false;
-  if (advance->substeps > 0) state_->kinematic.are_dirty = false;
+  state_->frame_is_sent(*advance);
   return advance;
 } catch (...) {
   return caught("the frame");
+}
+
+// The GPU has what it was to be told, or gets it before anything else.
+void Simulation::State::frame_is_sent(const Advance& advance) {
+  if (advance.substeps == 0) return;
+  kinematic.are_dirty = holds.are_new = false;
+  holds.edits.clear();
 }
 
 bool Simulation::State::timed_on_cpu() const {

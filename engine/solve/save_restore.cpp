@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <set>
 #include <tuple>
 
 #include "engine/solve/sanitize.h"
@@ -62,14 +63,30 @@ std::vector<gpu::Anchor> anchors_of(const Snapshot& snapshot) {
   return bytes ? elements<gpu::Anchor>(*bytes) : std::vector<gpu::Anchor>();
 }
 
-bool have_same_particle(const gpu::Anchor& a, const gpu::Anchor& b) {
-  return a.particle == b.particle && is_finite(Vec3{a.to.x, a.to.y, a.to.z});
+bool is_grab(const Snapshot::GrabState& state, const Scene& scene, const CookedFabric& fabric) {
+  if (state.grab >= scene.grabs || !is_finite(state.place) || !is_finite(state.pending)) return false;
+  for (const float value : {state.stiffness, state.damping, state.force})
+    if (!(value >= 0 && value < kTooLarge)) return false;
+  for (int k = 0; k < 3; ++k)
+    if (state.particles[k] >= cloth_particles(fabric) || !is_finite(state.offsets[k]) || !(state.weights[k] >= 0 && state.weights[k] <= 1))
+      return false;
+  return true;
 }
 
 // Pairs are of a particle and a triangle, or of two edges; the capacity is at most twice what was found (grow_capacity).
 std::uint64_t most_candidates(const CookedFabric& fabric) {
   const std::uint64_t edges = fabric.edges.size();
   return std::min<std::uint64_t>(2 * (fabric.positions.size() * fabric.triangles.size() + edges * edges / 2), kMostCandidates);
+}
+
+void put_masses(std::vector<std::byte>& bytes, const CookedFabric& fabric) {
+  for (std::size_t i = 0; i < fabric.positions.size(); ++i)
+    std::memcpy(bytes.data() + i * sizeof(gpu::vec4) + offsetof(gpu::vec4, w), &fabric.positions[i].w, sizeof(float));
+}
+
+void call_for_detection(std::vector<std::byte>& bytes) {
+  const std::uint32_t needs = 1;
+  std::memcpy(bytes.data() + offsetof(gpu::Detection, needs_detection), &needs, sizeof needs);
 }
 
 gpu::Detection detection_of(const Snapshot& snapshot) {
@@ -91,6 +108,7 @@ Result<Snapshot> Simulation::save() const try {
   State& s = *state_;
   if (auto done = s.wait(); !done) return done.take_error();
   if (auto done = s.put_frame_back(); !done) return done.take_error();
+  s.follow_holds();
   Snapshot snapshot;
   snapshot.digest = s.own_digest();
   snapshot.substeps = s.clock.substeps;
@@ -110,6 +128,8 @@ Result<Snapshot> Simulation::save() const try {
   for (std::uint32_t k = 0; k < s.kinematic.is_host_driven.size(); ++k)
     if (s.kinematic.is_host_driven[k])
       snapshot.anchors.push_back({k, s.kinematic.pending[k].has_value(), s.kinematic.pending[k].value_or(Vec3())});
+  for (const auto& grab : s.grabs.held)
+    if (grab) snapshot.grabs.push_back(*grab);
   for (std::size_t k = 0; k < s.bodies.poses.size(); ++k)
     snapshot.colliders.push_back(
         {s.bodies.is_host_driven[k], s.bodies.pending[k].has_value(), s.bodies.poses[k], s.bodies.pending[k].value_or(ColliderPose())});
@@ -118,6 +138,9 @@ Result<Snapshot> Simulation::save() const try {
     std::vector<std::byte> bytes(bytes_of(*s.solver, *row, detection_of(snapshot), snapshot.capacity));
     if (auto done = compute::read_back(*s.device, buffer, bytes); !done) return done.take_error();
     if (row == &buffers::candidates) put_in_order(bytes);
+    // What the next frame would be told.
+    if (row == &buffers::positions) put_masses(bytes, s.fabric);
+    if (row == &buffers::detection && s.holds.are_new) call_for_detection(bytes);
     snapshot.contents.push_back({buffer.name, std::move(bytes)});
   }
   const auto anchors = std::as_bytes(std::span(s.kinematic.targets));
@@ -125,6 +148,29 @@ Result<Snapshot> Simulation::save() const try {
   return snapshot;
 } catch (...) {
   return caught("the snapshot");
+}
+
+// Of each place the particle that the scene has there; where the host may pin, also none, and for pins any of cloth.
+bool Simulation::State::are_targets(const std::vector<gpu::Anchor>& targets) const {
+  if (targets.size() != kinematic.targets.size()) return false;
+  std::set<std::uint32_t> seen;
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    const bool pin = k >= fabric.anchors.size() && k < anchors_and_pins(), may_be_none = scene.pins > 0 && k < anchors_and_pins();
+    if (!is_finite(Vec3{targets[k].to.x, targets[k].to.y, targets[k].to.z})) return false;
+    if (may_be_none && targets[k].particle == WEFT_NONE) continue;
+    const std::uint32_t particle = may_be_none ? targets[k].particle & ~(WEFT_STAYS | WEFT_FROM_HERE) : targets[k].particle;
+    const std::uint32_t own = k < fabric.anchors.size() ? fabric.anchors[k].particle : kinematic.targets[k].particle;
+    if (pin ? particle >= cloth_particles(fabric) : particle != own) return false;
+    if (!seen.insert(particle).second) return false;
+  }
+  return true;
+}
+
+// As they were cooked, with the masses that they have when these are held.
+std::vector<gpu::vec4> Simulation::State::positions_of(const std::vector<bool>& held) const {
+  std::vector<gpu::vec4> positions = fabric.positions;
+  for (std::size_t i = 0; i < fabric.inverse_masses.size(); ++i) positions[i].w = held[i] ? 0 : fabric.inverse_masses[i];
+  return positions;
 }
 
 Result<void> Simulation::State::check(const Snapshot& snapshot) {
@@ -157,9 +203,11 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
       return unfit("the pose of collider ", k, " is not finite");
   if (snapshot.contents.size() != rollback.rows.size() + 1)
     return unfit("it has ", snapshot.contents.size(), " buffers instead of ", rollback.rows.size() + 1);
-  if (const auto targets = anchors_of(snapshot);
-      !std::equal(targets.begin(), targets.end(), kinematic.targets.begin(), kinematic.targets.end(), have_same_particle))
+  const auto targets = anchors_of(snapshot);
+  if (!are_targets(targets))
     return unfit("its ", targets.size(), " anchors are not the scene's ", kinematic.targets.size(), " or have targets that are not finite");
+  for (const Snapshot::GrabState& state : snapshot.grabs)
+    if (!is_grab(state, scene, fabric)) return unfit("grab ", state.grab, " is none that this scene can have");
   const gpu::Detection found = detection_of(snapshot);
   if (!(found.margin >= 0 && found.margin < kTooLarge))
     return unfit("its detection margin is ", found.margin, " m, not from 0 to ", kTooLarge);
@@ -175,7 +223,7 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
     if (!bytes || bytes->size() != wanted)
       return unfit("its buffer ", buffer.name, " has ", bytes ? bytes->size() : 0, " bytes instead of ", wanted);
     if (row == &buffers::positions)
-      if (auto good = check_values("positions", elements<gpu::vec4>(*bytes), fabric.positions); !good) return good;
+      if (auto good = check_values("positions", elements<gpu::vec4>(*bytes), positions_of(are_held(targets))); !good) return good;
     if (row == &buffers::velocities)
       if (auto good = check_values("velocities", elements<gpu::vec4>(*bytes), fabric.velocities); !good) return good;
     if (row == &buffers::detected_positions || row == &buffers::trajectories)
@@ -221,6 +269,10 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
     if (auto grown = solver->grow(snapshot.capacity); !grown) return grown.take_error();
     if (auto done = create_saved(); !done) return done;
   }
+  std::vector<gpu::Anchor> targets = anchors_of(snapshot);
+  std::optional<Holds::Cooked> cooked;
+  if (scene.pins > 0) cooked = cooked_for(targets);
+  const CookedFabric& fabric = cooked ? cooked->fabric : this->fabric;
   const std::vector<gpu::vec4> iterate = iterates_at(elements<gpu::vec4>(*find(snapshot, "positions")), fabric);
   std::vector<compute::Upload> uploads;
   for (const Buffer* row : {&buffers::predicted, &buffers::next_iterate})
@@ -229,13 +281,16 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
     const compute::Buffer& buffer = solver->buffer(*row);
     uploads.push_back({&buffer, *find(snapshot, buffer.name)});
   }
-  std::vector<gpu::Anchor> targets = anchors_of(snapshot);
   Skins skinned = skins_of(snapshot);
   if (auto done = compute::upload_all(*device, uploads); !done) return done;
 
   // From here on nothing asks for memory, up to the surface.
   kinematic.targets = std::move(targets);
   kinematic.are_dirty = true;
+  if (cooked) take(std::move(*cooked));   // the next frame tells the GPU what differs of the lists
+  holds.are_new = false;
+  std::ranges::fill(grabs.held, std::nullopt);
+  for (const Snapshot::GrabState& state : snapshot.grabs) grabs.held[state.grab] = state;
   // What the frame has reported at its end.
   std::memcpy(&heard.counters, find(snapshot, "counters")->data(), sizeof heard.counters);
   heard.detection = detection_of(snapshot);

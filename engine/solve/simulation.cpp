@@ -142,17 +142,20 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   if (state->timed_on_cpu())
     if (auto made = state->create_saved(); !made) return made.take_error();
 
-  state->kinematic.targets = anchors_at_rest(state->fabric);
+  state->kinematic.targets = anchors_at_rest(state->fabric, scene.pins);
   for (const AnchorTarget& anchor : state->fabric.anchors)
     state->kinematic.are_keyed |= !scene.cloths[anchor.cloth].anchors[anchor.entry].keys.empty();
   for (const ColliderMesh& mesh : state->fabric.collider_meshes) state->kinematic.are_keyed |= !scene.colliders[mesh.collider].keys.empty();
-  state->kinematic.pending.resize(state->fabric.anchors.size());
-  state->kinematic.is_host_driven.resize(state->fabric.anchors.size());
+  state->kinematic.pending.resize(state->fabric.anchors.size() + scene.pins);
+  state->kinematic.is_host_driven.resize(state->fabric.anchors.size() + scene.pins);
   state->skins.pose = std::as_const(state->fabric.own).of<SkinLists>().first_pose;
   state->skins.pending.resize(state->skinned_meshes().size());
   state->skins.is_host_driven.resize(state->skinned_meshes().size());
   state->skins.joints.reserve(state->skins.pose.size());   // a frame that has begun to move them needs no memory
   state->skins.limits = motion_limits_of(scene);
+  state->grabs.corners.resize(3 * scene.grabs, gpu::Grab{WEFT_NONE, 0, 0, 0, 0, {}, {}});
+  state->grabs.held.resize(scene.grabs);
+  if (scene.pins > 0) (void)state->own_digest();   // of the cloth as it is described, whoever is held later
   const std::size_t colliders = scene.colliders.size();
   state->bodies.pending.resize(colliders);
   state->bodies.is_host_driven.resize(colliders);
@@ -188,11 +191,13 @@ FrameView Simulation::normals() const {
 }
 
 Result<void> Simulation::move_anchors(std::uint32_t first, std::span<const Vec3> targets) try {
-  const std::size_t anchors = state_->kinematic.pending.size();
+  const std::size_t anchors = state_->fabric.anchors.size();
   if (first > anchors || targets.size() > anchors - first)
     return fail("anchors ", first, " to ", first + targets.size(), " (exclusive) are beyond the simulation's ", anchors);
   for (std::size_t k = 0; k < targets.size(); ++k)
     if (!is_finite(targets[k])) return fail("the target of anchor ", first + k, " is not finite, or ", kTooLarge, " m away or more");
+  for (std::size_t k = 0; k < targets.size(); ++k)
+    if (state_->held_by(first + k) == WEFT_NONE) return fail("anchor ", first + k, " was released: it has no target");
   for (std::size_t k = 0; k < targets.size(); ++k) {
     state_->kinematic.pending[first + k] = targets[k] - state_->origin;
     state_->kinematic.is_host_driven[first + k] = true;
@@ -260,7 +265,7 @@ Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPo
     if (auto done = state_->put(*positions); !done) return done;
     for (std::size_t k = 0; k < before.size(); ++k) {
       const bool own = before[k].particle >= mesh->first_particle && before[k].particle - mesh->first_particle < mesh->particles;
-      if (!own) state_->kinematic.targets[k].to = before[k].to;
+      if (!own) state_->kinematic.targets[k].particle = before[k].particle, state_->kinematic.targets[k].to = before[k].to;
     }
   }
   state_->bodies.poses[collider] = *there;
@@ -335,7 +340,7 @@ std::vector<PassUse> Simulation::passes() const try {
   std::vector<PassUse> uses;
   for (std::size_t k = 0; k < s.solver->plan().passes.size(); ++k) {
     const PlannedPass& planned = s.solver->plan().passes[k];
-    const bool idle = planned.pass->only_towards_targets && !s.kinematic.are_keyed && !s.solver->has(buffers::detection);
+    const bool idle = planned.pass->only_towards_targets && !s.kinematic.are_keyed && s.scene.pins == 0 && !s.solver->has(buffers::detection);
     const auto runs = static_cast<std::uint32_t>(idle ? 0 : runs_of(planned.pass->stage, shape_of(s.scene), substeps));
     uses.push_back({planned.label, runs * static_cast<std::uint32_t>(s.solver->rounds(k))});
   }

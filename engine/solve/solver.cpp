@@ -7,6 +7,7 @@
 #include "engine/effects/anchor/anchor.h"
 #include "engine/effects/collide/collide.h"
 #include "engine/effects/contact/contact.h"
+#include "engine/effects/grab/grab.h"
 #include "engine/effects/motion/motion.h"
 #include "engine/effects/motion_constraint/motion_constraint.h"
 #include "engine/effects/skin/skin.h"
@@ -336,12 +337,17 @@ void Solver::set_uniform_bytes(std::string_view slice, std::span<const std::byte
 }
 
 void Solver::record_input(compute::Recorder& recorder, const FrameInput& input) {
-  const auto copy = [&](const compute::Buffer& to, std::span<const std::byte> bytes) {
+  const auto copy = [&](const compute::Buffer& to, std::span<const std::byte> bytes, std::uint64_t first = 0) {
     // The data travels in the command buffer, so frames under way never share it.
     constexpr std::size_t kLongest = 65536;   // vkCmdUpdateBuffer
     for (std::size_t at = 0; at < bytes.size(); at += kLongest)
-      device_->vk().vkCmdUpdateBuffer(recorder.commands(), to.handle, at, std::min(kLongest, bytes.size() - at), bytes.data() + at);
+      device_->vk().vkCmdUpdateBuffer(recorder.commands(), to.handle, first + at, std::min(kLongest, bytes.size() - at), bytes.data() + at);
   };
+  // Of two edits of a place the later one counts; and a frame's start may just have been copied.
+  for (const Edit& edit : input.edits) {
+    recorder.barrier(compute::Use::transfer, compute::Use::transfer);
+    copy(buffer(*edit.row), edit.bytes, edit.at);
+  }
   motion_.gravity = {input.gravity.x, input.gravity.y, input.gravity.z};
   set_uniforms("motion", motion_);
   if (input.air) set_uniforms("air", input.air->air);
@@ -349,6 +355,7 @@ void Solver::record_input(compute::Recorder& recorder, const FrameInput& input) 
   if (input.anchors_move && has(buffers::anchors)) copy(buffer(buffers::anchors), std::as_bytes(input.anchors));
   if (input.air && has(buffers::air_waves)) copy(buffer(buffers::air_waves), std::as_bytes(std::span(input.air->waves)));
   if (input.air && has(buffers::air_fields)) copy(buffer(buffers::air_fields), std::as_bytes(std::span(input.air->fields)));
+  if (has(buffers::grabs)) copy(buffer(buffers::grabs), std::as_bytes(input.grabs));
   if (has(buffers::colliders)) copy(buffer(buffers::colliders), std::as_bytes(input.colliders));
   if (has(buffers::skin_joints)) copy(buffer(buffers::skin_joints), std::as_bytes(input.joints));
   if (has(buffers::motion_limits)) copy(buffer(buffers::motion_limits), std::as_bytes(input.motion_limits));

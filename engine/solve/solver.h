@@ -25,6 +25,13 @@ struct SolverOptions {
   VkBufferUsageFlags vertex_usage = 0;   // of the buffers that a host draws from, besides Weft's own
 };
 
+/// Bytes of a buffer that a frame overwrites before all else.
+struct Edit {
+  const Buffer* row = nullptr;
+  std::uint64_t at = 0;            // multiples of 4
+  std::vector<std::byte> bytes;
+};
+
 /// A frame's input from the host. The spans need only live during record_input.
 struct FrameInput {
   std::uint32_t substeps = 0;
@@ -36,6 +43,8 @@ struct FrameInput {
   std::span<const gpu::Collider> colliders;   // by shape, as the buffer has them
   std::span<const gpu::Joint> joints;         // of all skins
   std::span<const gpu::MotionLimits> motion_limits;   // of all cloths
+  std::span<const gpu::Grab> grabs;
+  std::span<const Edit> edits;
 };
 
 class Solver {

@@ -139,6 +139,8 @@ Result<void> Simulation::State::put(std::span<const gpu::vec4> positions) {
       !done)
     return done;
   for (gpu::Anchor& anchor : kinematic.targets) {
+    if (anchor.particle == WEFT_NONE) continue;
+    anchor.particle &= ~(WEFT_STAYS | WEFT_FROM_HERE);
     const gpu::vec4& p = wanted[anchor.particle];
     anchor.from = anchor.to = {p.x, p.y, p.z};
   }

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <optional>
 #include <utility>
 
 #include "compute/commands.h"
 #include "engine/effects/buffers.h"
 #include "engine/simulation.h"
+#include "engine/solve/pick.h"
 #include "engine/solve/solver.h"
 
 namespace weft {
@@ -34,8 +36,8 @@ struct Clock {
   double left_over = 0;                        // s, less than a substep
 };
 
-/// Kinematic particles, driven by keys or by the host: all anchors, then the particles of mesh colliders. `targets` has an entry
-/// for each of them, `pending` and `is_host_driven` for the anchors alone. Targets are uploaded in every frame in which a `from`
+/// Kinematic particles, driven by keys or by the host: all anchors, then places for pins, then the particles of mesh colliders. `targets`
+/// has an entry for each of them, `pending` and `is_host_driven` for anchors and pins. Targets are uploaded in every frame in which a `from`
 /// and a `to` differ, or which finds them dirty.
 struct KinematicTargets {
   std::vector<gpu::Anchor> targets;            // from: at the frame's start; to: at its end (m)
@@ -43,6 +45,23 @@ struct KinematicTargets {
   std::vector<bool> is_host_driven;            // from the host's first target on, instead of by keys
   bool are_keyed = false;
   bool are_dirty = false;                      // the GPU's copy is not `targets`: a frame has failed, or positions were written
+};
+
+/// Who is held, where the host may pin: the fabric that is cooked for them, and what the GPU is still to be told of it.
+struct Holds {
+  struct Cooked {
+    CookedFabric fabric;
+    std::vector<Edit> edits;                   // from the present fabric's lists
+  };
+  bool are_changed = false;                    // cooked anew where the next frame begins
+  bool are_new = false;                        // the next frame detects contacts anew
+  std::vector<Edit> edits;                     // until a frame has them
+};
+
+/// What hands pull at: of each grab the corners of a triangle, or nothing.
+struct Grabs {
+  std::vector<std::optional<Snapshot::GrabState>> held;
+  std::vector<gpu::Grab> corners;              // of the frame at hand, three a grab
 };
 
 /// Colliders, an entry each in all lists but the last two.
@@ -123,6 +142,8 @@ struct Simulation::State {
   AirState moving_air;           // where the scene has any
   Clock clock;
   KinematicTargets kinematic;
+  Holds holds;
+  Grabs grabs;
   Bodies bodies;
   Skins skins;
   Rollback rollback;
@@ -135,6 +156,23 @@ struct Simulation::State {
   double dispatches_of(double substeps) const;   // of a frame of so many substeps
   Result<Advance> plan_frame(double seconds, FrameInput& input);
   void move_scene(FrameInput& input);
+  void move_anchors();
+  void move_grabs();
+  std::size_t anchors_and_pins() const { return kinematic.pending.size(); }
+  std::uint32_t held_by(std::size_t place) const;   // WEFT_NONE: nobody
+  std::map<std::uint32_t, std::size_t> places_held() const;   // by the particle that is held there
+  Result<std::vector<std::uint32_t>> particles_of(std::span<const std::uint32_t> vertices) const;
+  Result<std::vector<std::uint32_t>> pinnable(std::span<const std::uint32_t> vertices) const;
+  std::vector<bool> are_held(std::span<const gpu::Anchor> targets) const;
+  Holds::Cooked cooked_for(std::span<const gpu::Anchor> targets);   // has the room that take() needs
+  void take(Holds::Cooked cooked) noexcept;
+  void follow_holds();
+  bool are_targets(const std::vector<gpu::Anchor>& targets) const;
+  std::vector<gpu::vec4> positions_of(const std::vector<bool>& held) const;
+  void frame_is_sent(const Advance& advance);
+  Result<std::uint32_t> free_grab(const Grip& grip) const;
+  Result<std::vector<Vec3>> places_of_particles();
+  Grabbed take_hold(std::uint32_t grab, const Hit& hit, std::span<const Vec3> places, const Grip& grip);
   Result<ColliderPose> checked_pose(std::uint32_t collider, const ColliderPose& pose) const;
   const ColliderMesh* mesh_of(std::uint32_t collider) const;   // null: it is none
   Vec3 move_collider_on(std::uint32_t collider);

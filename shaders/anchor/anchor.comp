@@ -12,7 +12,7 @@
 READ(Anchor, anchors)
 WRITE(vec4, predicted)
 GATHER(positions)
-GATHER(velocities)
+GATHER_WRITE(velocities)
 GATHER(materials)
 READ_WRITE(Detection, detection)
 WRITE(uint, kinematic_lags)
@@ -54,10 +54,28 @@ vec3 among_contacts(vec3 target, Anchor anchor) {
   return next;
 }
 
+// A pin begins where it is, which the host does not know. It stays there, or goes from there to its first target: on the straight line that
+// is at x now, and at the target when the frame ends.
+Anchor from_here(Anchor pin) {
+  const bool stays = (pin.particle & WEFT_STAYS) != 0, from_here = (pin.particle & WEFT_FROM_HERE) != 0;
+  pin.particle &= ~(WEFT_STAYS | WEFT_FROM_HERE);
+  const vec3 x = FETCH(positions, pin.particle).xyz;
+  if (stays) pin.to = x;
+  if (stays || from_here) pin.from = pin.to - (pin.to - x) / (1 - push.fraction_from);
+  return pin;
+}
+
 void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.count) return;
-  const Anchor anchor = anchors[i];
+  Anchor anchor = anchors[i];
+  if (has_pins) {
+    if (anchor.particle == WEFT_NONE) return;
+    anchor = from_here(anchor);
+  }
   const vec3 target = place_at(anchor, push.fraction_to);
-  predicted[anchor.particle].xyz = has_contacts ? among_contacts(target, anchor) : target;
+  const vec3 next = has_contacts ? among_contacts(target, anchor) : target;
+  predicted[anchor.particle].xyz = next;
+  // So that it flies on when it is released.
+  if (has_pins) velocities[anchor.particle].xyz = motion.inverse_h * (next - FETCH(positions, anchor.particle).xyz);
 }

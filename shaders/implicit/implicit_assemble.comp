@@ -98,7 +98,7 @@ void main() {
   if (i >= push.count) return;
   const vec4 x = FETCH(positions, i);
   const vec3 v = free_flight(i, x);
-  const float mass = x.w == 0 ? 0 : 1 / x.w;
+  const float weight = FETCH(predicted, i).w, mass = weight == 0 ? 0 : 1 / weight;   // heavier where a hand pulls
   Sums sums = Sums(vec3(0), vec3(mass), vec3(0));
   const uvec2 row = FETCH_UINT2(spring_rows, i);
   for (uint q = row.x; q < row.x + row.y; ++q) {

@@ -60,6 +60,9 @@ void main() {
   const uvec4 joint = uvec4(point.joints.x & 0xffffu, point.joints.x >> 16, point.joints.y & 0xffffu, point.joints.y >> 16);
   const Blend from = blend_from(joint, point.weights), to = blend_to(joint, point.weights);
   const vec3 x_from = applied(from, vec4(point.rest, 1)), x_to = applied(to, vec4(point.rest, 1));
-  if (skins_move_anchors && point.anchor != WEFT_NONE) anchors[point.anchor] = Anchor(point.particle, x_from, x_to);
+  if (skins_move_anchors && point.anchor != WEFT_NONE) {   // whether it is held is the host's business
+    anchors[point.anchor].from = x_from;
+    anchors[point.anchor].to = x_to;
+  }
   if (motion_constraints > 0 && point.cloth != WEFT_NONE) constrain(point, from, to, x_from, x_to);
 }

@@ -5,7 +5,8 @@
 // v = (x(t) - x(t - h)) / h: one shader.
 //
 // Forces are taken at the substep's start, so h has a limit, which is computed when cooking (engine/effects/spring/longest_step.cpp).
-// Damping acts along the spring, on velocities that include this substep's gravity and drag; an anchor's counts as 0.
+// Damping acts along the spring, on velocities that include this substep's gravity and drag; an anchor's counts as 0, unless
+// the scene has pins.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -55,5 +56,5 @@ void main() {
   if (coincident > 0) atomicAdd(counters[0].coincident, coincident);
   // A neighbour that is not finite must not spoil this particle.
   if (!(dot(sum, sum) < 1e20)) sum = vec3(0);
-  next_iterate[i] = vec4(p.xyz + (motion.h * motion.h * x.w) * sum, p.w);
+  next_iterate[i] = vec4(p.xyz + (motion.h * motion.h * p.w) * sum, p.w);   // w: heavier where a hand pulls
 }

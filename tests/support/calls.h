@@ -44,6 +44,7 @@ inline Needs setup_for(const Calls& calls, bool texels) {
   setup.constants[constant::air_wave_count] = calls.has(Id::air);
   setup.constants[constant::motion_constraints] = calls.has(Id::motion_constraint) ? 2 : 0;
   setup.constants[constant::skins_move_anchors] = calls.has(Id::skin) && calls.has(Id::anchor);
+  setup.constants[constant::grab_count] = calls.has(Id::grab);
   for (const Id id : {Id::motion, Id::surface}) setup.effects.set(static_cast<std::size_t>(id));
   for (const Id id : calls.effects) setup.effects.set(static_cast<std::size_t>(id));
   return setup;

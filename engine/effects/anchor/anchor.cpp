@@ -4,12 +4,13 @@
 
 namespace weft {
 
-std::vector<gpu::Anchor> anchors_at_rest(const CookedFabric& fabric) {
+std::vector<gpu::Anchor> anchors_at_rest(const CookedFabric& fabric, std::uint32_t pins) {
   std::vector<gpu::Anchor> anchors;
   for (const AnchorTarget& anchor : fabric.anchors) {
     const gpu::vec3 rest{anchor.rest.x, anchor.rest.y, anchor.rest.z};
     anchors.push_back({anchor.particle, rest, rest});
   }
+  anchors.resize(anchors.size() + pins, {WEFT_NONE, {}, {}});
   for (const ColliderMesh& mesh : fabric.collider_meshes)
     for (std::uint32_t i = mesh.first_particle; i < mesh.first_particle + mesh.particles; ++i) {
       const gpu::vec4& x = fabric.positions[i];
@@ -37,9 +38,10 @@ constexpr Figure kFigures[] = {{.name = "anchored", .cooked = [](const CookedFab
 
 constinit const Effect anchor{
     .name = "anchor",
-    .called_for = [](const Scene&, const CookedFabric& fabric) { return kinematic_particles(fabric) > 0; },
+    .called_for = [](const Scene& scene, const CookedFabric& fabric) { return kinematic_particles(fabric) + scene.pins > 0; },
     .buffers = kBuffers,
     .passes = kPasses,
+    .specialize = [](const Cooked& s, Constants& constants) { constants[gpu::constant::has_pins] = s.scene.pins > 0; },
     .reference = Reference::modelled,
     .figures = kFigures,
 };

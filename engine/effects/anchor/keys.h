@@ -29,4 +29,9 @@ void keys_of_anchor(V& v, Cloth& cloth) {
   v.list("anchors", cloth.anchors, 0, kMostAnchors);
 }
 
+template <class V>
+void keys_of_anchor(V& v, Scene& scene) {
+  v.whole("pins", scene.pins, between(0, kMostPins));
+}
+
 }  // namespace weft::scene_fields

@@ -46,26 +46,29 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
 
 // Row i of the matrix in bend.comp: M_ij = sum over stencils e of share_i(e) K_j(e) / D_e.
 std::vector<std::vector<gpu::uvec2>> bend_matrix(std::span<const std::vector<gpu::uvec2>> shares, const CookedFabric& fabric,
-                                                 double softening) {
+                                                 double softening, bool may_pin) {
+  struct Entry {
+    std::uint32_t other;
+    double value, size;   // `size` tells whether the entry is there: that may not depend on who is held where the host may pin
+  };
   std::vector<std::vector<gpu::uvec2>> rows(shares.size());
-  std::vector<std::pair<std::uint32_t, double>> row;
+  std::vector<Entry> row;
   for (std::uint32_t i = 0; i < shares.size(); ++i) {
     row.clear();
     for (const auto& [e, share] : shares[i]) {
       const gpu::Bend& bend = fabric.bends[e];
-      const double scale = std::bit_cast<float>(share) / (bend.split_weight + bend.compliance * softening);
+      const double part = std::bit_cast<float>(share), scale = part == 0 ? 0 : part / (bend.split_weight + bend.compliance * softening);
       for (int j = 0; j < 4; ++j)
-        if (bend.particle[j] != i) row.emplace_back(bend.particle[j], scale * bend.k[j]);
+        if (bend.particle[j] != i) row.push_back({bend.particle[j], scale * bend.k[j], may_pin ? std::abs(bend.k[j]) : scale * bend.k[j]});
     }
-    std::sort(row.begin(), row.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::sort(row.begin(), row.end(), [](const Entry& a, const Entry& b) { return a.other < b.other; });
     double largest = 0;
     for (std::size_t k = 0; k < row.size();) {
-      const std::uint32_t other = row[k].first;
-      double sum = 0;
-      for (; k < row.size() && row[k].first == other; ++k) sum += row[k].second;
-      largest = std::max(largest, std::abs(sum));
+      Entry sum{row[k].other, 0, 0};
+      for (; k < row.size() && row[k].other == sum.other; ++k) sum.value += row[k].value, sum.size += row[k].size;
+      largest = std::max(largest, std::abs(sum.size));
       // Entries that cancel but for rounding, as on right angles, are left out.
-      if (std::abs(sum) > 1e-9 * largest) rows[i].push_back({other, std::bit_cast<std::uint32_t>(static_cast<float>(sum))});
+      if (std::abs(sum.size) > 1e-9 * largest) rows[i].push_back({sum.other, std::bit_cast<std::uint32_t>(static_cast<float>(sum.value))});
     }
   }
   return rows;
@@ -89,14 +92,14 @@ void lay_out(cooking::CookState& state) {
     for (int j = 0; j < 4; ++j) {
       const std::uint32_t p = bend.particle[j];
       const float share = bend.k[j] * fabric.positions[p].w / static_cast<float>(split ? 1 : uses[p]);
-      if (share != 0) shares[p].push_back({e, std::bit_cast<std::uint32_t>(share)});
+      if (share != 0 || (state.may_pin() && bend.k[j] != 0)) shares[p].push_back({e, std::bit_cast<std::uint32_t>(share)});
     }
   }
   if (state.scene().solver.iterations > 1) {
     fabric.bend_uses = cooking::pack_rows(shares, cooking::Padding::repeated);
     return;
   }
-  fabric.bend = cooking::pack_rows(bend_matrix(shares, fabric, state.softening()), cooking::Padding::repeated);
+  fabric.bend = cooking::pack_rows(bend_matrix(shares, fabric, state.softening(), state.may_pin()), cooking::Padding::repeated);
 }
 
 constexpr Figure kFigures[] = {{.name = "bends", .cooked = [](const CookedFabric& f) { return std::uint64_t(f.bends.size()); }}};
@@ -112,6 +115,7 @@ constinit const Effect bend{
     .figures = kFigures,
     .cook = cook,
     .lay_out = lay_out,
+    .hold = [](cooking::CookState& state, std::span<const Mesh>) { lay_out(state); },
 };
 
 }  // namespace weft::effects

@@ -25,6 +25,10 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   return {};
 }
 
+void lay_out(cooking::CookState& state) {
+  if (!state.fabric().hinges.empty()) cooking::lay_out_hinges(state.scene().solver.averaging, state.may_pin(), state.fabric());
+}
+
 constexpr Figure kFigures[] = {{.name = "hinges", .cooked = [](const CookedFabric& f) { return std::uint64_t(f.hinges.size()); }}};
 
 }  // namespace
@@ -38,10 +42,8 @@ constinit const Effect dihedral{
     .reference = Reference::absent,
     .figures = kFigures,
     .cook = cook,
-    .lay_out =
-        [](cooking::CookState& state) {
-          if (!state.fabric().hinges.empty()) cooking::lay_out_hinges(state.scene().solver.averaging, state.fabric());
-        },
+    .lay_out = lay_out,
+    .hold = [](cooking::CookState& state, std::span<const Mesh>) { lay_out(state); },
 };
 
 }  // namespace weft::effects

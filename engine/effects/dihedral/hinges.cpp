@@ -60,7 +60,7 @@ std::uint32_t add_hinges(const Mesh& mesh, std::span<const std::uint32_t> partic
 }
 
 // A particle's mass is split among its elements as among its links; with plain averaging only the gather divides by the counts.
-void lay_out_hinges(Averaging averaging, CookedFabric& fabric) {
+void lay_out_hinges(Averaging averaging, bool may_pin, CookedFabric& fabric) {
   const bool split = averaging == Averaging::mass_split;
   std::vector<std::uint32_t> uses(fabric.positions.size());
   for (const gpu::Hinge& hinge : fabric.hinges)
@@ -71,7 +71,7 @@ void lay_out_hinges(Averaging averaging, CookedFabric& fabric) {
       const std::uint32_t p = fabric.hinges[e].particle[j];
       const float w = fabric.positions[p].w;
       fabric.hinges[e].weight[j] = static_cast<float>(split ? uses[p] : 1) * w;
-      if (w > 0) shares[p].push_back({4 * e + j, std::bit_cast<std::uint32_t>(w / static_cast<float>(split ? 1 : uses[p]))});
+      if (w > 0 || may_pin) shares[p].push_back({4 * e + j, std::bit_cast<std::uint32_t>(w / static_cast<float>(split ? 1 : uses[p]))});
     }
   fabric.own.of<DihedralLists>().uses = pack_rows(shares, Padding::repeated);
 }

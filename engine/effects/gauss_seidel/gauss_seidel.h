@@ -13,7 +13,7 @@ struct PatchLists {
   std::vector<Range> rounds;               // into `patches`
   std::vector<std::uint32_t> members;      // particles
   std::vector<std::uint32_t> colour_ends;  // into `links`; in front of all others a 0
-  std::vector<gpu::uvec2> links;           // gpu::pack_patch_link, without those between two held particles
+  std::vector<gpu::uvec2> links;           // gpu::pack_patch_link, without those between two particles that are held for good
 };
 
 namespace cooking {

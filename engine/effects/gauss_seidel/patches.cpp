@@ -81,7 +81,7 @@ class Patches {
     for (const bool pulls : {true, false})
       for (std::uint32_t k = 0; k < fabric.links.size(); ++k) {
         const StretchLink& link = fabric.links[k];
-        if (link.only_pulls == pulls && (fabric.positions[link.a].w > 0 || fabric.positions[link.b].w > 0)) left_.push_back(k);
+        if (link.only_pulls == pulls && (may_move(link.a) || may_move(link.b))) left_.push_back(k);
       }
   }
 
@@ -94,6 +94,8 @@ class Patches {
   }
 
  private:
+  bool may_move(std::uint32_t particle) const { return fabric_.positions[particle].w > 0 || !fabric_.inverse_masses.empty(); }
+
   struct Place {
     std::uint32_t patch = kNone, member = 0;
   };

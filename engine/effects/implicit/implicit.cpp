@@ -52,6 +52,7 @@ constinit const Effect implicit{
     .reference = Reference::a_way_to,
     .figures = kFigures,
     .remark = remark,
+    .hold = [](cooking::CookState&, std::span<const Mesh>) {},   // free_cloths follow from the masses
 };
 
 }  // namespace weft::effects

@@ -1,9 +1,17 @@
 // The method implicit: implicit Euler on springs, one linear system a substep (Baraff and Witkin 1998).
 #pragma once
 
+#include <algorithm>
+
 #include "engine/effects/spring/spring.h"
 
 namespace weft {
+
+/// Whether nothing holds a cloth.
+inline bool is_free(const CookedFabric& fabric, const ClothRange& cloth) {
+  const auto particles = std::span(fabric.positions).subspan(cloth.first_particle, cloth.particles);
+  return std::ranges::all_of(particles, [](const gpu::vec4& x) { return x.w > 0; });
+}
 
 namespace buffers {
 /// A spring's 3x3 block u u^T + a I in this substep: xyz u (kg^1/2), w a (kg).
@@ -30,7 +38,7 @@ inline constexpr Buffer free_cloths = buffer<gpu::FreeCloth>(
     [](const Cooked& s) {
       std::vector<gpu::FreeCloth> cloths(s.fabric.materials.size());
       for (std::size_t k = 0; k < s.fabric.cloths.size(); ++k)
-        if (s.fabric.cloths[k].anchors == 0) cloths[k] = {s.fabric.cloths[k].first_particle, s.fabric.cloths[k].particles, {0, 0, 0}};
+        if (is_free(s.fabric, s.fabric.cloths[k])) cloths[k] = {s.fabric.cloths[k].first_particle, s.fabric.cloths[k].particles, {0, 0, 0}};
       return made(cloths);
     });
 /// Two a particle: what colliders decide of a substep (implicit_collide.glsl).

@@ -121,9 +121,18 @@ class Unrolled {
   Waves waves_;
 };
 
+// The point's place first, which has all of the weight.
+void only(std::uint32_t point, std::vector<Gathered>& gathers) {
+  const auto place = std::ranges::find(gathers, point, &Gathered::point);
+  std::rotate(gathers.begin(), place, place + 1);
+  for (Gathered& gathered : gathers) gathered.in_centre = gathered.in_middle = 0;
+  gathers.front().in_centre = gathers.front().in_middle = 1;
+}
+
 }  // namespace
 
-Weighed weigh(const Coarse& level, std::span<const Share> shares, std::span<const double> masses, std::span<const Mean> in_points) {
+Weighed weigh(const Coarse& level, std::span<const Share> shares, std::span<const double> masses, std::span<const Mean> in_points,
+              bool even_held, Middles middles) {
   const std::size_t nodes = level.points.size();
   Weighed made{std::vector<double>(nodes), std::vector<std::vector<Gathered>>(nodes), {}};
   std::vector<double> near(nodes);   // sums of the middles' weights
@@ -131,7 +140,7 @@ Weighed weigh(const Coarse& level, std::span<const Share> shares, std::span<cons
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t node = shares[p].node[k];
       const double part = shares[p].part[k], mass = part * masses[p], narrow = std::pow(std::max(part, 0.0), kNarrow) * masses[p];
-      if (mass == 0) continue;
+      if (even_held ? part == 0 : mass == 0) continue;
       made.masses[node] += mass;
       near[node] += narrow;
       made.gathers[node].push_back({p, mass, narrow});
@@ -141,10 +150,12 @@ Weighed weigh(const Coarse& level, std::span<const Share> shares, std::span<cons
     const std::uint32_t itself = level.points[k];
     if (masses[itself] == 0 || !(mass > 0 && near[k] > 0)) {   // held, or, by parts below 0, of no weight
       mass = 0;
-      made.gathers[k] = {{itself, 1, 1}};
+      if (even_held) only(itself, made.gathers[k]);
+      else made.gathers[k] = {{itself, 1, 1}};
     }
     std::map<std::uint32_t, double> in_nodes;
     const auto add_point = [&](std::uint32_t p, double part) {
+      if (middles == Middles::unknown) return;
       for (int j = 0; j < 3; ++j)
         if (level.shares[p].place[j] != 0) in_nodes[level.shares[p].node[j]] += part * level.shares[p].place[j];
     };
@@ -163,7 +174,7 @@ Weighed weigh(const Coarse& level, std::span<const Share> shares, std::span<cons
       else
         for (const auto& [p, part] : in_points[point]) add_point(p, of_middle * part);
     }
-    made.in_nodes.emplace_back(in_nodes.begin(), in_nodes.end());
+    if (middles == Middles::known) made.in_nodes.emplace_back(in_nodes.begin(), in_nodes.end());
   }
   return made;
 }

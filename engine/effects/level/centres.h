@@ -23,8 +23,11 @@ struct Weighed {
 };
 
 /// A level's nodes. `shares`: the level's as they are used, rounded; `masses`: of its points (kg; 0: held); `in_points`: where the points'
-/// own middles are, by the points; empty: right there.
-Weighed weigh(const Coarse& level, std::span<const Share> shares, std::span<const double> masses, std::span<const Mean> in_points);
+/// own middles are, by the points; empty: right there. `even_held`: nodes keep places for points that are held, so that lists are as long whoever
+/// is.
+enum class Middles { known, unknown };   // unknown: without Weighed::in_nodes
+Weighed weigh(const Coarse& level, std::span<const Share> shares, std::span<const double> masses, std::span<const Mean> in_points,
+              bool even_held = false, Middles middles = Middles::known);
 
 /// Makes the links of a level as long as middles are apart when the surface is unstrained, with what lies around them unrolled into a plane,
 /// as geodesics tell.

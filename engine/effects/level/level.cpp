@@ -134,6 +134,16 @@ std::vector<cooking::Share> as_packed(const std::vector<cooking::Share>& shares)
   return used;
 }
 
+// kg, of each point; 0: it is held.
+std::vector<double> masses_of(const CookedFabric& fabric, std::span<const std::uint32_t> particle_of) {
+  std::vector<double> masses;
+  for (const std::uint32_t particle : particle_of) {
+    const float w = fabric.positions[particle].w;
+    masses.push_back(w > 0 ? 1 / double(w) : 0);
+  }
+  return masses;
+}
+
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   state.has_levels = false;
   if (!levels_of(state.scene())) return {};
@@ -151,11 +161,7 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
     const auto& c = surface.flat[t].corners;
     for (const std::uint32_t p : surface.triangles[t]) areas[p] += 0.5 * c[1].x() * c[2].y() / 3;
   }
-  std::vector<double> masses;   // kg, of what moves
-  for (const std::uint32_t particle : cloth.particle_of) {
-    const float w = state.fabric().positions[particle].w;
-    masses.push_back(w > 0 ? 1 / double(w) : 0);
-  }
+  std::vector<double> masses = masses_of(state.fabric(), cloth.particle_of);
   std::vector<cooking::Mean> in_points;
   while (ranks.size() > kFewest) {
     Level level{cooking::coarsen(surface, ranks, uvs), {}, {}};
@@ -171,7 +177,7 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
     };
     at_nodes(ranks);
     if (!uvs.empty()) at_nodes(uvs);
-    level.weighed = cooking::weigh(level.coarse, as_packed(level.coarse.shares), masses, in_points);
+    level.weighed = cooking::weigh(level.coarse, as_packed(level.coarse.shares), masses, in_points, state.may_pin());
     cooking::measure_between_middles(level.coarse, level.weighed.in_nodes);
     masses = level.weighed.masses;
     in_points = level.weighed.in_nodes;
@@ -257,7 +263,22 @@ class Layout {
 void lay_out(cooking::CookState& state) {
   auto& all = state.fabric().own.of<AllLevels>();
   Layout(state.fabric(), all.cloths).lay_out();
-  all = {};
+  if (!state.may_pin()) all = {};
+}
+
+// The levels as they were chosen, with other masses: what is held now is carried by no node, and a node at its place is held.
+void hold(cooking::CookState& state, std::span<const Mesh>) {
+  CookedFabric& fabric = state.fabric();
+  auto& all = fabric.own.of<AllLevels>();
+  for (ClothLevels& cloth : all.cloths) {
+    std::vector<double> masses = masses_of(fabric, cloth.particle_of);
+    for (Level& level : cloth.levels) {
+      level.weighed = cooking::weigh(level.coarse, as_packed(level.coarse.shares), masses, {}, true, cooking::Middles::unknown);
+      masses = level.weighed.masses;
+    }
+  }
+  fabric.own.of<LevelLists>() = {};
+  Layout(fabric, all.cloths).lay_out();
 }
 
 Range nodes_of(const LevelLists& lists, std::uint32_t level) {
@@ -329,6 +350,7 @@ constinit const Effect level{
     .figures = kFigures,
     .cook = cook,
     .lay_out = lay_out,
+    .hold = hold,
 };
 
 }  // namespace weft::effects

@@ -109,7 +109,6 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
     if (!backstops) return backstops.why();
     for (std::uint32_t p = 0; p < mesh.points.size(); ++p) {
       gpu::SkinPoint& point = points[place(p)];
-      if (fabric.positions[point.particle].w == 0) continue;
       point.cloth = index;
       point.max_distance = static_cast<float>(constraints->max_distance) * (*distances)[p];
       point.backstop_distance = static_cast<float>(constraints->backstop_distance) * (*backstops)[p];
@@ -127,7 +126,7 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
 Result<void> cook_bodies(cooking::CookState& state, std::span<const Mesh> collider_meshes) {
   const Scene& scene = state.scene();
   CookedFabric& fabric = state.fabric();
-  auto anchor = static_cast<std::uint32_t>(fabric.anchors.size());   // kinematic particles: anchors first, then these
+  auto anchor = static_cast<std::uint32_t>(fabric.anchors.size()) + scene.pins;   // kinematic particles: anchors, pins, then these
   for (std::size_t m = 0; m < fabric.collider_meshes.size(); ++m) {
     const ColliderMesh& body = fabric.collider_meshes[m];
     if (const auto& skinning = scene.colliders[body.collider].skin) {

@@ -16,6 +16,11 @@ constexpr Pass kPasses[] = {
      .ranges = [](const Cooked& s) { return s.fabric.own.of<StrandLists>().rounds; }},
 };
 
+// As they were chosen: where who is held may change they are laid out again.
+struct ChosenStrands {
+  std::array<std::vector<cooking::CookState::StrandOfParticles>, 2> rounds;
+};
+
 // In rounds, over particles; longest first, so that neighbours among threads end together.
 void lay_out(cooking::CookState& state) {
   CookedFabric& fabric = state.fabric();
@@ -40,7 +45,14 @@ void lay_out(cooking::CookState& state) {
       }
     }
   }
+  if (state.may_pin()) fabric.own.of<ChosenStrands>().rounds = std::move(state.strands);
   state.strands = {};
+}
+
+void hold(cooking::CookState& state, std::span<const Mesh>) {
+  state.strands = std::move(state.fabric().own.of<ChosenStrands>().rounds);
+  state.fabric().own.of<StrandLists>() = {};
+  lay_out(state);
 }
 
 }  // namespace
@@ -52,6 +64,7 @@ constinit const Effect strand{
     .passes = kPasses,
     .reference = Reference::a_way_to,
     .lay_out = lay_out,
+    .hold = hold,
 };
 
 }  // namespace weft::effects

@@ -61,6 +61,8 @@ void lay_out(cooking::CookState& state) {
     if (!link.in_strand) ++uses[link.a], ++uses[link.b];
   const bool split = solver.averaging == Averaging::mass_split, iterated = solver.iterations > 1;
   const bool alone = solver.method == Method::gauss_seidel || on_springs(solver.method);   // no masses are split
+  fabric.split_weights.clear();
+  fabric.iterate_weights.clear();
   for (std::size_t i = 0; i < uses.size(); ++i)
     fabric.split_weights.push_back((split ? std::max<float>(1, static_cast<float>(uses[i])) : 1) * fabric.positions[i].w);
   std::vector<std::vector<gpu::uvec2>> lists(fabric.positions.size());
@@ -96,6 +98,7 @@ constinit const Effect stretch{
     .reference = Reference::modelled,
     .cook = cook,
     .lay_out = lay_out,
+    .hold = [](cooking::CookState& state, std::span<const Mesh>) { lay_out(state); },
 };
 
 }  // namespace weft::effects

@@ -30,13 +30,11 @@ double slack(const Cloth& cloth, double gravity, double longest, double askew) {
   return std::min(kMostSlack, std::pow(fabric.area_density * gravity * longest * compliance, 2.0 / 3) / std::cbrt(24));
 }
 
-Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
-  if (!input.cloth.tethers || input.anchors.empty()) return {};
+// Adds the tethers of a cloth that is held at these points; returns how many of its particles have none.
+std::uint32_t add_tethers(cooking::CookState& state, const Cloth& cloth, const Mesh& mesh, std::span<const std::uint32_t> particle_of,
+                          const std::vector<std::uint32_t>& points) {
   const CookedFabric& fabric = state.fabric();
-  const auto particle_of = state.particle_of();
-  std::vector<std::uint32_t> points;
-  for (const auto& anchor : input.anchors) points.push_back(anchor.point);
-  const auto reaches = cooking::nearest_anchors(input.mesh, points, input.cloth.tethers_per_vertex);
+  const auto reaches = cooking::nearest_anchors(mesh, points, cloth.tethers_per_vertex);
   const double gravity = length(state.scene().gravity);
   double longest = 0;
   for (const auto& list : reaches)
@@ -48,17 +46,35 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
     unreached += reaches[point].empty();
     for (const auto& [anchor, distance, askew] : reaches[point])
       state.tethers[particle_of[point]].push_back(
-          {particle_of[points[anchor]], static_cast<float>(distance * (1 + slack(input.cloth, gravity, longest, askew)))});
+          {particle_of[points[anchor]], static_cast<float>(distance * (1 + slack(cloth, gravity, longest, askew)))});
   }
+  return unreached;
+}
+
+Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
+  if (!input.cloth.tethers || input.anchors.empty()) return {};
+  std::vector<std::uint32_t> points;
+  for (const auto& anchor : input.anchors) points.push_back(anchor.point);
+  const std::uint32_t unreached = add_tethers(state, input.cloth, input.mesh, state.particle_of(), points);
   if (unreached > 0) state.note(input.cloth, unreached, " particles are connected to no anchor and have no tether");
   return {};
 }
 
-void lay_out(cooking::CookState& state) {
-  CookedFabric& fabric = state.fabric();
+// How many a particle has places for.
+std::size_t places(const cooking::CookState& state) {
   std::size_t longest = 0;
   for (const auto& list : state.tethers) longest = std::max(longest, list.size());
-  longest += longest % 2;   // two a fetch
+  if (state.may_pin())
+    for (const Cloth& cloth : state.scene().cloths)
+      if (cloth.tethers) longest = std::max<std::size_t>(longest, cloth.tethers_per_vertex);
+  return longest + longest % 2;   // two a fetch
+}
+
+void lay_out(cooking::CookState& state) {
+  CookedFabric& fabric = state.fabric();
+  const std::size_t longest = places(state);
+  fabric.tethers.clear();
+  fabric.tether_count = 0;
   fabric.tethers_per_particle = static_cast<std::uint32_t>(longest);
   if (longest == 0) return;
   state.tethers.resize(fabric.positions.size());
@@ -66,6 +82,20 @@ void lay_out(cooking::CookState& state) {
     fabric.tether_count += list.size();
     for (std::size_t k = 0; k < longest; ++k) fabric.tethers.push_back(k < list.size() ? list[k] : gpu::Tether{WEFT_NONE, 0});
   }
+}
+
+void hold(cooking::CookState& state, std::span<const Mesh> meshes) {
+  const CookedFabric& fabric = state.fabric();
+  for (std::size_t c = 0; c < fabric.cloths.size(); ++c) {
+    const Cloth& cloth = state.scene().cloths[c];
+    if (!cloth.tethers) continue;
+    const std::vector<std::uint32_t> particle_of = cooking::particles_of(fabric, fabric.cloths[c], meshes[c]);
+    std::vector<std::uint32_t> points;
+    for (std::uint32_t p = 0; p < particle_of.size(); ++p)
+      if (fabric.positions[particle_of[p]].w == 0) points.push_back(p);
+    if (!points.empty()) add_tethers(state, cloth, meshes[c], particle_of, points);
+  }
+  lay_out(state);
 }
 
 constexpr Figure kFigures[] = {{.name = "tethers", .cooked = [](const CookedFabric& f) { return f.tether_count; }}};
@@ -82,6 +112,7 @@ constinit const Effect tether{
     .figures = kFigures,
     .cook = cook,
     .lay_out = lay_out,
+    .hold = hold,
 };
 
 }  // namespace weft::effects
