@@ -330,7 +330,8 @@ std::vector<PassUse> Simulation::passes() const try {
     const PlannedPass& planned = s.solver->plan().passes[k];
     const bool idle = planned.pass->only_towards_targets && !s.kinematic.are_keyed && !s.solver->has(buffers::detection);
     const auto runs = static_cast<std::uint32_t>(idle ? 0 : runs_of(planned.pass->stage, shape_of(s.scene), substeps));
-    uses.push_back({planned.label, runs * static_cast<std::uint32_t>(s.solver->rounds(k))});
+    uses.push_back({planned.label, runs * static_cast<std::uint32_t>(s.solver->rounds(k)),
+                    static_cast<std::uint32_t>(compute::instructions_of(planned.spirv))});
   }
   return uses;
 } catch (const std::bad_alloc&) {
