@@ -250,6 +250,7 @@ struct Scene {
   SolverSettings solver;
   Contacts contacts;
   std::optional<Air> air;             // none: cloth meets no resistance but its own damping
+  bool reactions = false;             // adds up what cloth does to colliders that are no meshes (Simulation::take_reactions)
   std::vector<Cloth> cloths;          // at least one
   std::vector<Collider> colliders;    // at most 64
   Camera camera;

@@ -33,7 +33,8 @@
   X(18, bool, untangles)        /* 1: edges that go through triangles are looked for (untangle/crossing.glsl) */              \
   X(19, uint, air_wave_count)   /* gusts and eddies: a constant, because unrolled they take a third of the time */           \
   X(20, uint, air_stride)       /* pairs in every row of air_fans; 0: air_rows tell */  \
-  X(21, uint, air_field_count)  /* of air_fields */
+  X(21, uint, air_field_count)  /* of air_fields */ \
+  X(22, bool, reacts)           /* 1: what colliders are given is added up (reaction/reaction.glsl) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
@@ -148,6 +149,12 @@ struct Collider {
   vec3 spin;          // rad over the frame, about the centre: where capsules and boxes end follows from it
   vec4 rotation_from; // unit quaternion, capsules and boxes
   vec3 half_size;     // m: half a box's sides; y: half a capsule's length
+};
+
+/// What cloth has given to a collider since the start, in quanta of 64 bits, two's complement, low and high words apart: an impulse, x y z, and
+/// an angular impulse about its centre.
+struct Reaction {
+  uint low[6], high[6];
 };
 
 struct Material {
@@ -346,6 +353,10 @@ struct CollisionSettings {
   float quantum;      // m, unit of collision_sums: as many corrections of WEFT_FURTHEST_OUT as a particle has triangles fit
 };
 
+struct ReactionSettings {
+  float quanta;       // of an impulse, for each kg m that a collider has moved a particle by: 1 / (h quantum)
+};
+
 #define WEFT_LAST_ITERATION 1u   // of the substep: velocities follow
 #define WEFT_LAST_SUBSTEP 2u     // of the frame: no further prediction
 #define WEFT_FIRST_ITERATION 4u  // of the substep: multipliers start at zero
@@ -360,12 +371,13 @@ layout(push_constant, scalar) uniform Constants { Push push; };
 SLICE(Motion, motion)
 SLICE(ContactSettings, contact_settings)
 SLICE(CollisionSettings, collision_settings)
+SLICE(ReactionSettings, reaction_settings)
 SLICE(Air, air)
 #endif
 
 #ifdef __cplusplus
 
-static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28 && sizeof(Collider) == 96);
+static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28 && sizeof(Collider) == 96 && sizeof(Reaction) == 48);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 40);
 static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 316 && sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);

@@ -12,6 +12,7 @@
 #include "engine/effects/implicit/implicit.h"
 #include "engine/effects/level/level.h"
 #include "engine/effects/motion/motion.h"
+#include "engine/effects/reaction/reaction.h"
 #include "engine/effects/spring/spring.h"
 #include "engine/effects/strand/strand.h"
 #include "engine/effects/stretch/stretch.h"
