@@ -203,10 +203,10 @@ class Simulation {
   /// called again.
   std::span<const ColliderPose> colliders() const;
 
-  /// What cloth has done to each of the scene's colliders, in the scene's order, since the last call, or since create or restore: in frames that are
-  /// done. It does not wait: after advance the frame is among them; after submit and record perhaps some of the last are not, and come with
-  /// the next call. Nothing is lost or told twice. All zero of mesh colliders; empty where the scene does not ask for reactions. Valid until
-  /// the next call.
+  /// What cloth has done to each of the scene's colliders, in the scene's order, since the last call, or since create or restore: in
+  /// frames that are done. It does not wait: after advance the frame is among them; after submit and record some of the last may not be,
+  /// and come with the next call. Nothing is lost or told twice. Zero of mesh colliders; empty where the scene does not ask for reactions.
+  /// Valid until the next call.
   std::span<const Reaction> take_reactions();
 
   /// Of the last frame of advance or submit; empty without SimulationOptions::timings. On devices without timestamps the CPU

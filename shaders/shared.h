@@ -151,8 +151,8 @@ struct Collider {
   vec3 half_size;     // m: half a box's sides; y: half a capsule's length
 };
 
-/// What cloth has given to a collider since the start, in quanta of 64 bits, two's complement, low and high words apart: an impulse, x y z, and
-/// an angular impulse about its centre.
+/// What cloth has given to a collider since the start, in quanta of 64 bits, two's complement, low and high words apart: an impulse, x y z,
+/// and an angular impulse about its centre.
 struct Reaction {
   uint low[6], high[6];
 };

@@ -163,7 +163,9 @@ struct Simulation::State {
   std::size_t place_of_event(std::size_t event) const { return place_of_recorded() + 1 + event; }
   enum Part : std::size_t { kCounters, kDetection, kReactions };
   /// A part of the report at a place; reactions only where the scene has them.
-  const compute::Buffer& readback_of(std::size_t place, Part part) const { return readback[(solver->has(buffers::reactions) ? 3 : 2) * place + part]; }
+  const compute::Buffer& readback_of(std::size_t place, Part part) const {
+    return readback[(solver->has(buffers::reactions) ? 3 : 2) * place + part];
+  }
   Report reported(std::size_t place) const;
   Report newest_report() const;
   void hear(std::uint64_t frame);

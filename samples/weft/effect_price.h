@@ -19,8 +19,8 @@ struct EffectPrice {
   Spread without_ms, with_ms;      // whole frames on the wall clock
 };
 
-/// Steps a simulation of each scene, frame by frame in turns, so that whatever else the machine does slows both alike. The first frame of each, in
-/// which the driver compiles, is not timed. Fewer frames if that is interrupted.
+/// Steps a simulation of each scene, frame by frame in turns, so that whatever else the machine does slows both alike. The first frame of
+/// each, in which the driver compiles, is not timed. Fewer frames if that is interrupted.
 Result<EffectPrice> price_of(const compute::Device& device, const Scene& without, const Scene& with, std::uint32_t frames);
 
 }  // namespace weft::command

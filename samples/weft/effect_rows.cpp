@@ -9,8 +9,8 @@ namespace weft::command {
 
 namespace {
 
-// Springs are soft, so that they are stable in ten substeps a frame up to 200 x 200 cells. The bodies stand 2 cm below the sheet, which reaches them
-// in four frames, and apart from each other: rows with colliders come together in pairs.
+// Springs are soft, so that they are stable in ten substeps a frame up to 200 x 200 cells. Bodies stand 2 cm below the sheet, which reaches
+// them in four frames, and apart from each other: rows with colliders come together in pairs.
 const EffectRow kRows[] = {
     {"bend", "bending about flat", {{"cloths[0].bending", "true"}}, {{"cloths[0].bending", "false"}}},
     {"dihedral", "bending about the mesh's own angles",
@@ -45,7 +45,8 @@ const EffectRow kRows[] = {
      {{"colliders", R"([{"shape":"box","size":[0.2,0.2,0.2],"centre":[-0.3,-0.12,-0.3]}])"}},
      {{"colliders", "[]"}}},
     {"reaction", "what a plane and a sphere are given",
-     {{"reactions", "true"}, {"colliders", R"([{"shape":"plane","centre":[0,-1,0]},{"shape":"sphere","radius":0.75,"centre":[0,-0.77,0]}])"}},
+     {{"reactions", "true"},
+      {"colliders", R"([{"shape":"plane","centre":[0,-1,0]},{"shape":"sphere","radius":0.75,"centre":[0,-0.77,0]}])"}},
      {{"reactions", "false"}, {"colliders", "[]"}}},
     {"mesh_collider", "a body of triangles, by contacts",
      {{"colliders", R"([{"shape":"mesh","mesh":"effects_body.obj","centre":[0.3,-0.12,0.3]}])"}},
@@ -67,8 +68,8 @@ const EffectRow kRows[] = {
 // The patch falls on the sheet, so that contacts have something to do. Its links are as soft as the springs above.
 constexpr std::string_view kBase = R"({"name": "effects", "solver": {"method": "jacobi"}, "cloths": [
     {"name": "sheet", "grid": {}, "bending": false, "tethers": false},
-    {"name": "patch", "grid": {"size": [0.3, 0.3], "cells": [8, 8]}, "fabric": {"stretch": 20, "shear": 1}, "bending": false, "tethers": false,
-     "transform": {"translate": [0, 0.004, 0]}, "start": {"velocity": [0, -0.5, 0]}}]})";
+    {"name": "patch", "grid": {"size": [0.3, 0.3], "cells": [8, 8]}, "fabric": {"stretch": 20, "shear": 1},
+     "bending": false, "tethers": false, "transform": {"translate": [0, 0.004, 0]}, "start": {"velocity": [0, -0.5, 0]}}]})";
 
 // Of anchors, colliders and the like; no vector.
 bool is_list(const std::string& value) { return value.starts_with("[{"); }

@@ -25,7 +25,8 @@ std::span<const EffectRow> effect_rows();
 /// sentence.
 Result<std::vector<Assignment>> both_of(const EffectRow& first, const EffectRow& second);
 
-/// The base scene with so many cells along a side of the sheet, and assignments. `folder` is where write_body has put the mesh collider's file.
+/// The base scene with so many cells along a side of the sheet, and assignments. `folder` is where write_body has put the mesh collider's
+/// file.
 /// Errors: as parse_scene.
 Result<Scene> base_scene(std::uint32_t cells, const std::filesystem::path& folder, std::span<const Assignment> assignments = {});
 

@@ -32,7 +32,8 @@ std::vector<Called> all_called(bool quick) {
 }
 
 // What the scene's rules refuse has a price, too: the sentence.
-Result<EffectPrice> price_or_refusal(const compute::Device& device, const Called& called, const Scene& base, const EffectsOptions& options) {
+Result<EffectPrice> price_or_refusal(const compute::Device& device, const Called& called, const Scene& base,
+                                     const EffectsOptions& options) {
   const Result<Scene> scene = called.on ? base_scene(options.size, options.out, *called.on) : Result<Scene>(called.on.why());
   EffectPrice price;
   if (!scene) price.refused = scene.error();

@@ -39,8 +39,8 @@ std::string heading() {
 std::string line_of(const EffectPrice& price) {
   if (!price.refused.empty()) return formatted("%-30s there is none: ", name_of(price).c_str()) + price.refused + "\n";
   return formatted("%-30s %7zu %11.4g %10.0f %13llu %11.3f %9.3f %9.3f\n", name_of(price).c_str(), price.with.passes, price.dispatches,
-                   kibibytes(price), static_cast<unsigned long long>(price.with.instructions), price.without_ms.median, price.with_ms.median,
-                   price.with_ms.median - price.without_ms.median);
+                   kibibytes(price), static_cast<unsigned long long>(price.with.instructions), price.without_ms.median,
+                   price.with_ms.median, price.with_ms.median - price.without_ms.median);
 }
 
 std::string csv(const std::vector<EffectPrice>& prices) {

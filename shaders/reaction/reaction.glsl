@@ -1,4 +1,4 @@
-// reaction: what a collider is given for what it gave to a particle. A particle that collider k moves by d within a substep h has changed its
+// reaction: what a collider is given for what it gave to a particle. A particle that it moves by d within a substep h has changed its
 // momentum by m d / h, so the collider gets J = -m d / h, and r x J about its centre, r from there to the particle: linear and angular
 // momentum of cloth and collider together stay what they were.
 //

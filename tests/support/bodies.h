@@ -69,7 +69,8 @@ inline reference::Body body_of(const gpu::Collider& c, ColliderShape shape, doub
 
 // Just missed or just hit, this face or the next: that makes all the difference. A particle whose place leaps when its way is
 // stirred by rounding's size is not compared: half the tolerance after a sixteenth of it.
-inline bool is_undecided(const reference::Body& body, const reference::Vector& x, const reference::Vector& p, double thickness, double gap) {
+inline bool is_undecided(const reference::Body& body, const reference::Vector& x, const reference::Vector& p, double thickness,
+                         double gap) {
   const reference::Vector undisturbed = reference::out_of_body(body, x, p, thickness);
   for (int k = 0; k < 12; ++k) {
     const reference::Vector stir = (k % 2 == 0 ? gap : -gap) / 16 * reference::Vector::Unit(k / 2 % 3);

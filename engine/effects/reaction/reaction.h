@@ -1,5 +1,5 @@
-// Reactions: the impulses of cloth on colliders. Sums of integers, so that they do not depend on the order of threads, and never emptied: what
-// happened between two frames is the difference of their sums, whichever frames in between the host has heard of.
+// Reactions: the impulses of cloth on colliders. Sums of integers, so that they do not depend on the order of threads, and never emptied:
+// what happened between two frames is the difference of their sums, whichever frames in between the host has heard of.
 #pragma once
 
 #include "engine/effects/buffer.h"
@@ -7,8 +7,9 @@
 
 namespace weft {
 
-/// kg m/s, of an impulse, or kg m^2/s, of an angular one: the unit of the sums. A power of two, 2^-40 of the mass of all that moves: a particle
-/// of a cloth of 100,000 that loses 0.1 mm/s is told to a thousandth, and a frame in which all cloth changes by 4,000 km/s does not overflow.
+/// The unit of the sums: kg m/s of an impulse, kg m^2/s of an angular one. A power of two, about 2^-40 of the mass of all that moves: what
+/// a particle of a cloth of 100,000 loses is told to a thousandth from 0.1 mm/s on, and a frame in which all cloth changes by 4,000 km/s
+/// does not overflow.
 double reaction_quantum(const CookedFabric& fabric);
 
 /// What happened from one sum to another, in the units above.
