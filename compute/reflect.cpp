@@ -380,4 +380,16 @@ Result<Reflection> reflect(std::span<const uint32_t> spirv) {
   return module.ask();
 }
 
+size_t instructions_of(std::span<const uint32_t> spirv) {
+  size_t count = 0;
+  bool inside = false;
+  for (size_t at = spirv::kHeaderWords; at < spirv.size() && spirv[at] >> 16 != 0; at += spirv[at] >> 16) {
+    const uint32_t op = spirv[at] & 0xffff;
+    if (op == spirv::OpFunction) inside = true;
+    count += inside;
+    if (op == spirv::OpFunctionEnd) inside = false;
+  }
+  return count;
+}
+
 }  // namespace weft::compute

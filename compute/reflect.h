@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -59,5 +60,8 @@ struct Reflection {
 
 /// Any words are safe to pass; what is not SPIR-V comes back as a sentence.
 Result<Reflection> reflect(std::span<const uint32_t> spirv);
+
+/// Instructions of all functions, from each OpFunction to its end: without types, constants, names and decorations.
+size_t instructions_of(std::span<const uint32_t> spirv);
 
 }  // namespace weft::compute

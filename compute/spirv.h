@@ -31,6 +31,8 @@ enum Op : uint32_t {
   OpSpecConstantFalse = 49,
   OpSpecConstant = 50,
   OpSpecConstantComposite = 51,
+  OpFunction = 54,
+  OpFunctionEnd = 56,
   OpFunctionCall = 57,
   OpVariable = 59,
   OpImageTexelPointer = 60,

@@ -52,6 +52,8 @@
 #include "engine/frame_view.h"
 #include "engine/mesh.h"
 #include "engine/metrics.h"
+#include "engine/reaction.h"
+#include "engine/reaction.h"
 #include "engine/scene.h"
 #include "engine/snapshot.h"
 
@@ -109,6 +111,7 @@ struct DispatchTime {
 struct PassUse {
   std::string name;
   std::uint32_t dispatches_per_frame = 0;   // at the scene's rate
+  std::uint32_t instructions = 0;           // SPIR-V of the specialised module's functions
 };
 
 struct BufferUse {
@@ -254,6 +257,12 @@ class Simulation {
   /// Poses of the scene's colliders at the last frame's end (world space), in the scene's order; valid until colliders() is
   /// called again.
   std::span<const ColliderPose> colliders() const;
+
+  /// What cloth has done to each of the scene's colliders, in the scene's order, since the last call, or since create or restore: in
+  /// frames that are done. It does not wait: after advance the frame is among them; after submit and record some of the last may not be,
+  /// and come with the next call. Nothing is lost or told twice. Zero of mesh colliders; empty where the scene does not ask for reactions.
+  /// Valid until the next call.
+  std::span<const Reaction> take_reactions();
 
   /// Of the last frame of advance or submit; empty without SimulationOptions::timings. On devices without timestamps the CPU
   /// measures each pass, and timed_on_cpu() is true. Empty, too, where there is no memory for the list.

@@ -37,7 +37,8 @@
   X(22, uint, motion_constraints)   /* 1: with max distances, 2: with backstops, too */ \
   X(23, bool, skins_move_anchors)   /* 1: or mesh colliders */ \
   X(24, bool, has_pins)         /* 1: the host may pin and release particles (anchor.comp) */ \
-  X(25, uint, grab_count)       /* of grabs */
+  X(25, uint, grab_count)       /* of grabs */ \
+  X(26, bool, reacts)           /* 1: what colliders are given is added up (reaction/reaction.glsl) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
@@ -165,6 +166,12 @@ struct Collider {
   vec3 spin;          // rad over the frame, about the centre: where capsules and boxes end follows from it
   vec4 rotation_from; // unit quaternion, capsules and boxes
   vec3 half_size;     // m: half a box's sides; y: half a capsule's length
+};
+
+/// What cloth has given to a collider since the start, in quanta of 64 bits, two's complement, low and high words apart: an impulse, x y z,
+/// and an angular impulse about its centre.
+struct Reaction {
+  uint low[6], high[6];
 };
 
 struct Material {
@@ -388,6 +395,10 @@ struct CollisionSettings {
   float quantum;      // m, unit of collision_sums: as many corrections of WEFT_FURTHEST_OUT as a particle has triangles fit
 };
 
+struct ReactionSettings {
+  float quanta;       // of an impulse, for each kg m that a collider has moved a particle by: 1 / (h quantum)
+};
+
 #define WEFT_LAST_ITERATION 1u   // of the substep: velocities follow
 #define WEFT_LAST_SUBSTEP 2u     // of the frame: no further prediction
 #define WEFT_FIRST_ITERATION 4u  // of the substep: multipliers start at zero
@@ -402,13 +413,14 @@ layout(push_constant, scalar) uniform Constants { Push push; };
 SLICE(Motion, motion)
 SLICE(ContactSettings, contact_settings)
 SLICE(CollisionSettings, collision_settings)
+SLICE(ReactionSettings, reaction_settings)
 SLICE(Air, air)
 #endif
 
 #ifdef __cplusplus
 
 static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28);
-static_assert(sizeof(Grab) == 44 && sizeof(Collider) == 96 && sizeof(SkinPoint) == 72 && sizeof(Joint) == 96 && sizeof(MotionLimits) == 8);
+static_assert(sizeof(Grab) == 44 && sizeof(Collider) == 96 && sizeof(SkinPoint) == 72 && sizeof(Joint) == 96 && sizeof(MotionLimits) == 8 && sizeof(Reaction) == 48);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 40);
 static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 316 && sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);

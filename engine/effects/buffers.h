@@ -15,6 +15,7 @@
 #include "engine/effects/motion/motion.h"
 #include "engine/effects/motion_constraint/motion_constraint.h"
 #include "engine/effects/skin/skin.h"
+#include "engine/effects/reaction/reaction.h"
 #include "engine/effects/spring/spring.h"
 #include "engine/effects/strand/strand.h"
 #include "engine/effects/stretch/stretch.h"

@@ -18,6 +18,7 @@
   EFFECT(chebyshev) \
   EFFECT(tether) \
   EFFECT(collide) \
+  EFFECT(reaction) \
   EFFECT(triangle) \
   EFFECT(motion) \
   EFFECT(grab) \

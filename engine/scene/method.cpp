@@ -79,6 +79,8 @@ std::string method_fault(const Scene& scene) {
     if (method == Method::verlet && cloth.springs && cloth.springs->bend.stiffness > 0)
       return named + " has links to 8 neighbours that only pull, and " + path + "springs.bend is there: \"mass_spring\" has it";
   }
+  if (scene.reactions && (method == Method::implicit || method == Method::chebyshev))
+    return named + " does not tell what colliders are given, and reactions are asked for: the other methods do";
   if ((method == Method::mass_spring || method == Method::verlet) && scene.solver.iterations > 1)
     return named + " evaluates its forces once a substep, and solver.iterations is " + std::to_string(scene.solver.iterations) + ", not 1";
   if (method == Method::chebyshev) {

@@ -155,9 +155,11 @@ void Simulation::State::hear_recorded() {
     if (!recorded.is_under_way[k] || device->heard(device->vk().vkGetEventStatus(device->handle(), event)) != VK_EVENT_SET) continue;
     if (device->heard(device->vk().vkResetEvent(device->handle(), event)) != VK_SUCCESS) continue;
     recorded.is_under_way[k] = false;
-    gpu::Counters counters;
-    std::memcpy(&counters, readback[2 * place_of_event(k)].mapped, sizeof counters);
-    learn(counters);
+    const Report report = reported(place_of_event(k));
+    learn(report.counters);
+    if (recorded.number[k] < recorded.heard) continue;
+    recorded.heard = recorded.number[k];
+    reactions.known = report.reactions;
   }
 }
 

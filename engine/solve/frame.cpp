@@ -174,19 +174,25 @@ void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput&
     recorder.barrier(Use::compute, options.readers ? compute::Users(Use::transfer, *options.readers)   // the report's copies
                                                    : Use::compute | Use::vertex | Use::transfer);
   }
-  const auto report = [&](const Buffer& row, std::size_t bytes, const compute::Buffer& to) {
-    const VkBufferCopy region{0, 0, bytes};
-    device->vk().vkCmdCopyBuffer(commands, solver->buffer(row).handle, to.handle, 1, &region);
+  const auto report = [&](const Buffer& row, std::size_t to, Part part) {
+    if (!solver->has(row)) return;
+    const VkBufferCopy region{0, 0, solver->used_bytes(row)};
+    device->vk().vkCmdCopyBuffer(commands, solver->buffer(row).handle, readback_of(to, part).handle, 1, &region);
   };
-  report(buffers::counters, sizeof(gpu::Counters), readback[2 * place]);
-  if (solver->has(buffers::detection)) report(buffers::detection, sizeof(gpu::Detection), readback[2 * place + 1]);
+  report(buffers::counters, place, kCounters);
+  report(buffers::detection, place, kDetection);
+  report(buffers::reactions, place, kReactions);
   const std::size_t event = recorded.next;
   const bool tells = place == place_of_recorded() && recorded.done[event].get() != VK_NULL_HANDLE && !recorded.is_under_way[event];
-  if (tells) report(buffers::counters, sizeof(gpu::Counters), readback[2 * place_of_event(event)]);
+  if (tells) {
+    report(buffers::counters, place_of_event(event), kCounters);
+    report(buffers::reactions, place_of_event(event), kReactions);
+  }
   recorder.barrier(Use::transfer, Use::host | Use::transfer);
   if (!tells) return;
   recorder.tell_host(recorded.done[event].get());
   recorded.is_under_way[event] = true;
+  recorded.number[event] = ++recorded.recorded;
   recorded.next = (event + 1) % recorded.done.size();
 }
 

@@ -105,6 +105,8 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   for (std::size_t place = 0; place < state->place_of_event(state->recorded.done.size()); ++place) {
     reports.push_back({"counters readback", sizeof(gpu::Counters), VK_BUFFER_USAGE_TRANSFER_DST_BIT});
     reports.push_back({"detection readback", sizeof(gpu::Detection), VK_BUFFER_USAGE_TRANSFER_DST_BIT});
+    if (state->solver->has(buffers::reactions))
+      reports.push_back({"reactions readback", state->solver->used_bytes(buffers::reactions), VK_BUFFER_USAGE_TRANSFER_DST_BIT});
   }
   auto readback = compute::Arena::create(device, compute::Memory::readback, "weft readback", reports);
   if (!readback) return readback.take_error();
@@ -121,7 +123,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   auto pool = compute::CommandPool::create(device, "weft");
   if (!pool) return pool.take_error();
   state->queue.pool = std::move(*pool);
-  if (state->solver->has(buffers::candidates))
+  if (state->solver->has(buffers::candidates) || state->solver->has(buffers::reactions))
     for (compute::OwnedEvent& event : state->recorded.done) {
       auto made = compute::create_event(device, "weft recorded");
       if (!made) return made.take_error();
@@ -170,6 +172,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
                    [&](std::uint32_t a, std::uint32_t b) { return scene.colliders[a].shape < scene.colliders[b].shape; });
   state->bodies.colliders.reserve(state->bodies.order.size());   // a frame that has begun to move them needs no memory
   state->bodies.in_world.reserve(colliders);
+  if (scene.reactions) state->reactions.between.resize(colliders);
   std::unique_ptr<Simulation> simulation(new Simulation(std::move(state)));
   // The surface is drawable before the first frame.
   if (auto drawn = simulation->state_->draw_surface(); !drawn) return drawn.take_error();
@@ -342,7 +345,8 @@ std::vector<PassUse> Simulation::passes() const try {
     const PlannedPass& planned = s.solver->plan().passes[k];
     const bool idle = planned.pass->only_towards_targets && !s.kinematic.are_keyed && s.scene.pins == 0 && !s.solver->has(buffers::detection);
     const auto runs = static_cast<std::uint32_t>(idle ? 0 : runs_of(planned.pass->stage, shape_of(s.scene), substeps));
-    uses.push_back({planned.label, runs * static_cast<std::uint32_t>(s.solver->rounds(k))});
+    uses.push_back({planned.label, runs * static_cast<std::uint32_t>(s.solver->rounds(k)),
+                    static_cast<std::uint32_t>(compute::instructions_of(planned.spirv))});
   }
   return uses;
 } catch (const std::bad_alloc&) {
@@ -358,10 +362,11 @@ std::vector<BufferUse> Simulation::buffers() const try {
 }
 
 Counts Simulation::counts() const {
-  const auto [counters, detection] = state_->newest_report();
+  const Report report = state_->newest_report();
+  const gpu::Counters& counters = report.counters;
   return {counters.non_finite, counters.coincident, counters.contacts_most, counters.contacts_overflowed,
           counters.contacts_room, counters.truncated,
-          counters.detections, detection.crossings, counters.crossings_most, std::bit_cast<float>(counters.tracking_error), counters.unconverged, counters.stopped,
+          counters.detections, report.detection.crossings, counters.crossings_most, std::bit_cast<float>(counters.tracking_error), counters.unconverged, counters.stopped,
           counters.residual, counters.unaccelerated};
 }
 

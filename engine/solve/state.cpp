@@ -27,8 +27,10 @@ Result<void> Simulation::State::wait_for_slot() {
 // `place` is that of a frame that is done.
 Report Simulation::State::reported(std::size_t place) const {
   Report report;
-  std::memcpy(&report.counters, readback[2 * place].mapped, sizeof report.counters);
-  std::memcpy(&report.detection, readback[2 * place + 1].mapped, sizeof report.detection);
+  std::memcpy(&report.counters, readback_of(place, kCounters).mapped, sizeof report.counters);
+  std::memcpy(&report.detection, readback_of(place, kDetection).mapped, sizeof report.detection);
+  if (solver->has(buffers::reactions))
+    std::memcpy(report.reactions.data(), readback_of(place, kReactions).mapped, solver->used_bytes(buffers::reactions));
   return report;
 }
 
@@ -44,6 +46,7 @@ void Simulation::State::hear(std::uint64_t frame) {
     queue.heard = frame;
   }
   has_recorded = false;
+  reactions.known = heard.reactions;
   learn(heard.counters);
 }
 
@@ -54,6 +57,18 @@ Report Simulation::State::newest_report() const {
   std::uint64_t done = 0;
   if (device->heard(device->vk().vkGetSemaphoreCounterValue(device->handle(), queue.ready.get(), &done)) != VK_SUCCESS) return heard;
   return done > queue.heard ? reported(slot_of(done)) : heard;
+}
+
+std::span<const Reaction> Simulation::take_reactions() {
+  State& s = *state_;
+  if (!s.scene.reactions) return {};
+  if (s.has_recorded) s.hear_recorded();
+  else s.reactions.known = s.newest_report().reactions;
+  const double quantum = reaction_quantum(s.fabric);
+  for (std::size_t k = 0; k < s.bodies.order.size(); ++k)
+    s.reactions.between[s.bodies.order[k]] = reaction_between(s.reactions.told[k], s.reactions.known[k], quantum);
+  s.reactions.told = s.reactions.known;
+  return s.reactions.between;
 }
 
 // The surface of the pose at hand, outside a frame.

@@ -8,6 +8,7 @@
 
 #include "compute/commands.h"
 #include "engine/effects/buffers.h"
+#include "engine/effects/collide/keys.h"
 #include "engine/simulation.h"
 #include "engine/solve/pick.h"
 #include "engine/solve/solver.h"
@@ -25,6 +26,7 @@ struct FrameSlot {
 struct Report {
   gpu::Counters counters{};
   gpu::Detection detection{};   // with contacts
+  std::array<gpu::Reaction, scene_fields::kMostColliders> reactions{};   // with reactions, in the order of Bodies::order
 };
 
 /// The pose of a collider at a key.
@@ -106,11 +108,19 @@ struct ContactCapacity {
   bool is_final = false;                       // the device had no memory for more: not asked for again
 };
 
-/// How the host learns that a frame of `record` is done, without waiting: it sets an event at its end, and leaves its counters.
+/// How the host learns that a frame of `record` is done, without waiting: it sets an event at its end, and leaves its report.
 struct RecordedFrames {
   std::array<compute::OwnedEvent, 4> done;
   std::array<bool, 4> is_under_way{};
+  std::array<std::uint64_t, 4> number{};       // of the frame that sets it
+  std::uint64_t recorded = 0, heard = 0;       // the last frame's number; the last of those that were heard of
   std::size_t next = 0;                        // the place of the next frame, if it is free
+};
+
+/// What colliders were given: the sums that the host knows of, and those that it has told.
+struct ReactionSums {
+  std::array<gpu::Reaction, scene_fields::kMostColliders> known{}, told{};
+  std::vector<Reaction> between;               // of each collider, as they were told
 };
 
 /// Frames that Weft submits. Frame n is done when `ready` has reached n; `submitted` is the last n, `heard` the last that the host has
@@ -134,7 +144,7 @@ struct Simulation::State {
   CookedFabric fabric;
   compute::PipelineCache cache;
   std::optional<Solver> solver;
-  compute::Arena readback;       // what frames report: counters and detection of those of each slot, and then of those of `record`
+  compute::Arena readback;       // what frames report: those of each slot, and then those of `record`
   bool has_recorded = false;     // a frame of `record` after the last report that was heard
   Report heard;                  // the last one; the host reads no memory that a frame under way may write
   std::optional<std::uint64_t> digest;   // of the scene and its fabric, for snapshots; made when first needed
@@ -150,6 +160,7 @@ struct Simulation::State {
   ContactCapacity capacity;
   FrameQueue queue;
   RecordedFrames recorded;
+  ReactionSums reactions;
 
   double now() const { return static_cast<double>(clock.substeps) * fabric.h; }
   bool timed_on_cpu() const;
@@ -205,6 +216,11 @@ struct Simulation::State {
   std::size_t slot_of(std::uint64_t frame) const { return frame % queue.slots.size(); }
   std::size_t place_of_recorded() const { return queue.slots.size(); }
   std::size_t place_of_event(std::size_t event) const { return place_of_recorded() + 1 + event; }
+  enum Part : std::size_t { kCounters, kDetection, kReactions };
+  /// A part of the report at a place; reactions only where the scene has them.
+  const compute::Buffer& readback_of(std::size_t place, Part part) const {
+    return readback[(solver->has(buffers::reactions) ? 3 : 2) * place + part];
+  }
   Report reported(std::size_t place) const;
   Report newest_report() const;
   void hear(std::uint64_t frame);

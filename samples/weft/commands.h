@@ -74,6 +74,15 @@ struct ContactOptions {
 };
 Exit contacts(const ContactOptions& options);
 
+struct EffectsOptions {
+  std::filesystem::path out = "out/effects";
+  std::uint32_t size = 100;     // cells along a side of the sheet
+  std::uint32_t frames = 60;    // of each side
+  bool quick = false;           // a small sheet, and of the pairs each effect with the next one
+  std::string device;
+};
+Exit effects(const EffectsOptions& options);
+
 struct ImplicitOptions {
   std::filesystem::path out = "out";
   bool quick = false;           // four rows a processor instead of 56

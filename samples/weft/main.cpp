@@ -123,6 +123,20 @@ Exit obey(int count, char** arguments) {
   add_set(*contacts_command, sets);
   contacts_command->add_option("--device", contact_options.device, "Index or part of the name; weft info lists them");
 
+  EffectsOptions effects_options;
+  CLI::App* effects_command = app.add_subcommand(
+      "effects", "Tabulate what each effect adds to the barest cloth, alone and in pairs: passes, dispatches, bytes, instructions, time");
+  CLI::Option* size_option = effects_command->add_option("--size", effects_options.size, "Cells along a side of the sheet");
+  size_option->type_name("N")->check(CLI::Range(4u, 512u))->capture_default_str();
+  CLI::Option* effects_frames_option = effects_command->add_option("--frames", effects_options.frames, "Frames with and without each");
+  effects_frames_option->check(CLI::Range(2u, kMostFrames))->capture_default_str();
+  effects_command
+      ->add_flag("--quick", effects_options.quick, "12 cells and 4 frames; of the pairs only each effect with the next one in the list")
+      ->excludes(size_option)
+      ->excludes(effects_frames_option);
+  effects_command->add_option("--out", effects_options.out, "Where files go")->type_name("DIR")->capture_default_str();
+  effects_command->add_option("--device", effects_options.device, "Index or part of the name; weft info lists them");
+
   AccuracyOptions accuracy_options;
   std::uint32_t accuracy_frames = 0, reference_cells = 0;
   std::string budget;
@@ -205,6 +219,7 @@ Exit obey(int count, char** arguments) {
   const BufferFiles buffer_files = allow_outside ? BufferFiles::anywhere : BufferFiles::below_its_folder;
   if (*info_command) return info();
   if (*implicit_command) return implicit(implicit_options);
+  if (*effects_command) return effects(effects_options);
   if (*check_command) return check(file, buffer_files);
   if (*time_command) {
     time_options.file = file;

@@ -14,8 +14,9 @@ void apply_corrections(uint i) {
   vec3 p = moved_by_contacts(i, before.xyz);
   if (motion_constraints > 0) p = within_motion_constraint(i, p);
   if (has_colliders) {
-    const vec3 start = FETCH(positions, i).xyz + (triangles_collide > 0 ? ways_out[i].xyz : vec3(0));   // as in finalize.glsl
-    p = out_of_colliders(start, p, FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)));
+    const vec4 x = FETCH(positions, i);
+    const vec3 start = x.xyz + (triangles_collide > 0 ? ways_out[i].xyz : vec3(0));   // as in finalize.glsl
+    p = out_of_colliders(start, p, FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)), x.w);
   }
   if ((push.flags & WEFT_LAST_ITERATION) != 0) {
     const vec3 end = keep_within_bound(bound_of(i), expected_of(i, detection[0].steps), FETCH(positions, i).xyz, p);

@@ -24,14 +24,15 @@ WRITE(vec4, ways_out)
 // The mean of what a particle's triangles ask for (triangle_collide): out of the collider, and friction (m).
 struct Asked {
   vec3 out_of, friction;
+  uint body;   // reactions: one of the bodies that they met, counted from 1 (triangle/bodies.glsl)
 };
 
 // Forgets it for the next iteration.
 Asked asked_by_triangles(uint i) {
   const ivec4 sum = collision_sums[2 * i];
-  if (sum.w == 0) return Asked(vec3(0), vec3(0));
+  if (sum.w == 0) return Asked(vec3(0), vec3(0), 0);
   const float unit = WEFT_WHOLE_WEIGHT * collision_settings.quantum / float(sum.w);
-  const Asked asked = Asked(unit * vec3(sum.xyz), unit * vec3(collision_sums[2 * i + 1].xyz));
+  const Asked asked = Asked(unit * vec3(sum.xyz), unit * vec3(collision_sums[2 * i + 1].xyz), uint(collision_sums[2 * i + 1].w));
   collision_sums[2 * i] = collision_sums[2 * i + 1] = ivec4(0);
   return asked;
 }
@@ -55,11 +56,16 @@ void finalize(uint i, vec4 p) {
     // The way round a box's edge is no way into the box, nor a slip: the particle begins where its triangles put it.
     const Asked asked = asked_by_triangles(i);
     start += asked.out_of;
+    const vec3 before = p.xyz;
     p.xyz += asked.out_of + asked.friction;
+    if (reacts && asked.body > 0) {
+      const Particle particle = Particle(push.fraction_from, push.fraction_to, start, material.z, material.y);
+      p.xyz = reacted(planes + asked.body - 1, particle, before, p.xyz, x.w);
+    }
     if (has_contacts) ways_out[i] = vec4(asked.out_of, 0);   // contact_apply puts the particle out once more
   }
   if (motion_constraints > 0) p.xyz = within_motion_constraint(i, p.xyz);
-  if (has_colliders) p.xyz = out_of_colliders(start, p.xyz, material);
+  if (has_colliders) p.xyz = out_of_colliders(start, p.xyz, material, x.w);
   if (is_accelerated) chebyshev_iterates[3 * i + 1] = vec4(p.xyz, 0);
   if (has_contacts && last) {
     const float bound = uintBitsToFloat(bits & ~WEFT_PAIRED);

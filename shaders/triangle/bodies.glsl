@@ -7,6 +7,7 @@ struct Body {
   vec3 half_size;   // m: half a box's sides; y: half a capsule's length
   float radius;     // m; 0: a box
   float friction;   // of the pair
+  uint number;      // counted from 1, without planes
 };
 
 // Those that triangles collide with: boxes, and round ones where some are too small for the cells of cloth.
@@ -16,7 +17,8 @@ Body body_at(uint k, Particle v) {
   const Collider collider = colliders[planes + k];
   const Surface s = surface_at(collider, v);
   const bool is_sphere = k < spheres, is_box = k >= spheres + capsules;
-  return Body(pose_of(collider, s, v.from, v.to), is_sphere ? vec3(0) : collider.half_size, is_box ? 0 : collider.radius, s.friction);
+  return Body(pose_of(collider, s, v.from, v.to), is_sphere ? vec3(0) : collider.half_size, is_box ? 0 : collider.radius, s.friction,
+              k + 1);
 }
 
 // Of cloth `material`, in this substep.

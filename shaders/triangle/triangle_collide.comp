@@ -60,6 +60,7 @@ void correct(Body body, uint particle, vec3 a, vec3 b, vec3 normal, float missin
   const vec3 rubbed = -min(1, body.friction * depth / max(len, 1e-12)) * slip;
   add(2 * particle + 1, rotate(body.pose.rotation_to, rubbed), weight / WEFT_WHOLE_WEIGHT);
   atomicAdd(collision_sums[2 * particle].w, int(weight));
+  if (reacts) atomicMax(collision_sums[2 * particle + 1].w, int(body.number));
 }
 
 bool is_held_inside(Body body, bool is_anchor, vec3 p, float separation) { return is_anchor && distance_to(body, p) < separation; }

@@ -48,6 +48,17 @@ TEST(Reflect, every_kind_of_binding_is_found_with_its_access) {
   }
 }
 
+TEST(Reflect, instructions_are_those_of_functions) {
+  const auto word = [](uint32_t words, uint32_t op) { return words << 16 | op; };
+  constexpr uint32_t kVoid = 19, kFunction = 54, kFunctionEnd = 56, kLabel = 248, kReturn = 253;
+  const Words module = {0x07230203, 0x00010500, 0, 9, 0, word(2, kVoid), 1, word(5, kFunction), 1, 2, 0, 3, word(2, kLabel), 4,
+                        word(1, kReturn), word(1, kFunctionEnd), word(2, kVoid), 5};
+  EXPECT_EQ(instructions_of(module), 4u);
+  EXPECT_EQ(instructions_of(Words(module.begin(), module.begin() + 7)), 0u);
+  EXPECT_EQ(instructions_of({}), 0u);
+  for (const Words& words : kDialects) EXPECT_GT(instructions_of(words), 20u);
+}
+
 TEST(Reflect, a_binding_is_called_as_in_the_shader) {
   const Result<Reflection> reflection = reflect(kDialects[1]);
   ASSERT_TRUE(reflection) << reflection.error();

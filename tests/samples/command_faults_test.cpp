@@ -140,6 +140,7 @@ TEST_F(CommandFaults, a_lost_device_ends_every_command_with_a_sentence) {
                                                           {"accuracy", sheet, "--quick", "--frames", "4", "--reference-cells", "0"},
                                                           {"contacts", hung, "--quick", "--frames", "4"},
                                                           {"harden", sheet, "--quick"},
+                                                          {"effects", "--quick"},
                                                           {"implicit", "--quick"}};
   for (std::vector<std::string> call : commands) {
     call.insert(call.end(), {"--out", out()});
@@ -204,6 +205,7 @@ TEST_F(CommandFaults, ctrl_C_ends_every_command_with_130_whole_files_and_nothing
                                                           {"accuracy", hung, "--frames", "1000"},
                                                           {"contacts", hung, "--frames", "1000000"},
                                                           {"harden", hung, "--frames", "100000"},
+                                                          {"effects", "--frames", "1000000"},
                                                           {"implicit"}};
   for (std::vector<std::string> call : commands) {
     call.insert(call.end(), {"--out", out()});

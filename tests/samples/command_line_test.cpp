@@ -287,6 +287,27 @@ TEST_F(CommandLine, contacts_tells_the_price_of_a_scene_as_it_is) {
   EXPECT_NE(table.find("\ntrue,5,"), std::string::npos) << table;
 }
 
+TEST_F(CommandLine, effects_tells_what_each_adds_to_the_barest_cloth_and_which_do_not_go_together) {
+  const Outcome outcome = weft({"effects", "--quick", "--out", out()});
+  ASSERT_EQ(outcome.exit, 0) << outcome.error;
+  for (const char* part : {"the barest cloth ", "\nair ", "\nbend + dihedral ", "strand + gauss_seidel          there is none: solver.method: is "})
+    EXPECT_NE(outcome.out.find(part), std::string::npos) << part << '\n' << outcome.out;
+  std::istringstream table(read(folder / "out/effects.csv"));
+  std::string line;
+  std::getline(table, line);
+  EXPECT_EQ(line, "first,second,passes,dispatches,bytes,instructions,ms_without,ms_with,refused");
+  int lines = 0, refused = 0;
+  for (; std::getline(table, line); ++lines) refused += line.back() == '"';
+  EXPECT_EQ(lines, std::count(outcome.out.begin(), outcome.out.end(), '\n') - 3) << outcome.out;
+  EXPECT_GT(lines - refused, 30);
+  EXPECT_GT(refused, 3);
+  const std::string page = read(folder / "out/effects.md");
+  EXPECT_NE(page.find("| air | a wind | 4 |"), std::string::npos) << page;
+  EXPECT_NE(page.find("- contact + untangle: contacts.untangle: is false and true at once\n"), std::string::npos) << page;
+  EXPECT_EQ(weft({"effects", "--quick", "--size", "9"}).exit, 2);
+  EXPECT_EQ(weft({"effects", "--size", "2"}).exit, 2);
+}
+
 TEST_F(CommandLine, harden_tells_what_held_and_fails_when_something_did_not) {
   const std::string sheet = write("sheet.json", kSheet);
   const Outcome held = weft({"harden", sheet, "--quick", "--frames", "20", "--out", out()});

@@ -100,7 +100,7 @@ TEST_F(Outputs, a_place_that_cannot_be_written_is_told_before_anything_runs) {
       {{"run", sheet, "--frames", "1000000"}, "final.ply"}, {{"run", sheet, "--frames", "1000000"}, "sheet.png"},
       {{"run", sheet, "--frames", "1000000", "--every", "7"}, "frame_0049.png"}, {{"time", sheet, "--frames", "1000000"}, "trace.json"},
       {{"accuracy", sheet, "--frames", "100000"}, "curve.png"}, {{"contacts", hung, "--frames", "1000000"}, "cells.svg"},
-      {{"harden", sheet}, "harden.json"}, {{"implicit"}, "implicit.csv"}};
+      {{"harden", sheet}, "harden.json"}, {{"effects"}, "effects.md"}, {{"implicit"}, "implicit.csv"}};
   for (auto [call, name] : commands) {
     call.insert(call.end(), {"--out", out()});
     fs::create_directories(folder / "out" / name);

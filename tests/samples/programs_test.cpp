@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
 
 #include "engine/export.h"
@@ -49,6 +50,24 @@ TEST_F(Programs, host_engine_embeds_weft_in_silence_and_leaves_a_picture) {
   for (std::size_t k = 0; k < image->rgba.size(); k += 4) red += image->rgba[k] > 2 * image->rgba[k + 1];
   EXPECT_GT(red, image->rgba.size() / 4 / 20);
   EXPECT_LT(red, image->rgba.size() / 4 / 2);
+}
+
+TEST_F(Programs, hammock_swings_a_ball_which_comes_to_rest_and_weighs_on_it_what_it_weighs) {
+  ASSERT_EQ(run("hammock 8"), 0) << said();
+  std::istringstream lines(said());
+  std::string line;
+  double second = 0, height = 0, aside = 0, speed = 0, force = 0, fastest = 0;
+  std::getline(lines, line);   // the heading
+  while (std::getline(lines, line) && !line.starts_with("the ball weighs")) {
+    std::istringstream(line) >> second >> height >> aside >> speed >> force;
+    fastest = std::max(fastest, speed);
+  }
+  EXPECT_EQ(second, 8);
+  EXPECT_GT(fastest, 0.5) << said();
+  EXPECT_LT(speed, 0.05) << said();
+  EXPECT_NEAR(force, 2 * 9.81, 0.01 * 2 * 9.81) << said();
+  EXPECT_GT(height, -0.6) << said();   // beams at 0, 0.3 m closer than the cloth between them is long: it sags by half a metre at most
+  EXPECT_LT(height, -0.2) << said();
 }
 
 TEST_F(Programs, host_engine_answers_a_wrong_flag_and_a_missing_device_in_a_sentence) {

@@ -41,10 +41,11 @@ inline Needs setup_for(const Calls& calls, bool texels) {
   setup.constants[constant::triangles_collide] = setup.constants[constant::boxes] = calls.has(Id::triangle);
   setup.constants[constant::has_contacts] = calls.has(Id::contact);
   setup.constants[constant::untangles] = calls.has(Id::untangle);
-  setup.constants[constant::air_wave_count] = calls.has(Id::air);
+  setup.constants[constant::air_wave_count] = setup.constants[constant::air_field_count] = calls.has(Id::air);
   setup.constants[constant::motion_constraints] = calls.has(Id::motion_constraint) ? 2 : 0;
   setup.constants[constant::skins_move_anchors] = calls.has(Id::skin) && calls.has(Id::anchor);
   setup.constants[constant::grab_count] = calls.has(Id::grab);
+  setup.constants[constant::reacts] = calls.has(Id::reaction);
   for (const Id id : {Id::motion, Id::surface}) setup.effects.set(static_cast<std::size_t>(id));
   for (const Id id : calls.effects) setup.effects.set(static_cast<std::size_t>(id));
   return setup;
@@ -112,6 +113,7 @@ inline std::vector<Calls> all_combinations() {
   for (std::size_t k = 0; k < known; ++k) {
     found.push_back(found[k]);
     found.back().effects.insert(more.begin(), more.end());
+    if (!found.back().has(Id::collide)) found.back().effects.erase(Id::reaction);   // nothing that could react
   }
   return found;
 }

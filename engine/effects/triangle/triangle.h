@@ -20,7 +20,8 @@ inline constexpr Buffer collisions = [] {
 }();
 inline constexpr Buffer collision_list =
     scratch<gpu::uint>("collision_list", [](const Cooked& s) { return std::uint64_t(s.fabric.cloth_triangles); });
-/// Two of each particle: what its triangles ask for, in quanta: out of colliders, w the sum of weights; and by friction.
+/// Two of each particle: what its triangles ask for, in quanta: out of colliders, w the sum of weights; and by friction,
+/// w the last of the bodies that they met, with reactions.
 inline constexpr Buffer collision_sums =
     cleared<gpu::ivec4>("collision_sums", [](const Cooked& s) { return std::uint64_t(2 * s.fabric.positions.size()); });
 

@@ -1,0 +1,84 @@
+// A ball falls into a hammock, swings it and comes to rest: a rigid body that the program itself steps, coupled with cloth both ways.
+//
+// Every frame the ball is a collider on its way to where its velocity takes it, and gets back what the cloth was given there: impulse and
+// angular impulse, momentum for momentum (Simulation::take_reactions). Frames are short, 240 a second, because the ball learns of the
+// cloth's answer a frame late.
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+
+#include "engine/simulation.h"
+
+namespace {
+
+using namespace weft;
+
+constexpr double kRate = 240;   // Hz
+constexpr float kRadius = 0.15f, kMass = 2;   // m, kg
+
+// A solid ball.
+struct Ball {
+  Vec3 centre{0.15f, 0.6f, 0.05f}, velocity, spin;   // m, m/s, rad/s
+  Rotation rotation;
+
+  void step(const Reaction& given, Vec3 gravity, float seconds) {
+    constexpr float kInertia = 0.4f * kMass * kRadius * kRadius;
+    velocity = velocity + (1 / kMass) * given.impulse + seconds * gravity;
+    spin = spin + (1 / kInertia) * given.angular_impulse;
+    centre = centre + seconds * velocity;
+    if (const float turn = seconds * length(spin); turn > 0)
+      rotation = rotation_about((seconds / turn) * spin, turn * 180 / std::numbers::pi) * rotation;
+  }
+};
+
+// Two metres of denim between two beams, which come closer in the first half second so that it sags.
+Scene hammock() {
+  Scene scene;
+  scene.solver.rate = kRate;
+  scene.solver.substeps = 4;
+  scene.reactions = true;
+  Cloth& cloth = scene.cloths.emplace_back();
+  cloth.grid = Grid{.size = {2, 1}, .cells_x = 48, .cells_y = 24};
+  cloth.fabric = *fabric_preset("denim");
+  for (const float side : {-1.0f, 1.0f}) {
+    Anchor& beam = cloth.anchors.emplace_back();
+    beam.box = Anchor::Box{{side - 0.01f, -1, -1}, {side + 0.01f, 1, 1}};
+    beam.keys = {{0, {}, {0, 1, 0}, 0}, {0.5, {-0.15f * side, 0, 0}, {0, 1, 0}, 0}};
+  }
+  Collider& ball = scene.colliders.emplace_back();
+  ball.shape = ColliderShape::sphere;
+  ball.radius = kRadius;
+  ball.centre = Ball().centre;
+  return scene;
+}
+
+int complain(const std::string& why) { return std::fprintf(stderr, "%s\n", why.c_str()), EXIT_FAILURE; }
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  const int seconds = count > 1 ? std::atoi(arguments[1]) : 8;
+  const Scene scene = hammock();
+  const auto device = compute::Device::create();
+  if (!device) return complain(device.error());
+  const auto cloth = Simulation::create(**device, scene);
+  if (!cloth) return complain(cloth.error());
+
+  Ball ball;
+  std::printf("%6s %9s %9s %9s %9s\n", "s", "height m", "aside m", "m/s", "N");
+  for (int second = 1; second <= seconds; ++second) {
+    float up = 0;   // N s that the cloth gave in this second
+    for (int frame = 0; frame < static_cast<int>(kRate); ++frame) {
+      if (const auto moved = (*cloth)->move_collider(0, {.centre = ball.centre, .rotation = ball.rotation}); !moved)
+        return complain(moved.error());
+      if (const auto advance = (*cloth)->advance(1 / kRate); !advance) return complain(advance.error());
+      const Reaction given = (*cloth)->take_reactions()[0];
+      up += given.impulse.y;
+      ball.step(given, scene.gravity, static_cast<float>(1 / kRate));
+    }
+    std::printf("%6d %9.3f %9.3f %9.3f %9.2f\n", second, ball.centre.y, std::hypot(ball.centre.x, ball.centre.z), length(ball.velocity), up);
+  }
+  std::printf("the ball weighs %.2f N, and the cloth has %zu particles\n", -kMass * scene.gravity.y, (*cloth)->fabric().positions.size());
+  return EXIT_SUCCESS;
+}

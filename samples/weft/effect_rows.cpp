@@ -1,0 +1,119 @@
+#include "samples/weft/effect_rows.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include "compute/file.h"
+
+namespace weft::command {
+
+namespace {
+
+// Springs are soft, so that they are stable in ten substeps a frame up to 200 x 200 cells. Bodies stand 2 cm below the sheet, which reaches
+// them in four frames, and apart from each other: rows with colliders come together in pairs.
+const EffectRow kRows[] = {
+    {"bend", "bending about flat", {{"cloths[0].bending", "true"}}, {{"cloths[0].bending", "false"}}},
+    {"dihedral", "bending about the mesh's own angles",
+     {{"cloths[0].bending", "true"}, {"cloths[0].bend_rest", "mesh"}},
+     {{"cloths[0].bending", "false"}, {"cloths[0].bend_rest", "flat"}}},
+    {"tether", "tethers to two held corners",
+     {{"cloths[0].tethers", "true"}, {"cloths[0].anchors", R"([{"corners":["low_low","high_low"]}])"}},
+     {{"cloths[0].tethers", "false"}, {"cloths[0].anchors", "[]"}}},
+    {"anchor", "an anchor that moves",
+     {{"cloths[0].anchors", R"([{"corners":["low_high"],"keys":[{"time":0},{"time":10,"translate":[0,2,0]}]}])"}},
+     {{"cloths[0].anchors", "[]"}}},
+    {"level", "coarse levels", {{"solver.levels", "true"}}, {{"solver.levels", "false"}}},
+    {"strand", "method strands, with its levels", {{"solver.method", "strands"}}, {{"solver.method", "jacobi"}}},
+    {"gauss_seidel", "method gauss_seidel", {{"solver.method", "gauss_seidel"}}, {{"solver.method", "jacobi"}}},
+    {"chebyshev", "method chebyshev, 2 substeps of 5 iterations",
+     {{"solver.method", "chebyshev"}, {"solver.substeps", "2"}, {"solver.iterations", "5"}},
+     {{"solver.method", "jacobi"}}},
+    {"mass_spring", "method mass_spring",
+     {{"solver.method", "mass_spring"}, {"cloths[0].springs", R"({"structural":{"stiffness":0.2},"shear":{"stiffness":0.1}})"}},
+     {{"solver.method", "jacobi"}}},
+    {"verlet", "method verlet",
+     {{"solver.method", "verlet"}, {"cloths[0].springs", R"({"structural":{"stiffness":0.2},"shear":{"stiffness":0.1}})"}},
+     {{"solver.method", "jacobi"}}},
+    {"implicit", "method implicit, conjugate gradients", {{"solver.method", "implicit"}}, {{"solver.method", "jacobi"}}},
+    {"implicit_jacobi", "method implicit, block Jacobi",
+     {{"solver.method", "implicit"}, {"solver.linear", "jacobi"}},
+     {{"solver.method", "jacobi"}}},
+    {"collide", "a plane and a sphere",
+     {{"colliders", R"([{"shape":"plane","centre":[0,-1,0]},{"shape":"sphere","radius":0.75,"centre":[0,-0.77,0]}])"}},
+     {{"colliders", "[]"}}},
+    {"triangle", "a box, which triangles meet too",
+     {{"colliders", R"([{"shape":"box","size":[0.2,0.2,0.2],"centre":[-0.3,-0.12,-0.3]}])"}},
+     {{"colliders", "[]"}}},
+    {"reaction", "what a plane and a sphere are given",
+     {{"reactions", "true"},
+      {"colliders", R"([{"shape":"plane","centre":[0,-1,0]},{"shape":"sphere","radius":0.75,"centre":[0,-0.77,0]}])"}},
+     {{"reactions", "false"}, {"colliders", "[]"}}},
+    {"mesh_collider", "a body of triangles, by contacts",
+     {{"colliders", R"([{"shape":"mesh","mesh":"effects_body.obj","centre":[0.3,-0.12,0.3]}])"}},
+     {{"colliders", "[]"}}},
+    {"skin", "a skin of one joint, which carries two anchors",
+     {{"cloths[0].skin", "{}"}, {"cloths[0].anchors", R"([{"corners":["high_low","high_high"]}])"}},
+     {{"cloths[0].anchors", "[]"}}},
+    {"motion_constraint", "max distances and backstops",
+     {{"cloths[0].motion_constraints", R"({"max_distance":0.02,"backstop_distance":0.01,"backstop_radius":10})"}},
+     {}},
+    {"pins", "room for 16 pins", {{"pins", "16"}}, {{"pins", "0"}}},
+    {"grab", "a hand that could grab", {{"grabs", "1"}}, {{"grabs", "0"}}},
+    {"contact", "contacts, without untangling",
+     {{"contacts.untangle", "false"}},
+     {{"contacts.enabled", "false"}}},
+    {"untangle", "contacts with untangling",
+     {{"contacts.untangle", "true"}},
+     {{"contacts.enabled", "false"}, {"contacts.untangle", "true"}}},
+    {"air", "a wind", {{"air.wind", "[2,0,0]"}}, {}},
+    {"air_stir", "gusts, turbulence and a jet",
+     {{"air.gusts", R"([{"velocity":[0,0,1]}])"},
+      {"air.turbulence", "0.5"},
+      {"air.fields", R"([{"shape":"jet","centre":[-1,0,0],"velocity":[4,0,0],"radius":0.2}])"}},
+     {}},
+};
+
+// The patch falls on the sheet, so that contacts have something to do. Its links are as soft as the springs above.
+constexpr std::string_view kBase = R"({"name": "effects", "solver": {"method": "jacobi"}, "cloths": [
+    {"name": "sheet", "grid": {}, "bending": false, "tethers": false},
+    {"name": "patch", "grid": {"size": [0.3, 0.3], "cells": [8, 8]}, "fabric": {"stretch": 20, "shear": 1},
+     "bending": false, "tethers": false, "transform": {"translate": [0, 0.004, 0]}, "start": {"velocity": [0, -0.5, 0]}}]})";
+
+// Of anchors, colliders and the like; no vector.
+bool is_list(const std::string& value) { return value.starts_with("[{"); }
+
+}  // namespace
+
+std::span<const EffectRow> effect_rows() { return kRows; }
+
+Result<std::vector<Assignment>> both_of(const EffectRow& first, const EffectRow& second) {
+  std::vector<Assignment> both = first.on;
+  for (const Assignment& more : second.on) {
+    const auto there = std::find_if(both.begin(), both.end(), [&](const Assignment& given) { return given.path == more.path; });
+    if (there == both.end()) {
+      both.push_back(more);
+    } else if (is_list(there->value) && is_list(more.value)) {
+      there->value.back() = ',';
+      there->value += more.value.substr(1);
+    } else if (there->value != more.value) {
+      return fail(more.path, ": is ", there->value, " and ", more.value, " at once");
+    }
+  }
+  return both;
+}
+
+Result<Scene> base_scene(std::uint32_t cells, const std::filesystem::path& folder, std::span<const Assignment> assignments) {
+  const std::string count = std::to_string(cells);
+  std::vector<Assignment> all{{"cloths[0].grid.cells", "[" + count + "," + count + "]"}};
+  all.insert(all.end(), assignments.begin(), assignments.end());
+  return parse_scene(kBase, folder, all);
+}
+
+Result<void> write_body(const std::filesystem::path& folder) {
+  constexpr std::string_view kOctahedron =
+      "v 0.1 0 0\nv -0.1 0 0\nv 0 0.1 0\nv 0 -0.1 0\nv 0 0 0.1\nv 0 0 -0.1\n"
+      "f 1 3 5\nf 5 3 2\nf 2 3 6\nf 6 3 1\nf 5 4 1\nf 2 4 5\nf 6 4 2\nf 1 4 6\n";
+  return write_file(folder / kBodyFile, std::as_bytes(std::span(kOctahedron)));
+}
+
+}  // namespace weft::command
