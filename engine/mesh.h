@@ -133,9 +133,9 @@ inline constexpr std::uint32_t kMostCorners = 1000;   // of a face: the time tha
 /// Reads glTF, GLB or OBJ: all triangle primitives of the default scene, node transforms applied (a mirroring one turns the
 /// winding back outwards; a skinned mesh has none, as glTF says), missing normals and UVs made; with skins, their animations and vertex
 /// colours. Faces of an OBJ are cut into
-/// triangles, concave ones too. Lines, points, morph targets, and skins or attributes that are not as they must be, are left out, with a sentence in `mended`. Where
-/// triangles share no vertices, those that agree in everything are joined. A glTF's buffers are read only below its own
-/// folder, links followed, or anywhere; nothing that an OBJ names is.
+/// triangles, concave ones too. Lines, points, morph targets, and skins or attributes that are not as they must be, are left
+/// out, with a sentence in `mended`. Where triangles share no vertices, those that agree in everything are joined. A glTF's
+/// buffers are read only below its own folder, links followed, or anywhere; nothing that an OBJ names is.
 /// Errors: missing, unreadable, cut short or foreign file, or one of more than 1 GiB; a buffer that is missing or not allowed;
 /// a glTF that needs an extension, or uses sparse, quantised or compressed accessors;
 /// indices that make no whole triangles; no triangle; a vertex that is not finite, or 1e10 m or more away; more than kMostVertices

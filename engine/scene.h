@@ -256,6 +256,7 @@ struct Air {
   Vec3 wind;                    // m/s; the host may change it (Simulation::set_wind)
   std::vector<Gust> gusts;      // at most 8
   std::vector<Field> fields;    // at most 16; the host may move them (Simulation::move_air_field)
+  bool lee = false;             // whether air is slower behind spheres, capsules and boxes, in the wake that the wind has there
   double turbulence = 0;        // m/s, root mean square; free of divergence, carried along by the wind
   double eddy = 1;              // m, > 0: the length of the largest eddies; the smallest are an eighth of it
 };

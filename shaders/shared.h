@@ -38,7 +38,8 @@
   X(23, bool, skins_move_anchors)   /* 1: or mesh colliders */ \
   X(24, bool, has_pins)         /* 1: the host may pin and release particles (anchor.comp) */ \
   X(25, uint, grab_count)       /* of grabs */ \
-  X(26, bool, reacts)           /* 1: what colliders are given is added up (reaction/reaction.glsl) */
+  X(26, bool, reacts)           /* 1: what colliders are given is added up (reaction/reaction.glsl) */ \
+  X(27, bool, has_lee)          /* 1: colliders have wakes in the air (air/wake.glsl) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
@@ -420,7 +421,8 @@ SLICE(Air, air)
 #ifdef __cplusplus
 
 static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28);
-static_assert(sizeof(Grab) == 44 && sizeof(Collider) == 96 && sizeof(SkinPoint) == 72 && sizeof(Joint) == 96 && sizeof(MotionLimits) == 8 && sizeof(Reaction) == 48);
+static_assert(sizeof(Grab) == 44 && sizeof(Collider) == 96);
+static_assert(sizeof(SkinPoint) == 72 && sizeof(Joint) == 96 && sizeof(MotionLimits) == 8 && sizeof(Reaction) == 48);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 40);
 static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 316 && sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);

@@ -2,8 +2,8 @@
 //
 // assimp decodes well, but it trusts lengths and references, follows materials and animations that a cloth does not need, and has a
 // mesh for every primitive, with all vertices of its accessors. So every range is checked here, and what passed is written into a
-// new GLB in memory, where primitives that share their accessors are one. Skins and vertex colours are read beside it (gltf_skin.cpp); morph targets are counted. What
-// is copied is bounded by kMostVertices, kMostIndices and kMostPieces, however often a document shows it.
+// new GLB in memory, where primitives that share their accessors are one. Skins and vertex colours are read beside it (gltf_skin.cpp);
+// morph targets are counted. What is copied is bounded by kMostVertices, kMostIndices and kMostPieces, however often a document shows it.
 #include "engine/mesh/gltf.h"
 
 #include <algorithm>

@@ -22,7 +22,8 @@ Affine narrow_columns(const std::array<double, 16>& m) {   // column after colum
 
 class SkinReader {
  public:
-  SkinReader(GltfDocument& document, std::span<const ShownVertices> shown) : document_(document), root_(document.tree.root), shown_(shown) {}
+  SkinReader(GltfDocument& document, std::span<const ShownVertices> shown)
+      : document_(document), root_(document.tree.root), shown_(shown) {}
 
   std::optional<Skin> read() {
     read_nodes();
@@ -97,7 +98,8 @@ class SkinReader {
     Accessor inverse;
     if (described.is_object() && described.contains("inverseBindMatrices")) {
       inverse = accessor(document_, described, "inverseBindMatrices", "MAT4", Components::floats);
-      if (inverse.count < joints.size()) say("skin ", number, " has ", joints.size(), " joints and ", inverse.count, " inverse bind matrices");
+      if (inverse.count < joints.size())
+        say("skin ", number, " has ", joints.size(), " joints and ", inverse.count, " inverse bind matrices");
     }
     if (!is_sound()) return 0;
     const json& nodes = document_.list(root_, "nodes");
@@ -146,7 +148,8 @@ class SkinReader {
       sets.push_back({accessor(document_, *vertices.attributes, joint.c_str(), "VEC4", Components::numbers),
                       accessor(document_, *vertices.attributes, weight.c_str(), "VEC4", Components::numbers)});
       for (const Accessor& read : sets.back())
-        if (read.count != vertices.count) say("a primitive has ", vertices.count, " positions but ", read.count, " of ", joint, " or ", weight);
+        if (read.count != vertices.count)
+          say("a primitive has ", vertices.count, " positions but ", read.count, " of ", joint, " or ", weight);
     }
     if (!is_sound()) return;
     for (std::size_t v = 0; v < vertices.count; ++v) add_influences(sets, v, first, joints);
@@ -190,7 +193,8 @@ class SkinReader {
       const json* sampler = document_.entry(samplers, channel, "sampler");
       const std::uint64_t node = document_.natural(target, "node", kNone);
       if (node >= place_of_.size()) say("animation ", number, " moves node ", node, " of ", place_of_.size());
-      if (path != "translation" && path != "rotation" && path != "scale") say("animation ", number, " moves the \"", path.substr(0, 40), "\" of a node");
+      if (path != "translation" && path != "rotation" && path != "scale")
+        say("animation ", number, " moves the \"", path.substr(0, 40), "\" of a node");
       if (!is_sound()) return;
       animation.channels.push_back(channel_of(*sampler, place_of_[node], path, number));
     }
@@ -263,13 +267,15 @@ std::map<std::string, std::vector<Vec4>> read_attributes(GltfDocument& document,
       const bool is_colour = name.starts_with("COLOR_");
       if (!is_colour && !name.starts_with("_")) continue;
       const json* described = document.entry(document.list(document.tree.root, "accessors"), *vertices.attributes, name.c_str());
-      const std::string type = described && described->contains("type") && (*described)["type"].is_string() ? (*described)["type"] : json("");
+      const bool is_typed = described && described->contains("type") && (*described)["type"].is_string();
+      const std::string type = is_typed ? (*described)["type"] : json("");
       const std::size_t width = type == "SCALAR" ? 1 : type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 0;
       if (width == 0) document.say("the accessor of \"", name, "\" has the type \"", type.substr(0, 40), "\"; SCALAR to VEC4 can be read");
       if (!document.fault.empty()) return {};
       const Accessor read = accessor(document, *vertices.attributes, name.c_str(), type, Components::numbers);
       if (read.count != vertices.count) document.say("a primitive has ", vertices.count, " positions but ", read.count, " of ", name);
-      if (attributes.size() >= kMostAttributes && !attributes.contains(name)) document.say("it has more than ", kMostAttributes, " attributes");
+      if (attributes.size() >= kMostAttributes && !attributes.contains(name))
+        document.say("it has more than ", kMostAttributes, " attributes");
       if (!document.fault.empty()) return {};
       std::vector<Vec4>& values = attributes.try_emplace(name, total, Vec4{1, 1, 1, 1}).first->second;
       for (std::size_t v = 0; v < vertices.count; ++v) {

@@ -27,8 +27,8 @@ inline Eigen::Affine3d wide(const Affine& m) {
   return result;
 }
 inline Affine narrow(const Eigen::Affine3d& m) {
-  return {narrow(Eigen::Vector3d(m.linear().col(0))), narrow(Eigen::Vector3d(m.linear().col(1))), narrow(Eigen::Vector3d(m.linear().col(2))),
-          narrow(Eigen::Vector3d(m.translation()))};
+  const auto column = [&](int k) { return narrow(Eigen::Vector3d(m.matrix().col(k).head<3>())); };
+  return {column(0), column(1), column(2), column(3)};
 }
 inline bool finite(Vec2 v) { return std::isfinite(v.x) && std::isfinite(v.y); }
 inline bool finite(Vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }

@@ -72,7 +72,8 @@ std::string method_fault(const Scene& scene) {
     if (on_springs(method) && !cloth.springs && (std::isinf(cloth.fabric.stretch) || std::isinf(cloth.fabric.shear)))
       return named + " needs springs that give way, and " + path + "fabric is \"rigid\": give its stretch and shear in N/m, or springs";
     if (method == Method::implicit && cloth.motion_constraints)
-      return named + " solves for all particles at once, and " + path + "motion_constraints hold each where it is: \"mass_spring\" goes with them";
+      return named + " solves for all particles at once, and " + path +
+             "motion_constraints hold each by itself: \"mass_spring\" goes with them";
     if (cloth.bend_rest == BendRest::mesh && (on_springs(method) || method == Method::chebyshev))
       return named + " bends cloth about a flat shape, and " + path +
              "bend_rest is \"mesh\": \"jacobi\" and \"gauss_seidel\" bend it about the mesh's";

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/finite.h"
 #include "engine/solve/state.h"
 
 namespace weft {

@@ -22,7 +22,7 @@ GATHER(air_stirred)
 #include "motion/force.glsl"
 
 vec3 air_about(uint i) {
-  if (air_wave_count + air_field_count == 0) return air.wind;
+  if (air_wave_count + air_field_count == 0 && !has_lee) return air.wind;
   return air.wind + mix(FETCH(air_stirred, 2 * i).xyz, FETCH(air_stirred, 2 * i + 1).xyz, push.fraction_from);
 }
 

@@ -44,6 +44,14 @@ inline Vector field_at(const Air::Field& field, const Vector& x) {
   return (1 - t * t * (3 - 2 * t)) * velocity;
 }
 
+/// The part of the velocity that is lost at d (m) from the middle of a body of this radius, in a wind that goes along `way`.
+inline double deficit_at(const Vector& d, const Vector& way, double radius) {
+  const double behind = d.dot(way);
+  if (behind <= 0) return 0;
+  const double far = std::max(behind / (2 * radius), 1.0), width = 0.6 * radius * std::cbrt(far);
+  return std::exp2(-(d - behind * way).squaredNorm() / (width * width)) / std::pow(far, 2.0 / 3);
+}
+
 /// Force (N) of air that comes at `u` on a plate with the unit normal n.
 inline Vector air_force(const gpu::Air& air, double area, const Vector& n, const Vector& u) {
   const double speed = u.norm(), c = speed > 0 ? n.dot(u) / speed : 0;

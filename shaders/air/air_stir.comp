@@ -1,4 +1,4 @@
-// air_stir: the velocity of gusts, eddies and fields where a particle is, when the frame begins and when it ends. Between, the air pass goes from
+// air_stir: what the air's velocity where a particle is differs from the wind by, in gusts, eddies, fields and the lee of bodies, when the frame begins and when it ends. Between, the air pass goes from
 // one to the other in a straight line: a sine a wave in every substep would cost more than all else that air does.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -7,7 +7,11 @@
 GATHER(positions)
 READ(AirWave, air_waves)
 READ(AirField, air_fields)
+READ(Collider, colliders)
 WRITE(vec4, air_stirred)
+
+#include "collide/collide.glsl"
+#include "air/wake.glsl"
 
 vec3 stirred_at(vec3 x, float fraction) {
   vec3 velocity = vec3(0);
@@ -55,6 +59,11 @@ void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.count) return;
   const vec3 x = FETCH(positions, i).xyz, still = fields_at(x);
-  air_stirred[2 * i] = vec4(still + stirred_at(x, 0), 0);
-  air_stirred[2 * i + 1] = vec4(still + stirred_at(x, 1), 0);
+  vec3 begins = still + stirred_at(x, 0), ends = still + stirred_at(x, 1);
+  if (has_lee) {   // of what moves there all together
+    begins = lee_at(x, false) * (air.wind + begins) - air.wind;
+    ends = lee_at(x, true) * (air.wind + ends) - air.wind;
+  }
+  air_stirred[2 * i] = vec4(begins, 0);
+  air_stirred[2 * i + 1] = vec4(ends, 0);
 }

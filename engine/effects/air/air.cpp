@@ -95,7 +95,10 @@ namespace {
 
 constexpr const Buffer* kBuffers[] = {&buffers::air_waves, &buffers::air_fields, &buffers::air_rows, &buffers::air_fans, &buffers::air_stirred};
 
-bool is_stirred(const Needs& needs) { return needs.constants[gpu::constant::air_wave_count] + needs.constants[gpu::constant::air_field_count] > 0; }
+bool is_stirred(const Needs& needs) {
+  using namespace gpu::constant;
+  return needs.constants[air_wave_count] + needs.constants[air_field_count] + needs.constants[has_lee] > 0;
+}
 
 constexpr Pass kPasses[] = {
     {.name = "air_stir", .stage = Stage::frame_begin, .threads = threads::particles, .when = is_stirred},
@@ -172,6 +175,9 @@ constinit const Effect air{
           constants[gpu::constant::air_wave_count] =
               static_cast<std::uint32_t>(air.gusts.size()) + (air.turbulence > 0 ? WEFT_AIR_EDDIES : 0);
           constants[gpu::constant::air_field_count] = static_cast<std::uint32_t>(air.fields.size());
+          constants[gpu::constant::has_lee] = air.lee && std::ranges::any_of(s.scene.colliders, [](const Collider& c) {
+            return c.shape == ColliderShape::sphere || c.shape == ColliderShape::capsule || c.shape == ColliderShape::box;
+          });
           constants[gpu::constant::air_stride] = s.fabric.own.of<AirLists>().fans.stride;
         },
     .slice = {"air", [](const Cooked& s) { return made(std::vector{air_of(*s.scene.air, {s.scene.air->wind, {}, {}}, 0, 0, {}).air}); }},

@@ -41,8 +41,8 @@ inline constexpr Buffer air_fields =
 /// Of each particle: first pair, number of pairs.
 inline constexpr Buffer air_rows = own<gpu::uvec2, &AirLists::fans, &PairRows::rows>("air_rows");
 inline constexpr Buffer air_fans = own<gpu::uvec4, &AirLists::fans, &PairRows::pairs>("air_fans");
-/// Two a particle: xyz the velocity of gusts, eddies and fields where it is when the frame begins, as it is then, and as it is when the frame
-/// ends (m/s).
+/// Two a particle: xyz what the air's velocity differs from the wind by where it is when the frame begins, as it is then, and as it is when the
+/// frame ends (m/s).
 inline constexpr Buffer air_stirred = scratch<gpu::vec4>("air_stirred", [](const Cooked& s) { return 2 * lengths::particles(s); });
 }  // namespace buffers
 }  // namespace weft

@@ -36,6 +36,7 @@ void fields(V& v, Air& air) {
   v.vector3("wind", air.wind, kAirSpeed);
   v.list("gusts", air.gusts, 0, WEFT_AIR_GUSTS);
   v.list("fields", air.fields, 0, WEFT_AIR_FIELDS);
+  v.flag("lee", air.lee);
   v.number("turbulence", air.turbulence, between(0, 1e3, "m/s"));
   v.number("eddy", air.eddy, between(1e-3, 1e4, "m"));
 }

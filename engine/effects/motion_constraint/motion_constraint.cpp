@@ -38,8 +38,10 @@ constexpr Pass kPasses[] = {
 constinit const Effect motion_constraint{
     .name = "motion_constraint",
     .key = "motion_constraints",
-    .called_for = [](const Scene& scene,
-                     const CookedFabric&) { return std::ranges::any_of(scene.cloths, [](const Cloth& c) { return c.motion_constraints.has_value(); }); },
+    .called_for =
+        [](const Scene& scene, const CookedFabric&) {
+          return std::ranges::any_of(scene.cloths, [](const Cloth& c) { return c.motion_constraints.has_value(); });
+        },
     .buffers = kBuffers,
     .passes = kPasses,
     .part_of_finalize = "+motion_constraint",

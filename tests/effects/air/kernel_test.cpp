@@ -143,6 +143,64 @@ TEST(AirFields, a_jet_keeps_its_momentum_and_a_vortex_its_circulation) {
   EXPECT_LT(reference::field_at(vortex, {1, 0, 0}).z(), 0) << "by the right hand about +y";
 }
 
+// Behind a sphere, a capsule and a turned box: the twin's sum of what each leaves, and as much momentum lost in every cross-section far behind.
+TEST_F(KernelAir, slows_down_in_the_lee_of_bodies_as_its_twin_does) {
+  Random random(17);
+  Scene scene = in_air(24, Topology::diagonal);
+  scene.air->lee = true;
+  scene.air->wind = {3, 0.5f, -1};
+  scene.colliders.push_back(sphere({-0.6f, 0, 0}, 0.1));
+  Collider capsule = sphere({-0.3f, 0.1f, 0.3f}, 0.05);
+  capsule.shape = ColliderShape::capsule;
+  capsule.length = 0.3;
+  Collider box = sphere({-0.8f, 0, -0.2f}, 0.1);
+  box.shape = ColliderShape::box;
+  box.size = {0.2f, 0.1f, 0.3f};
+  scene.colliders.push_back(capsule);
+  scene.colliders.push_back(box);
+  const CookedFabric fabric = cooked(scene);
+  std::vector<gpu::Collider> colliders;
+  for (const Collider& c : scene.colliders) {
+    gpu::Collider told{};
+    told.radius = static_cast<float>(c.radius);
+    told.centre_from = {c.centre.x, c.centre.y, c.centre.z};
+    told.centre_to = {c.centre.x + 0.2f, c.centre.y, c.centre.z};
+    told.rotation_from = {0, 0, 0.6f, 0.8f};
+    told.half_size = c.shape == ColliderShape::box ? gpu::vec3{0.1f, 0.05f, 0.15f} : gpu::vec3{0, 0.15f, 0};
+    colliders.push_back(told);
+  }
+  SinglePass passes(device(), scene, fabric);
+  FrameInput input = frame_of(4);
+  input.air = air_of(*scene.air, {scene.air->wind, {}, {}}, 0, 4 * fabric.h, {});
+  input.colliders = colliders;
+  passes.begin(input);
+  passes.run("air_stir");
+  const auto stirred = passes.get<gpu::vec4>(buffers::air_stirred, 2 * fabric.positions.size());
+  const reference::Vector wind(3, 0.5, -1), way = wind.normalized();
+  // As large as they look along the wind, in the bodies' axes, which are turned about z.
+  const double cosine = 0.8 * 0.8 - 0.6 * 0.6, sine = 2 * 0.6 * 0.8;
+  const reference::Vector seen(cosine * way.x() + sine * way.y(), -sine * way.x() + cosine * way.y(), way.z());
+  const double pi = 3.14159265358979, across = std::hypot(seen.x(), seen.z());
+  const double radii[] = {0.1, std::sqrt(0.05 * 0.05 + 2 * 0.05 * 0.3 * across / pi),
+                          std::sqrt((std::abs(seen.x()) * 0.1 * 0.3 + std::abs(seen.y()) * 0.2 * 0.3 + std::abs(seen.z()) * 0.2 * 0.1) / pi)};
+  double most = 0;
+  for (std::size_t i = 0; i < fabric.positions.size(); ++i)
+    for (const int end : {0, 1}) {
+      double left = 1;
+      for (std::size_t k = 0; k < 3; ++k)
+        left *= 1 - reference::deficit_at(vector(fabric.positions[i]) - vector(end ? colliders[k].centre_to : colliders[k].centre_from), way, radii[k]);
+      EXPECT_LT((vector(stirred[2 * i + static_cast<std::size_t>(end)]) - (left - 1) * wind).norm(), 1e-5) << i;
+      most = std::max(most, 1 - left);
+    }
+  EXPECT_GT(most, 0.9);
+  const auto lost = [](double behind) {   // m^2: of the velocity over a cross-section
+    double sum = 0;
+    for (double r = 0.0005; r < 3; r += 0.001) sum += 2 * 3.14159265 * r * 0.001 * reference::deficit_at({behind, r, 0}, {1, 0, 0}, 0.1);
+    return sum;
+  };
+  for (const double behind : {0.3, 1.0, 5.0}) EXPECT_NEAR(lost(behind), 0.5 * 1.04 * pi * 0.01, 0.02 * pi * 0.01) << "a coefficient of drag of about 1";
+}
+
 // A box and a sphere: all of it inside, nothing beyond the falloff, and no step between.
 TEST(AirFields, fade_out_without_a_step) {
   for (const auto shape : {Air::Field::Shape::box, Air::Field::Shape::sphere}) {

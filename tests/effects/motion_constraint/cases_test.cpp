@@ -56,7 +56,8 @@ TEST_F(MotionConstraintCase, nobody_is_farther_than_the_max_distance) {
           must(simulation->advance(1 / rate));
           lost = std::max(lost, farthest(*simulation, pose) - distance);
         }
-        EXPECT_LT(lost, 1e-3 * distance + 4e-6);   // m; rounding 4 m from the origin
+        // m; rounding 4 m from the origin. Contacts come first: steps that they stop short are taken up in the next substeps.
+        EXPECT_LT(lost, (contacts ? 1e-2 : 1e-3) * distance + 4e-6);
         EXPECT_EQ(simulation->counts().non_finite, 0u);
       }
 }

@@ -88,7 +88,6 @@ TEST(SkinOfGltf, a_mesh_without_a_skin_is_carried_by_its_node) {
 TEST(SkinOfGltf, eight_influences_become_the_four_largest) {
   Gltf gltf = character();
   auto& attributes = gltf.json["meshes"][0]["primitives"][0]["attributes"];
-  const std::vector<float> few(16, 0);
   std::vector<float> first{0.1f, 0.1f, 0.1f, 0.1f, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, second{0.6f, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
   attributes["JOINTS_1"] = gltf.accessor<std::uint8_t>({1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, 5121, "VEC4", 4);
   attributes["WEIGHTS_0"] = gltf.vec4(first);
@@ -116,7 +115,8 @@ TEST(SkinOfGltf, one_that_cannot_be_is_left_out_with_a_sentence) {
   EXPECT_EQ(fault([](Gltf& g) { g.json["skins"][0]["joints"] = nlohmann::json::array(); }), "skin 0 has no joints");
   EXPECT_EQ(fault([](Gltf& g) { g.json["skins"][0]["joints"] = {1, 2, 0}; }), "skin 0 has 3 joints and 2 inverse bind matrices");
   EXPECT_EQ(fault([&](Gltf& g) { attributes(g).erase("WEIGHTS_0"); }), "\"WEIGHTS_0\" points to nothing of a list of 9");
-  EXPECT_EQ(fault([&](Gltf& g) { attributes(g)["JOINTS_0"] = g.accessor<std::uint8_t>(std::vector<std::uint8_t>(16, 9), 5121, "VEC4", 4); }),
+  const std::vector<std::uint8_t> nines(16, 9);
+  EXPECT_EQ(fault([&](Gltf& g) { attributes(g)["JOINTS_0"] = g.accessor<std::uint8_t>(nines, 5121, "VEC4", 4); }),
             "vertex 0 has joint 9 of 2");
   EXPECT_EQ(fault([&](Gltf& g) { attributes(g)["WEIGHTS_0"] = g.vec4(std::vector<float>(16, 0.3f)); }), "skin.weights[0]: their sum is 1.2, not 1");
   EXPECT_EQ(fault([](Gltf& g) { g.json["animations"][0]["channels"] = nlohmann::json::array(); }), "animation 0 has no channels");

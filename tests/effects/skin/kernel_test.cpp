@@ -57,7 +57,7 @@ TEST_F(KernelSkin, does_what_its_twin_does) {
     FrameInput input = frame_of(4);
     input.joints = joints;
     input.motion_limits = std::span(&limits, 1);
-    const auto anchors = anchors_at_rest(fabric);
+    const auto anchors = anchors_at_rest(fabric, 0);
     input.anchors = anchors;
     input.anchors_move = true;
     passes.begin(input);
