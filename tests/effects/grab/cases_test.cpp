@@ -100,28 +100,28 @@ TEST_F(GrabCase, what_is_let_go_flies_on_with_its_velocity) {
 }
 
 TEST_F(GrabCase, no_grip_mass_or_rate_is_unstable) {
-  for (const double rate : {30.0, 60.0, 240.0})
-    for (const double density : {0.01, 1.0})
-      for (const Grip& grip : {Grip{1e9, 0, 1e9}, Grip{1, 1e9, 1e9}, Grip{1e9, 1e9, 1e9}, Grip{1e5, 0, 1e3}})
-        for (const std::uint32_t iterations : {1u, 3u}) {
-          SCOPED_TRACE(std::to_string(rate) + " Hz, " + std::to_string(density) + " kg/m^2, " + std::to_string(grip.stiffness) + " N/m");
-          Scene scene = grabbable(4);
-          scene.cloths[0].fabric.damping = 4;   // so that it comes to rest
-          scene.solver.rate = rate;
-          scene.solver.iterations = iterations;
-          scene.cloths[0].fabric.area_density = density;
-          const auto simulation = must(Simulation::create(device(), scene));
-          const Grabbed grabbed = must(simulation->grab_near({0.2f, 0, 0.1f}, grip));
-          for (int frame = 0; frame < 40; ++frame) {
-            const float way = frame % 20 < 10 ? 0.3f : -0.3f;   // to and fro at once
-            must(simulation->move_grab(grabbed.grab, grabbed.point + Vec3{way, 0.5f * way, 0}));
-            must(simulation->advance(1 / rate));
-          }
-          must(simulation->move_grab(grabbed.grab, grabbed.point));
-          run(*simulation, 1.5, 1 / rate);
-          EXPECT_LT(top_speed(*simulation), 3);
-          EXPECT_EQ(simulation->counts().non_finite, 0u);
+  std::uint32_t scenes = 0;   // one iteration and three, in turns
+  for (const double density : {0.01, 1.0})
+    for (const Grip& grip : {Grip{1e9, 0, 1e9}, Grip{1, 1e9, 1e9}, Grip{1e9, 1e9, 1e9}, Grip{1e5, 0, 1e3}})
+      for (const double rate : {30.0, 60.0, 240.0}) {
+        SCOPED_TRACE(std::to_string(rate) + " Hz, " + std::to_string(density) + " kg/m^2, " + std::to_string(grip.stiffness) + " N/m");
+        Scene scene = grabbable(4);
+        scene.cloths[0].fabric.damping = 4;   // so that it comes to rest
+        scene.solver.rate = rate;
+        scene.solver.iterations = scenes++ % 2 == 0 ? 1 : 3;
+        scene.cloths[0].fabric.area_density = density;
+        const auto simulation = must(Simulation::create(device(), scene));
+        const Grabbed grabbed = must(simulation->grab_near({0.2f, 0, 0.1f}, grip));
+        for (int frame = 0; frame < 40; ++frame) {
+          const float way = frame % 20 < 10 ? 0.3f : -0.3f;   // to and fro at once
+          must(simulation->move_grab(grabbed.grab, grabbed.point + Vec3{way, 0.5f * way, 0}));
+          must(simulation->advance(1 / rate));
         }
+        must(simulation->move_grab(grabbed.grab, grabbed.point));
+        run(*simulation, 1.5, 1 / rate);
+        EXPECT_LT(top_speed(*simulation), 3);
+        EXPECT_EQ(simulation->counts().non_finite, 0u);
+      }
 }
 
 TEST_F(GrabCase, the_same_bits_in_every_way_and_from_snapshots) {
