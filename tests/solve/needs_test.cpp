@@ -52,6 +52,7 @@ Sheet sheet_for(const Calls& calls) {
   if (calls.has(Id::skin)) made.scene.cloths[0].skin.emplace();
   if (calls.has(Id::motion_constraint)) made.scene.cloths[0].motion_constraints.emplace().backstop_radius = 1;
   if (calls.has(Id::collide)) made.scene.colliders.resize(3);
+  made.scene.reactions = calls.has(Id::reaction);
   if (calls.has(Id::triangle)) made.scene.colliders[0].shape = ColliderShape::box;
   made.scene.contacts.enabled = calls.has(Id::contact);
   made.scene.contacts.untangle = calls.has(Id::untangle);

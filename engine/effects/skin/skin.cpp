@@ -146,11 +146,11 @@ Result<void> cook_bodies(cooking::CookState& state, std::span<const Mesh> collid
   return {};
 }
 
-// After all that is cooked at rest: what a skin moves begins where the skin is.
+// After all that is cooked at rest: what a skin moves begins where the skin is. Then the skin leaves alone what it neither holds nor keeps near.
 void lay_out(cooking::CookState& state) {
   CookedFabric& fabric = state.fabric();
-  const auto& lists = std::as_const(fabric.own).of<SkinLists>();
-  if (lists.points.empty()) return;
+  if (std::as_const(fabric.own).of<SkinLists>().points.empty()) return;
+  auto& lists = fabric.own.of<SkinLists>();
   std::vector<Affine> joints = lists.first_pose;
   for (const SkinnedMesh& skinned : lists.meshes) {
     if (!skinned.is_collider) continue;
@@ -166,6 +166,7 @@ void lay_out(cooking::CookState& state) {
     position = {x.x, x.y, x.z, position.w};
     if (point.anchor < fabric.anchors.size()) fabric.anchors[point.anchor].rest = x;
   }
+  std::erase_if(lists.points, [](const gpu::SkinPoint& point) { return point.anchor == WEFT_NONE && point.cloth == WEFT_NONE; });
 }
 
 }  // namespace

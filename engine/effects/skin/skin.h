@@ -21,7 +21,7 @@ struct SkinnedMesh {
 };
 
 struct SkinLists {
-  std::vector<gpu::SkinPoint> points;   // in the order of their particles
+  std::vector<gpu::SkinPoint> points;   // that it holds or keeps near, in the order of their particles
   std::vector<SkinnedMesh> meshes;
   std::vector<Affine> first_pose;       // of all joints: where they are when the scene begins
 };
