@@ -100,7 +100,7 @@ TEST(Plan, whatever_a_pass_writes_for_others_is_read) {
 
 TEST(Plan, gathers_touch_the_same_buffers_in_the_same_way_through_texels_and_through_storage) {
   for (const Calls& calls : all_combinations()) {
-    const Plan texels = plan_for(calls, true), storage = plan_for(calls, false);
+    const Plan &texels = plan_for(calls, true), &storage = plan_for(calls, false);
     ASSERT_EQ(texels.passes.size(), storage.passes.size());
     for (std::size_t k = 0; k < texels.passes.size(); ++k) {
       EXPECT_EQ(texels.passes[k].label, storage.passes[k].label);

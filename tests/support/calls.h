@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <compare>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -127,10 +128,13 @@ inline compute::Specializer& specializer() {
   return shared;
 }
 
-inline Plan plan_for(const Calls& calls, bool texels = true) {
+// Made once for all tests of a process.
+inline const Plan& plan_for(const Calls& calls, bool texels = true) {
+  static std::map<std::pair<Calls, bool>, Plan> made;
+  if (const auto before = made.find({calls, texels}); before != made.end()) return before->second;
   auto plan = make_plan(setup_for(calls, texels), specializer());
   EXPECT_TRUE(plan) << words(calls) << ": " << plan.error();
-  return plan ? std::move(*plan) : Plan{};
+  return made.try_emplace({calls, texels}, plan ? std::move(*plan) : Plan{}).first->second;
 }
 
 template <class Body>
