@@ -70,24 +70,22 @@ std::vector<uint32_t> used_constants(std::span<const uint32_t> spirv) {
   return {used.begin(), used.end()};
 }
 
-}  // namespace
-
-Specializer::Key Specializer::key_of(std::span<const uint32_t> spirv, std::span<const SpecializationConstant> constants) {
+std::vector<uint32_t> key_of(std::span<const uint32_t> spirv, std::span<const SpecializationConstant> constants) {
   Digest digest;
   digest.add(std::as_bytes(spirv));
-  auto used = used_.find(digest.value());
-  if (used == used_.end()) used = used_.emplace(digest.value(), used_constants(spirv)).first;
-  Key key = {kVersion, static_cast<uint32_t>(digest.value()), static_cast<uint32_t>(digest.value() >> 32)};
-  for (const uint32_t id : used->second)
+  std::vector<uint32_t> key = {kVersion, static_cast<uint32_t>(digest.value()), static_cast<uint32_t>(digest.value() >> 32)};
+  for (const uint32_t id : used_constants(spirv))
     for (const SpecializationConstant& constant : constants)
       if (constant.id == id) key.insert(key.end(), {id, constant.value});
   return key;
 }
 
+}  // namespace
+
 Result<std::span<const uint32_t>> Specializer::specialize(std::span<const uint32_t> spirv,
                                                           std::span<const SpecializationConstant> constants) {
+  std::vector<uint32_t> key = key_of(spirv, constants);
   const std::lock_guard lock(mutex_);
-  Key key = key_of(spirv, constants);
   auto made = made_.find(key);
   if (made == made_.end()) {
     auto words = compute::specialize(spirv, constants);

@@ -45,14 +45,9 @@ class Specializer {
   void remember(std::span<const uint32_t> remembered);
 
  private:
-  using Key = std::vector<uint32_t>;
-  Key key_of(std::span<const uint32_t> spirv, std::span<const SpecializationConstant> constants);
-
   mutable std::mutex mutex_;
   /// From a hash of the module, and the numbers and values of the constants that it uses, to the words of its specialisation.
-  std::map<Key, std::vector<uint32_t>> made_;
-  /// From a hash of the module to the constants that it uses: plans ask for the same few modules again and again.
-  std::map<uint64_t, std::vector<uint32_t>> used_;
+  std::map<std::vector<uint32_t>, std::vector<uint32_t>> made_;
 };
 
 }  // namespace weft::compute
