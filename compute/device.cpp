@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "compute/inventory.h"
+#include "compute/labels.h"
 
 namespace weft::compute {
 
@@ -85,6 +86,12 @@ Result<VkDevice> create_device(const Functions& fn, const Candidate& candidate, 
   return device;
 }
 
+void drop_labels_unless_they_hold(Functions& fn, VkInstance instance, VkPhysicalDevice physical) {
+  if (labels_hold(fn, instance, physical)) return;
+  fn.vkCmdBeginDebugUtilsLabelEXT = nullptr;
+  fn.vkCmdEndDebugUtilsLabelEXT = nullptr;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Device>> Device::create(const DeviceChoice& choice) try {
@@ -106,6 +113,7 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceChoice& choice) try {
   if (!device) return device.take_error();
   state->device = *device;
   if (Result<void> loaded = state->fn.load_device(*device); !loaded) return loaded.take_error();
+  drop_labels_unless_they_hold(state->fn, state->instance, state->candidate.physical);
   state->fn.vkGetDeviceQueue(state->device, state->candidate.queue_family, 0, &state->queue);
   return std::unique_ptr<Device>(new Device(std::move(state)));
 } catch (...) {
@@ -123,6 +131,7 @@ Result<std::unique_ptr<Device>> Device::borrow(const BorrowedDevice& lent) try {
   state->fn.vkGetInstanceProcAddr = lent.get_instance_proc_addr;
   if (Result<void> loaded = state->fn.load_instance(lent.instance); !loaded) return loaded.take_error();
   if (Result<void> loaded = state->fn.load_device(lent.device); !loaded) return loaded.take_error();
+  drop_labels_unless_they_hold(state->fn, lent.instance, lent.physical);
   state->candidate = describe(state->fn, lent.physical, 0, lent.queue_family);
   const DeviceDescription& description = state->candidate.description;
   if (!description.refusal.empty()) {
