@@ -8,7 +8,13 @@
 //      \   |   /       First p is brought as near to the axis as this radius, then into each ball, which does not lead out of the
 //         \ p /        other. Without the first step a sheet between two corners sags: its mean strain was ten times as much.
 
+// They know nothing of bodies: an anchor behind one pulls straight through it, by metres where cloth lags far behind, and what leads around
+// is drowned. With contacts a particle may go no farther than its displacement bound, and tethers take up no more than a part of it. The
+// part is a measured one (engine/README.md, "Tethers along geodesics").
+
 GATHER_UINT4(tethers)
+
+const float tether_share = 0.1;   // of the displacement bound, in a pass
 
 // The correction that makes d = p - a as short as the max distance. Exactly 0 where the tether is slack.
 vec3 correction(vec3 d, float max_distance) {
@@ -29,7 +35,14 @@ vec3 correction_to_lens(vec3 d, vec3 axis, float max_a, float max_b) {
   return (t > 0 && t < 1 && away > width ? sqrt(width / away) - 1 : 0) * off;
 }
 
+// `way`, or as much of it as has this length.
+vec3 at_most(float most, vec3 way) {
+  const float squared = dot(way, way);
+  return squared > most * most ? (most / sqrt(squared)) * way : way;
+}
+
 vec3 within_tethers(uint i, vec3 p) {
+  const vec3 before = p;
   for (uint k = 0; k < tether_pairs; ++k) {
     const uvec4 pair = FETCH(tethers, i * tether_pairs + k);
     if (pair.x == WEFT_NONE) break;   // it ends the list
@@ -41,5 +54,5 @@ vec3 within_tethers(uint i, vec3 p) {
     p += correction(p - a, max_a);
     if (both) p += correction(p - b, max_b);
   }
-  return p;
+  return has_contacts ? before + at_most(tether_share * bound_of(i), p - before) : p;
 }
