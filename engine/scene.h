@@ -290,7 +290,7 @@ struct Scene {
   std::uint32_t grabs = 0;            // places of cloth that the host may pull at a time (Simulation::grab)
   bool reactions = false;             // adds up what cloth does to colliders that are no meshes (Simulation::take_reactions)
   std::vector<Cloth> cloths;          // at least one
-  std::vector<Collider> colliders;    // at most 64
+  std::vector<Collider> colliders;    // at most 1024; each costs every particle
   Camera camera;
   Light light;
 };

@@ -41,7 +41,7 @@ inline std::string no_direction(const std::string& length) {
 
 constexpr Range kCells = between(1, 2048);
 
-constexpr std::size_t kMostCloths = 64;
+constexpr std::size_t kMostCloths = 1024;
 constexpr std::size_t kMostKeys = 100'000;
 constexpr std::size_t kMostVertices = 4'000'000;  // as many as a mesh may have
 

@@ -155,11 +155,10 @@ void Simulation::State::hear_recorded() {
     if (!recorded.is_under_way[k] || device->heard(device->vk().vkGetEventStatus(device->handle(), event)) != VK_EVENT_SET) continue;
     if (device->heard(device->vk().vkResetEvent(device->handle(), event)) != VK_SUCCESS) continue;
     recorded.is_under_way[k] = false;
-    const Report report = reported(place_of_event(k));
-    learn(report.counters);
+    learn(reported(place_of_event(k)).counters);
     if (recorded.number[k] < recorded.heard) continue;
     recorded.heard = recorded.number[k];
-    reactions.known = report.reactions;
+    read_reactions(place_of_event(k), reactions.known);
   }
 }
 
@@ -167,6 +166,7 @@ void Simulation::State::hear_recorded() {
 Result<void> Simulation::State::run_to_the_end(FrameInput input) {
   const bool contacts = solver->has(buffers::candidates) && input.substeps > 0;
   const Report before = heard;
+  const std::vector<gpu::Reaction> given_before = reactions.heard;
   const std::uint32_t overflowed = before.counters.contacts_overflowed, parity = solver->parity(), phase = solver->phase();
   const bool saves = contacts || (timed_on_cpu() && input.substeps > 0);
   if (auto done = put_frame_back(); !done) return done;
@@ -202,6 +202,7 @@ Result<void> Simulation::State::run_to_the_end(FrameInput input) {
     solver->set_phase(phase);
     // The counters are rolled back, too: should the repeated frame fail, it counts nothing.
     heard = before;
+    reactions.heard = reactions.known = given_before;
     capacity.lost = before.counters.contacts_overflowed;
   }
 }

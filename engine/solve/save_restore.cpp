@@ -294,8 +294,8 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
   // What the frame has reported at its end.
   std::memcpy(&heard.counters, find(snapshot, "counters")->data(), sizeof heard.counters);
   heard.detection = detection_of(snapshot);
-  if (const auto* sums = find(snapshot, "reactions"); sums != nullptr) std::memcpy(heard.reactions.data(), sums->data(), sums->size());
-  reactions.known = reactions.told = heard.reactions;
+  if (const auto* sums = find(snapshot, "reactions"); sums != nullptr) std::memcpy(reactions.heard.data(), sums->data(), sums->size());
+  reactions.known = reactions.told = reactions.heard;
   solver->set_phase(snapshot.phase);
   capacity.room = heard.counters.contacts_room;
   capacity.lost = capacity.told = heard.counters.contacts_overflowed;

@@ -172,7 +172,10 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
                    [&](std::uint32_t a, std::uint32_t b) { return scene.colliders[a].shape < scene.colliders[b].shape; });
   state->bodies.colliders.reserve(state->bodies.order.size());   // a frame that has begun to move them needs no memory
   state->bodies.in_world.reserve(colliders);
-  if (scene.reactions) state->reactions.between.resize(colliders);
+  if (scene.reactions) {
+    state->reactions.between.resize(colliders);
+    for (auto* sums : {&state->reactions.heard, &state->reactions.known, &state->reactions.told}) sums->resize(state->bodies.order.size());
+  }
   std::unique_ptr<Simulation> simulation(new Simulation(std::move(state)));
   // The surface is drawable before the first frame.
   if (auto drawn = simulation->state_->draw_surface(); !drawn) return drawn.take_error();
@@ -362,7 +365,8 @@ std::vector<BufferUse> Simulation::buffers() const try {
 }
 
 Counts Simulation::counts() const {
-  const Report report = state_->newest_report();
+  const auto place = state_->newest_place();
+  const Report report = place ? state_->reported(*place) : state_->heard;
   const gpu::Counters& counters = report.counters;
   return {counters.non_finite, counters.coincident, counters.contacts_most, counters.contacts_overflowed,
           counters.contacts_room, counters.truncated,

@@ -29,9 +29,11 @@ Report Simulation::State::reported(std::size_t place) const {
   Report report;
   std::memcpy(&report.counters, readback_of(place, kCounters).mapped, sizeof report.counters);
   std::memcpy(&report.detection, readback_of(place, kDetection).mapped, sizeof report.detection);
-  if (solver->has(buffers::reactions))
-    std::memcpy(report.reactions.data(), readback_of(place, kReactions).mapped, solver->used_bytes(buffers::reactions));
   return report;
+}
+
+void Simulation::State::read_reactions(std::size_t place, std::vector<gpu::Reaction>& into) const {
+  if (solver->has(buffers::reactions)) std::memcpy(into.data(), readback_of(place, kReactions).mapped, solver->used_bytes(buffers::reactions));
 }
 
 // Frame `frame` and all before it are done, and so are those that the host has recorded.
@@ -40,30 +42,32 @@ void Simulation::State::hear(std::uint64_t frame) {
   if (has_recorded) {
     hear_recorded();
     heard = reported(place_of_recorded());
+    read_reactions(place_of_recorded(), reactions.heard);
     queue.heard = queue.submitted;   // recorded after them
   } else if (frame > queue.heard) {
     heard = reported(slot_of(frame));
+    read_reactions(slot_of(frame), reactions.heard);
     queue.heard = frame;
   }
   has_recorded = false;
-  reactions.known = heard.reactions;
+  reactions.known = reactions.heard;
   learn(heard.counters);
 }
 
-// That of the last frame that is done, for those who ask while others are under way. What Weft itself does next must not depend on
-// which that is.
-Report Simulation::State::newest_report() const {
-  if (has_recorded) return reported(place_of_recorded());
+// For those who ask while frames are under way. What Weft itself does next must not depend on which frame that is.
+std::optional<std::size_t> Simulation::State::newest_place() const {
+  if (has_recorded) return place_of_recorded();
   std::uint64_t done = 0;
-  if (device->heard(device->vk().vkGetSemaphoreCounterValue(device->handle(), queue.ready.get(), &done)) != VK_SUCCESS) return heard;
-  return done > queue.heard ? reported(slot_of(done)) : heard;
+  if (device->heard(device->vk().vkGetSemaphoreCounterValue(device->handle(), queue.ready.get(), &done)) != VK_SUCCESS) return {};
+  return done > queue.heard ? std::optional(slot_of(done)) : std::nullopt;
 }
 
 std::span<const Reaction> Simulation::take_reactions() {
   State& s = *state_;
   if (!s.scene.reactions) return {};
   if (s.has_recorded) s.hear_recorded();
-  else s.reactions.known = s.newest_report().reactions;
+  else if (const auto place = s.newest_place()) s.read_reactions(*place, s.reactions.known);
+  else s.reactions.known = s.reactions.heard;
   const double quantum = reaction_quantum(s.fabric);
   for (std::size_t k = 0; k < s.bodies.order.size(); ++k)
     s.reactions.between[s.bodies.order[k]] = reaction_between(s.reactions.told[k], s.reactions.known[k], quantum);

@@ -29,7 +29,7 @@ struct Flaw {
 
 const Flaw kFlaws[] = {
     {"cloths: is empty: at least 1 is needed", [](Scene& s) { s.cloths.clear(); }},
-    {"cloths: 65 entries are more than 64", [](Scene& s) { s.cloths.assign(65, s.cloths[0]); }},
+    {"cloths: 1025 entries are more than 1024", [](Scene& s) { s.cloths.assign(1025, s.cloths[0]); }},
     {"cloths[0].fabric.stretch: -5 is not above 0 (N/m)", [](Scene& s) { s.cloths[0].fabric.stretch = -5; }},
     {"cloths[0].fabric.shear: infinite, not finite", [](Scene& s) { s.cloths[0].fabric.shear = -INFINITY; }},
     {"cloths[0].fabric.thickness: -1 is less than 0 (m)", [](Scene& s) { s.cloths[0].fabric.thickness = -1; }},
@@ -69,7 +69,7 @@ const Flaw kFlaws[] = {
     {"colliders[0].normal: is a vector of length 0", [](Scene& s) { s.colliders[0].normal = {}; }},
     {"colliders[0].radius: -1 is not above 0 (m)", [](Scene& s) { s.colliders[0].radius = -1; }},
     {"colliders[0].shape: 99 is not the number of", [](Scene& s) { s.colliders[0].shape = ColliderShape(99); }},
-    {"colliders: 65 entries are more than 64", [](Scene& s) { s.colliders.assign(65, s.colliders[0]); }},
+    {"colliders: 1025 entries are more than 1024", [](Scene& s) { s.colliders.assign(1025, s.colliders[0]); }},
     {"solver.iterations: 0 is less than 1", [](Scene& s) { s.solver.iterations = 0; }},
     {"solver.method: 12 is not the number of", [](Scene& s) { s.solver.method = Method(12); }},
     {"solver.rate: not a number, not finite", [](Scene& s) { s.solver.rate = NAN; }},

@@ -149,7 +149,7 @@ TEST(BrokenScene, wrong_cloths_are_told_with_path_value_and_limit) {
       Broken{cloth_with(R"("appearance": {"normal": "notes.txt"})"), "does not end in \".png\", \".jpg\" or \".jpeg\""},
       Broken{cloth_with(R"("appearance": {"base_colour": [2, 0, 0]})"), "cloths[0].appearance.base_colour[0]: 2 is more than 1"},
       Broken{cloth_with(R"("appearance": {"repeat": [0, 1]})"), "cloths[0].appearance.repeat[0]: 0 is not above 0"},
-      Broken{"{\"cloths\": " + many(R"({"grid": {}})", 65) + "}", "cloths: 65 entries are more than 64"}});
+      Broken{"{\"cloths\": " + many(R"({"grid": {}})", 1025) + "}", "cloths: 1025 entries are more than 1024"}});
 }
 
 TEST(BrokenScene, wrong_anchors_are_told_with_path_value_and_limit) {
@@ -206,7 +206,7 @@ TEST(BrokenScene, wrong_colliders_are_told_with_path_value_and_limit) {
       Broken{R"({"colliders": [{"shape": "box", "axis": [0, 0, 0]}]})", "colliders[0].axis: is a vector of length 0"},
       Broken{R"({"colliders": [{"friction": -1}]})", "colliders[0].friction: -1 is less than 0"},
       Broken{R"({"colliders": [{"keys": [{"time": 2}, {"time": 1}]}]})", "colliders[0].keys[1].time: 1 is not after 2 (s)"},
-      Broken{"{\"colliders\": " + many("{}", 65) + "}", "colliders: 65 entries are more than 64"}});
+      Broken{"{\"colliders\": " + many("{}", 1025) + "}", "colliders: 1025 entries are more than 1024"}});
 }
 
 TEST(Scene, all_faults_are_named_one_a_line) {

@@ -5,7 +5,7 @@
 
 namespace weft::scene_fields {
 
-constexpr std::size_t kMostColliders = 64;
+constexpr std::size_t kMostColliders = 1024;
 inline constexpr std::array<std::string_view, 5> kShapes = {"plane", "sphere", "capsule", "box", "mesh"};
 
 /// A key that only some shapes of collider have.

@@ -137,6 +137,42 @@ TEST_F(ReactionCase, a_sheet_at_rest_weighs_on_a_plane_what_it_weighs_and_where_
   EXPECT_NEAR(given.angular_impulse.x, 0, 1e-3 * weight);
 }
 
+// More than the 64 that there were once: each sheet lies on a block of its own, and each block is told the weight of it, by
+// advance and by submit; a snapshot knows them all.
+TEST_F(ReactionCase, a_hundred_blocks_are_given_the_weight_of_the_sheet_on_each) {
+  constexpr int kMany = 100;
+  Scene scene;
+  scene.reactions = true;
+  for (int k = 0; k < kMany; ++k) {
+    const float x = 0.3f * static_cast<float>(k % 10), z = 0.3f * static_cast<float>(k / 10);
+    Cloth& cloth = scene.cloths.emplace_back();
+    cloth.grid = Grid{{0.1f, 0.1f}, 2, 2, Topology::diagonal, false};
+    cloth.fabric.area_density = 0.1 + 0.01 * (k % 7);
+    cloth.transform.translate = {x, 0.003f, z};
+    scene.colliders.push_back(block({x, -0.1f, z}, {0.2f, 0.2f, 0.2f}));
+  }
+  const auto simulation = must(Simulation::create(device(), scene));
+  run(*simulation, 1);
+  const Snapshot rested = must(simulation->save());
+  simulation->take_reactions();
+  const auto expect_weights = [&] {
+    const auto given = simulation->take_reactions();
+    ASSERT_EQ(given.size(), std::size_t{kMany});
+    for (int k = 0; k < kMany; ++k) {
+      const double wanted = -9.81 * 0.5 * 0.01 * scene.cloths[k].fabric.area_density;   // N s: of half a second
+      EXPECT_NEAR(given[k].impulse.y, wanted, 0.01 * -wanted) << "block " << k;
+    }
+  };
+  run(*simulation, 0.5);
+  expect_weights();
+  const std::uint64_t hash = hash_of(*simulation);
+  must(simulation->restore(rested));
+  simulation->take_reactions();
+  for (int k = 0; k < 30; ++k) must(simulation->submit(kFrame));
+  EXPECT_EQ(hash_of(*simulation), hash);   // waits for the frames
+  expect_weights();
+}
+
 TEST_F(ReactionCase, contacts_change_nothing_about_the_balance_while_no_step_is_cut_short) {
   Scene scene = falling_sheet({plane(-0.1f)});
   scene.contacts.enabled = true;
