@@ -26,6 +26,7 @@ struct DeviceChoice {
   /// contains it, upper and lower case alike.
   std::string name;
   /// Khronos validation with synchronization validation; the sentence says so if the layer is not installed.
+  /// Under a layer before 1.3.243 no labels are recorded (compute/labels.h).
   bool validation = false;
   /// Also asks for dynamic rendering and a queue that draws. Without it a compute-only device is good enough, though
   /// both are still taken where there is a choice.
