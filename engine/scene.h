@@ -289,7 +289,7 @@ struct Scene {
   std::uint32_t pins = 0;             // vertices that the host may pin at a time, besides anchors (Simulation::pin); 0: none, nor release any
   std::uint32_t grabs = 0;            // places of cloth that the host may pull at a time (Simulation::grab)
   bool reactions = false;             // adds up what cloth does to colliders that are no meshes (Simulation::take_reactions)
-  std::vector<Cloth> cloths;          // at least one
+  std::vector<Cloth> cloths;          // 1 ... 1024
   std::vector<Collider> colliders;    // at most 1024; each costs every particle
   Camera camera;
   Light light;

@@ -8,7 +8,6 @@
 
 #include "compute/commands.h"
 #include "engine/effects/buffers.h"
-#include "engine/effects/collide/keys.h"
 #include "engine/simulation.h"
 #include "engine/solve/pick.h"
 #include "engine/solve/solver.h"

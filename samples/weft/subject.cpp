@@ -5,6 +5,7 @@
 #include <cctype>
 #include <fstream>
 #include <iterator>
+#include <map>
 
 #include "engine/reference/choice.h"
 #include "engine/reference/intersections.h"
@@ -56,19 +57,28 @@ std::vector<std::pair<std::string, std::string>> maps_of(const Appearance& looks
 
 std::vector<std::string> file_faults(const Scene& scene) {
   std::vector<std::string> faults;
+  // A thousand cloths may show one file: each is read once, and told of wherever it stands.
+  std::map<std::string, std::string> read;
+  const auto look = [&](const std::string& file, const auto& fault_of, const std::string& key) {
+    const auto [known, is_new] = read.try_emplace(file);
+    if (is_new) known->second = fault_of(scene.folder / file);
+    if (!known->second.empty()) faults.push_back(key + ": " + known->second);
+  };
+  const auto mesh_fault = [&](const std::filesystem::path& file) {
+    const Result<Mesh> mesh = load_mesh(file, scene.buffer_files);
+    return mesh ? "" : mesh.error();
+  };
+  const auto image_fault = [](const std::filesystem::path& file) {
+    const Result<Image> image = read_image(file);
+    return image ? "" : image.error();
+  };
   for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
     const Cloth& cloth = scene.cloths[i];
     const std::string path = "cloths[" + std::to_string(i) + "].";
-    if (!cloth.mesh.empty())
-      if (const Result<Mesh> mesh = load_mesh(scene.folder / cloth.mesh, scene.buffer_files); !mesh)
-        faults.push_back(path + "mesh: " + mesh.error());
-    for (const auto& [key, map] : maps_of(cloth.appearance))
-      if (const Result<Image> image = read_image(scene.folder / map); !image)
-        faults.push_back(path + "appearance." + key + ": " + image.error());
+    if (!cloth.mesh.empty()) look(cloth.mesh, mesh_fault, path + "mesh");
+    for (const auto& [key, map] : maps_of(cloth.appearance)) look(map, image_fault, path + "appearance." + key);
   }
-  for (const std::uint32_t i : mesh_colliders(scene))
-    if (const Result<Mesh> mesh = load_mesh(scene.folder / scene.colliders[i].mesh, scene.buffer_files); !mesh)
-      faults.push_back("colliders[" + std::to_string(i) + "].mesh: " + mesh.error());
+  for (const std::uint32_t i : mesh_colliders(scene)) look(scene.colliders[i].mesh, mesh_fault, "colliders[" + std::to_string(i) + "].mesh");
   return faults;
 }
 

@@ -38,6 +38,13 @@ inline Vector within_lens(const Tether& a, const Tether& b, const Vector& p) {
   return off.norm() > width ? Vector(p + (width - off.norm()) * off.normalized()) : p;
 }
 
+/// What a pass makes of `way`, all that the tethers of a particle ask for, where contacts give it a displacement bound (m).
+inline constexpr double kTetherShare = 0.1;
+inline Vector share_of(const Vector& way, double bound) {
+  const double most = kTetherShare * bound;
+  return way.norm() > most ? Vector(most * way.normalized()) : way;
+}
+
 /// Pair after pair, nearest anchor first.
 inline Vector within_tethers(std::span<const Tether> tethers, Vector p) {
   for (std::size_t k = 0; k < tethers.size(); k += 2) {

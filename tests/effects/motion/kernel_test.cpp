@@ -2,6 +2,7 @@
 // next prediction; colliders stand in tests/effects/collide/kernel_test.cpp) and surface, on random and degenerate particles.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -73,24 +74,31 @@ TEST_F(MotionKernel, an_untouched_particle_ends_a_substep_as_its_twin_does) {
   }
 }
 
+// Up to `places` tethers for each particle that can move, to anchors among the fabric's; the twins of each.
+std::vector<std::vector<reference::Tether>> tie(CookedFabric& fabric, std::uint32_t places, Random& random) {
+  const auto particles = static_cast<std::uint32_t>(fabric.positions.size());
+  std::vector<std::vector<reference::Tether>> twins(particles);
+  fabric.tethers_per_particle = places;
+  for (std::uint32_t i = 0; i < particles; ++i) {
+    const std::uint32_t count = fabric.positions[i].w == 0 ? 0 : i % (places + 1);
+    for (std::uint32_t k = 0; k < places; ++k) {
+      const auto anchor = 3 + 8 * static_cast<std::uint32_t>(random() % (particles / 8));   // each eighth particle is held
+      // Half are slack; one in 50 must bring its particle to the anchor itself.
+      const float max_distance = random() % 50 == 0 ? 0.f : static_cast<float>(between(random, 0.2, 3));
+      fabric.tethers.push_back(k < count ? gpu::Tether{anchor, max_distance} : gpu::Tether{WEFT_NONE, 0});
+      if (k < count) twins[i].push_back({vector(fabric.positions[anchor]), max_distance});
+    }
+  }
+  return twins;
+}
+
 TEST_F(MotionKernel, tethers_do_what_their_twin_does_for_none_to_eight_a_particle) {
   for (const std::uint32_t places : {2u, 4u, 8u})
     for (const bool gather_storage : {false, true}) {
       Random random(places);
       const Scene scene = loose_scene(4);
       CookedFabric fabric = loose_particles(random, 400, scene.solver);
-      std::vector<std::vector<reference::Tether>> twins(400);
-      fabric.tethers_per_particle = places;
-      for (std::uint32_t i = 0; i < 400; ++i) {
-        const std::uint32_t count = fabric.positions[i].w == 0 ? 0 : i % (places + 1);
-        for (std::uint32_t k = 0; k < places; ++k) {
-          const auto anchor = 3 + 8 * static_cast<std::uint32_t>(random() % 50);   // each eighth particle is held
-          // Half are slack; one in 50 must bring its particle to the anchor itself.
-          const float max_distance = random() % 50 == 0 ? 0.f : static_cast<float>(between(random, 0.2, 3));
-          fabric.tethers.push_back(k < count ? gpu::Tether{anchor, max_distance} : gpu::Tether{WEFT_NONE, 0});
-          if (k < count) twins[i].push_back({vector(fabric.positions[anchor]), max_distance});
-        }
-      }
+      const auto twins = tie(fabric, places, random);
       const auto p = moved(random, fabric, 0.1);
       reference::Points wanted;
       for (std::size_t i = 0; i < p.size(); ++i) wanted.push_back(reference::within_tethers(twins[i], vector(p[i])));
@@ -101,6 +109,45 @@ TEST_F(MotionKernel, tethers_do_what_their_twin_does_for_none_to_eight_a_particl
       passes.run("stretch");
       expect_finalized(passes, fabric, wanted, false, 32 * kRounding * 3.5);   // 3.5 m: the longest way to an anchor
     }
+}
+
+// In an iteration that is not a substep's last, so that nothing but tethers asks for the bound.
+TEST_F(MotionKernel, with_contacts_tethers_take_up_a_share_of_the_displacement_bound_as_their_twin_does) {
+  for (const bool gather_storage : {false, true}) {
+    Random random(9);
+    Scene scene = loose_scene(4);
+    scene.solver.iterations = 2;
+    scene.contacts.enabled = true;
+    scene.contacts.capacity = 16;
+    CookedFabric fabric = loose_particles(random, 400, scene.solver);
+    fabric.rest = fabric.positions;   // contacts are for fabrics that have a surface
+    fabric.triangles = {{0, 1, 2}};
+    fabric.cloth_triangles = 1;
+    fabric.edges = {{0, 1}};
+    fabric.mean_edge = 1;
+    const auto twins = tie(fabric, 4, random);
+    const auto p = moved(random, fabric, 0.1);
+    std::vector<std::uint32_t> bounds;
+    reference::Points wanted;
+    int cut = 0, whole = 0;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      const float bound = i % 7 == 0 ? 0 : static_cast<float>(between(random, 0, 8));   // m
+      bounds.push_back(std::bit_cast<std::uint32_t>(bound) | (i % 3 == 0 ? WEFT_PAIRED : 0));
+      const float kept = std::bit_cast<float>(bounds.back() & ~WEFT_PAIRED);
+      const reference::Vector way = reference::within_tethers(twins[i], vector(p[i])) - vector(p[i]);
+      wanted.push_back(vector(p[i]) + reference::share_of(way, kept));
+      if (way.norm() > 0) ++(way.norm() > reference::kTetherShare * kept ? cut : whole);
+    }
+    EXPECT_GT(cut, 20);
+    EXPECT_GT(whole, 20);
+    SinglePass passes(device(), scene, fabric, gather_storage);
+    passes.put(buffers::velocities, leading_to(p, fabric));
+    passes.put(buffers::displacement_bounds, bounds);
+    passes.put_iterate(p);
+    passes.begin(falling(4));
+    passes.run("stretch");
+    EXPECT_LT(largest_gap(passes.iterate(), wanted), 32 * kRounding * 3.5);
+  }
 }
 
 TEST_F(MotionKernel, a_particle_that_turns_non_finite_is_put_back_and_counted) {
