@@ -6,6 +6,7 @@
     pleats.glb       a skirt of 24 pleats, 0.55 m long, sewn along a UV seam; its waist up, its hem on y = 0
     table.glb        a table, 0.9 m x 0.9 m, 0.72 m high, on y = 0: one closed surface with hard edges
     table_linen.glb  two panels, 1.5 m x 1.5 m, 61 x 61 places, sewn along a UV seam; flat, on y = 0
+    quilt.glb        a padded quilt, 1.2 m x 1.2 m, closed, 2 x 97 x 97 places; flat, its middle on y = 0
     body.glb, skirt.glb, cape.glb
                      a character that walks on the spot, and what it wears: a skin over one skeleton, a walk cycle (character.py)
     plain_weave_*.png, twill_*.png
@@ -179,6 +180,29 @@ def pleats():
             normals.append((x / math.hypot(x, z), 0.0, z / math.hypot(x, z)))
             uvs.append((0.03 * i, length * (1 - j / rows)))
     return glb("pleats", positions, normals, uvs, sheet_triangles(columns, rows, 0, 0), wide_indices=False)
+
+
+def quilt():
+    """Two layers over squares of padding, sewn together along the lines between these and at the rim."""
+    side, cells, squares = 1.2, 96, 8
+    step = side / cells
+
+    def height(i, j):
+        return math.sqrt(abs(math.sin(math.pi * squares * i / cells) * math.sin(math.pi * squares * j / cells)))
+
+    positions, normals, uvs, triangles = [], [], [], []
+    for up in (0.022, -0.012):
+        sheet = sheet_triangles(cells, cells, len(positions), 0)
+        triangles += sheet if up > 0 else [(a, c, b) for a, b, c in sheet]
+        for j in range(cells + 1):
+            for i in range(cells + 1):
+                positions.append((side * (i / cells - 0.5), up * height(i, j), side * (0.5 - j / cells)))
+                across = up * (height(min(i + 1, cells), j) - height(max(i - 1, 0), j)) / (2 * step)
+                along = up * (height(i, min(j + 1, cells)) - height(i, max(j - 1, 0))) / (2 * step)
+                turned, length = (1.0 if up > 0 else -1.0), math.sqrt(across * across + along * along + 1)
+                normals.append((-turned * across / length, turned / length, turned * along / length))
+                uvs.append((side * i / cells, side * (1 - j / cells)))
+    return glb("quilt", positions, normals, uvs, triangles, wide_indices=False)
 
 
 def table():
@@ -432,6 +456,7 @@ def main():
         save(folder / "curtain.glb", curtain())
         save(folder / "tablecloth.glb", tablecloth())
         save(folder / "pleats.glb", pleats())
+        save(folder / "quilt.glb", quilt())
         save(folder / "table.glb", table())
         save(folder / "table_linen.glb", table_linen())
         for part in (character.body, character.skirt, character.cape):

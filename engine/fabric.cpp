@@ -1,6 +1,8 @@
 // Cooking: see fabric.h. Makes particles and their masses, then lets every effect cook its part.
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <map>
 
 #include "engine/cook/cook_state.h"
 #include "engine/effects/effect.h"
@@ -18,37 +20,69 @@ constexpr double kMostParts = 1000;
 // Squares of shorter lengths are too small for single precision; stretch.comp treats such ends as coincident.
 constexpr float kShortestLink = 1e-8f;   // m
 
-// Mass of every point (kg): a third of the mass of each triangle around it.
-std::vector<double> point_masses(const Mesh& mesh, double area_density) {
+// Mass of every point (kg): a third of each triangle around it, as heavy as the map says there.
+std::vector<double> point_masses(const Mesh& mesh, double area_density, const std::vector<float>& factors) {
   std::vector<double> masses(mesh.points.size());
   for (const auto& [a, b, c] : mesh.triangles) {
     const Eigen::Vector3d x = vector(mesh.points[a]);
     const double area = 0.5 * (vector(mesh.points[b]) - x).cross(vector(mesh.points[c]) - x).norm();
-    for (const std::uint32_t p : {a, b, c}) masses[p] += area_density * area / 3;
+    for (const std::uint32_t p : {a, b, c}) masses[p] += cooking::factor(factors, p) * area_density * area / 3;
   }
   return masses;
 }
 
+// The materials of a cloth: one, or where maps vary it one of each kind of point.
+class Materials {
+ public:
+  Materials(const Cloth& cloth, std::uint32_t index, const cooking::Factors& factors, CookedFabric& fabric)
+      : cloth_(cloth), factors_(factors), fabric_(fabric), body_(static_cast<float>(index)) {}
+
+  /// Its index. Errors: a figure that is beyond its limit.
+  Result<std::uint32_t> of(std::uint32_t point) {
+    const double friction = cloth_.fabric.friction * cooking::factor(factors_.friction, point);
+    const double thickness = cloth_.fabric.thickness * cooking::factor(factors_.thickness, point);
+    if (const std::string fault = outside(friction, scene_fields::kFriction); !fault.empty())
+      return fail("maps.friction: at point ", point, " ", fault);
+    if (const std::string fault = outside(thickness, scene_fields::kThickness); !fault.empty())
+      return fail("maps.thickness: at point ", point, " ", fault);
+    const auto [known, is_new] =
+        known_.try_emplace(std::pair(friction, thickness), static_cast<std::uint32_t>(fabric_.materials.size()));
+    if (is_new)
+      fabric_.materials.push_back({static_cast<float>(std::exp(-cloth_.fabric.damping * fabric_.h)), static_cast<float>(friction),
+                                   static_cast<float>(thickness), body_});
+    return known->second;
+  }
+
+ private:
+  const Cloth& cloth_;
+  const cooking::Factors& factors_;
+  CookedFabric& fabric_;
+  float body_;
+  std::map<std::pair<double, double>, std::uint32_t> known_;
+};
+
 Result<void> add_particles(CookState& state, std::uint32_t index, std::span<const std::uint32_t> order, const Mesh& mesh,
-                           std::span<const cooking::AnchorChoice> anchors) {
+                           std::span<const cooking::AnchorChoice> anchors, const cooking::Factors& factors) {
   const Cloth& cloth = state.scene().cloths[index];
   CookedFabric& fabric = state.fabric();
-  std::vector<double> masses = point_masses(mesh, cloth.fabric.area_density);
-  if (cloth.springs && cloth.springs->mass > 0) std::fill(masses.begin(), masses.end(), cloth.springs->mass);
+  std::vector<double> masses = point_masses(mesh, cloth.fabric.area_density, factors.mass);
+  if (cloth.springs && cloth.springs->mass > 0)
+    for (std::uint32_t p = 0; p < masses.size(); ++p) masses[p] = cooking::factor(factors.mass, p) * cloth.springs->mass;
+  Materials materials(cloth, index, factors, fabric);
   for (const std::uint32_t point : order) {
     const Vec3 x = mesh.points[point];
     if (!(masses[point] > 0))
       return fail("cloths[", index, "]: point ", point, " has a mass of ", masses[point], " kg; it must be above 0");
     fabric.positions.push_back({x.x, x.y, x.z, static_cast<float>(1 / masses[point])});
-    fabric.velocities.push_back({0, 0, 0, std::bit_cast<float>(index)});
+    const auto material = materials.of(point);
+    if (!material) return fail("cloths[", index, "]: ", material.why());
+    fabric.velocities.push_back({0, 0, 0, std::bit_cast<float>(*material)});
     if (state.may_pin()) fabric.inverse_masses.push_back(fabric.positions.back().w);
   }
   for (const auto& [entry, point, vertex] : anchors) {
     fabric.positions[state.particle_of()[point]].w = 0;
     fabric.anchors.push_back({index, entry, state.particle_of()[point], vertex, mesh.points[point]});
   }
-  fabric.materials.push_back({static_cast<float>(std::exp(-cloth.fabric.damping * fabric.h)), static_cast<float>(cloth.fabric.friction),
-                               static_cast<float>(cloth.fabric.thickness), 0});
   return {};
 }
 
@@ -60,6 +94,8 @@ Result<void> add_cloth(CookState& state, std::uint32_t index, const Mesh& mesh) 
     return fail("cloths[", index, "]: the scene's ", first + mesh.points.size(), " particles are more than ", WEFT_MAX_PARTICLES);
   auto anchors = cooking::choose_anchors(cloth, mesh);
   if (!anchors) return fail("cloths[", index, "].", anchors.why());
+  const auto factors = cooking::factors_of(cloth.maps, mesh);
+  if (!factors) return fail("cloths[", index, "]: ", factors.why());
   const std::vector<std::uint32_t> order = cooking::locality_order(mesh);
   std::vector<std::uint32_t> particle_of(mesh.points.size());
   for (std::uint32_t k = 0; k < order.size(); ++k) particle_of[order[k]] = first + k;
@@ -67,8 +103,8 @@ Result<void> add_cloth(CookState& state, std::uint32_t index, const Mesh& mesh) 
   fabric.cloths.push_back({cloth.name, first, static_cast<std::uint32_t>(mesh.points.size()),
                            static_cast<std::uint32_t>(fabric.surface_rows.size()), static_cast<std::uint32_t>(mesh.point_of.size()),
                            static_cast<std::uint32_t>(fabric.anchors.size()), static_cast<std::uint32_t>(anchors->size())});
-  if (auto done = add_particles(state, index, order, mesh, *anchors); !done) return done;
-  const cooking::ClothInput input{cloth, mesh, *anchors, fabric.links.size(), fabric.bends.size()};
+  if (auto done = add_particles(state, index, order, mesh, *anchors, *factors); !done) return done;
+  const cooking::ClothInput input{cloth, mesh, *anchors, *factors, fabric.links.size(), fabric.bends.size()};
   for (const Effect* effect : all_effects())
     if (effect->cook != nullptr)
       if (auto done = effect->cook(state, input); !done) return fail("cloths[", index, "]: ", done.why());
@@ -95,8 +131,9 @@ Result<void> fit_substep(CookState& state) {
                 substeps, " a frame, more than ", kMostParts,
                 ": take softer springs, heavier particles, a coarser mesh or a higher solver.rate");
   fabric.h = wanted / parts;
-  for (std::size_t k = 0; k < scene.cloths.size(); ++k)
-    fabric.materials[k].damping_factor = static_cast<float>(std::exp(-scene.cloths[k].fabric.damping * fabric.h));
+  for (gpu::Material& material : fabric.materials)
+    if (const auto body = static_cast<std::size_t>(material.body); body < scene.cloths.size())
+      material.damping_factor = static_cast<float>(std::exp(-scene.cloths[body].fabric.damping * fabric.h));
   fabric.notes.push_back(fail("solver: a substep of ", 1e3 * wanted, " ms is longer than ", 1e3 * fabric.largest_step,
                                " ms, up to which its springs are stable: each is taken in ", parts, " parts.").message);
   return {};
@@ -141,6 +178,7 @@ Result<std::vector<Mesh>> make_meshes(const Scene& scene) try {
     if (!mesh) return fail("cloths[", index, cloth.grid ? "].grid: " : "].mesh: ", mesh.why());
     if (auto added = add(std::move(*mesh)); !added) return fail("cloths[", index, "]: ", added.why());
     transform_mesh(meshes.back(), cloth.transform);
+    if (auto read = cooking::add_pictures(scene.folder, cloth, meshes.back()); !read) return fail("cloths[", index, "].", read.why());
   }
   for (const std::uint32_t index : mesh_colliders(scene)) {
     const Collider& collider = scene.colliders[index];
@@ -186,6 +224,10 @@ Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) try 
   return std::move(fabric);
 } catch (...) {
   return caught("the scene's cloth");
+}
+
+std::uint32_t body_of(const CookedFabric& fabric, std::uint32_t particle) {
+  return static_cast<std::uint32_t>(fabric.materials[std::bit_cast<std::uint32_t>(fabric.velocities[particle].w)].body);
 }
 
 CookedFabric held_anew(const Scene& scene, std::span<const Mesh> meshes, const CookedFabric& fabric, const std::vector<bool>& held) {

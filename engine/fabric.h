@@ -105,8 +105,7 @@ struct CookedFabric {
   std::vector<ClothRange> cloths;
   std::vector<ColliderMesh> collider_meshes;
   std::vector<gpu::vec4> positions;          // particles: xyz (m), w inverse mass (1/kg), 0 for anchors
-  std::vector<gpu::vec4> velocities;         // particles: xyz (m/s), w the material's index as bits: the cloth's, or cloths + mesh
-                                             // collider's
+  std::vector<gpu::vec4> velocities;         // particles: xyz (m/s), w the material's index as bits
   std::vector<float> inverse_masses;         // particles: 1/kg, of those that are held, too; only where a scene may pin, colliders' 0
   std::vector<float> split_weights;          // particles: n w (mass split) or w (count), see stretch.comp
   std::vector<float> iterate_weights;        // particles: weight of the sum over a particle's links, see stretch.comp
@@ -124,7 +123,7 @@ struct CookedFabric {
   std::uint32_t tethers_per_particle = 0;
   std::uint64_t tether_count = 0;            // without the unused places
   std::vector<AnchorTarget> anchors;
-  std::vector<gpu::Material> materials;      // per cloth, then per mesh collider
+  std::vector<gpu::Material> materials;      // per cloth, then per mesh collider; one of each kind of vertex where maps vary a cloth's
   std::vector<gpu::uvec4> surface_rows;      // per render vertex: of cloths, then of mesh colliders
   std::vector<gpu::uvec2> corners;
   std::vector<Triangle> triangles;           // over particles: of cloths, then of mesh colliders
@@ -162,6 +161,9 @@ std::vector<Vec3> collider_points(const CookedFabric& fabric, const ColliderMesh
 
 /// Where one of them is, the `k`-th of its own, when the collider stands so.
 Vec3 collider_point(const CookedFabric& fabric, const ColliderMesh& mesh, std::uint32_t k, Vec3 centre, const Rotation& rotation);
+
+/// The body to which a particle belongs: its cloth, or cloths + mesh collider.
+std::uint32_t body_of(const CookedFabric& fabric, std::uint32_t particle);
 
 /// The number of kinematic particles: all anchors, then those of mesh colliders.
 std::uint32_t kinematic_particles(const CookedFabric& fabric);

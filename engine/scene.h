@@ -58,13 +58,26 @@ struct Fabric {
 
 enum class Corner { low_low, high_low, low_high, high_high };  // of a mesh's bounding box in its grid's own axes, x then y
 
+/// Maps: figures of a cloth vary over it, multiplied, vertex by vertex (0 ... 1e6), by an attribute of its mesh, with a channel: vertex colours
+/// ("COLOR_0.r"), a custom attribute ("_NAME"), or a painted picture over the UVs, relative to the scene ("stiff.png.g"): a PNG or JPEG whose
+/// values count as they stand in the file, 0 ... 1. Without a channel: the first. Empty: 1 everywhere.
+struct Maps {
+  std::string mass;             // of Fabric::area_density, or Springs::mass; never 0 all around a vertex
+  std::string stretch;          // of Fabric::stretch and shear: along each link, the mean of its ends; not with `springs`
+  std::string bend;             // of Fabric::bend; not with `springs`
+  std::string friction;         // of Fabric::friction
+  std::string thickness;        // of Fabric::thickness
+  bool operator==(const Maps&) const = default;
+};
+
 /// Which vertices an anchor holds, and how they move. Vertices are chosen in the rest pose, after the transform.
-struct Anchor {                                  // the union of what vertices, corners, top and box choose; never nothing
+struct Anchor {                                  // the union of what vertices, corners, top, box and map choose; never nothing
   std::vector<std::uint32_t> vertices;          // numbers from 0, as the mesh's file has them (Mesh::point_of_source)
   std::vector<Corner> corners;                  // grids only
   std::optional<double> top;                    // every vertex within this distance (m) below the highest
   struct Box { Vec3 low, high; };
   std::optional<Box> box;                       // every vertex inside
+  std::string map;                              // every vertex where it (as in Maps) is at least 1/2
   std::uint32_t every = 1;                      // of the chosen, sorted along their longest extent, each n-th and the last
   std::vector<Key> keys;                        // empty: the anchor stays where it was
 };
@@ -132,9 +145,7 @@ struct MotionConstraints {
   double stiffness = 1;         // 0 ... 1: the part of what is beyond the max distance that an iteration takes back
   double backstop_distance = 0; // m, >= 0
   double backstop_radius = 0;   // m; 0: no backstop
-  /// Vertex colours (glTF's COLOR_n, or a custom attribute _NAME; with its channel: "COLOR_0.r") that max_distance and backstop_distance
-  /// are multiplied by; empty: 1 everywhere.
-  std::string max_distance_map = {}, backstop_map = {};
+  std::string max_distance_map = {}, stiffness_map = {}, backstop_map = {};   // as in Maps, of max_distance, stiffness, backstop_distance
   bool operator==(const MotionConstraints&) const = default;
 };
 
@@ -148,6 +159,7 @@ struct Cloth {
   Transform transform;
   Start start;
   Fabric fabric;
+  Maps maps;
   bool bending = true;
   BendRest bend_rest = BendRest::flat;   // mesh: methods jacobi and gauss_seidel only
   bool tethers = true;          // takes effect when there are anchors

@@ -39,7 +39,8 @@
   X(24, bool, has_pins)         /* 1: the host may pin and release particles (anchor.comp) */ \
   X(25, uint, grab_count)       /* of grabs */ \
   X(26, bool, reacts)           /* 1: what colliders are given is added up (reaction/reaction.glsl) */ \
-  X(27, bool, has_lee)          /* 1: colliders have wakes in the air (air/wake.glsl) */
+  X(27, bool, has_lee)          /* 1: colliders have wakes in the air (air/wake.glsl) */ \
+  X(28, bool, has_maps)         /* 1: a cloth has several materials (Maps) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
@@ -179,7 +180,7 @@ struct Material {
   float damping_factor;   // of the velocity in a substep: exp(-damping h)
   float friction;     // Coulomb
   float thickness;    // m
-  float unused;       // a material is one texel
+  float body;         // the number of the cloth, or cloths + that of the mesh collider: a cloth has several materials where maps vary them
 };
 
 // State of the Chebyshev guard (chebyshev.glsl), which compares the first iteration's steps of successive substeps. Each array is indexed
@@ -251,6 +252,7 @@ struct SkinPoint {
   uint anchor;        // its entry of `anchors`; WEFT_NONE: it is free
   uint cloth;         // whose motion constraints it has; WEFT_NONE: none
   float max_distance; // m
+  float stiffness;    // by which the cloth's is multiplied
   float backstop_distance, backstop_radius;   // m; a radius of 0: no backstop
   uvec2 joints;       // four, 16 bits each
   vec4 weights;
@@ -422,7 +424,7 @@ SLICE(Air, air)
 
 static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28);
 static_assert(sizeof(Grab) == 44 && sizeof(Collider) == 96);
-static_assert(sizeof(SkinPoint) == 72 && sizeof(Joint) == 96 && sizeof(MotionLimits) == 8 && sizeof(Reaction) == 48);
+static_assert(sizeof(SkinPoint) == 76 && sizeof(Joint) == 96 && sizeof(MotionLimits) == 8 && sizeof(Reaction) == 48);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 40);
 static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 316 && sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);

@@ -14,6 +14,7 @@ struct ClothInput {
   const weft::Cloth& cloth;
   const Mesh& mesh;
   std::span<const AnchorChoice> anchors;
+  const Factors& factors;
   std::size_t first_link = 0, first_bend = 0;   // of the cloth, in the fabric's lists
 };
 

@@ -20,6 +20,22 @@ inline constexpr double kLargestCotangent = 20;
 
 inline Eigen::Vector3d vector(Vec3 v) { return {v.x, v.y, v.z}; }
 
+/// What a map says of each point (Maps); empty without a map. Errors: an attribute that the mesh does not have, another channel, a value
+/// that is less than 0 or more than 1e6.
+Result<std::vector<float>> mapped(const std::string& key, const std::string& map, const Mesh& mesh);
+
+/// The factors by which a cloth's figures vary, of each point; empty: 1 everywhere.
+struct Factors {
+  std::vector<float> mass, stretch, bend, friction, thickness;
+};
+inline double factor(const std::vector<float>& factors, std::size_t point) { return factors.empty() ? 1.0 : double(factors[point]); }
+/// Between two points.
+inline double factor(const std::vector<float>& factors, std::size_t a, std::size_t b) { return 0.5 * (factor(factors, a) + factor(factors, b)); }
+Result<Factors> factors_of(const Maps& maps, const Mesh& mesh);
+
+/// Adds the pictures that a cloth's maps name, in `folder`, to the mesh's attributes, under their paths. Errors: what read_image refuses.
+Result<void> add_pictures(const std::filesystem::path& folder, const weft::Cloth& cloth, Mesh& mesh);
+
 /// order[k] is the point that becomes the cloth's k-th particle: reverse Cuthill-McKee (1969) over the mesh's edges.
 std::vector<std::uint32_t> locality_order(const Mesh& mesh);
 
@@ -80,7 +96,8 @@ std::vector<gpu::Bend> bend_stencils(const Mesh& mesh, double rigidity, std::uin
 /// Dihedral elements of a cloth that bends about its mesh's angles, over the particles of its points; lay_out_hinges adds
 /// masses and uses. Returns the number of elements softened because they lie on slivers. See
 /// engine/effects/dihedral/hinges.cpp.
-std::uint32_t add_hinges(const Mesh& mesh, std::span<const std::uint32_t> particle_of, double rigidity, CookedFabric& fabric);
+std::uint32_t add_hinges(const Mesh& mesh, std::span<const std::uint32_t> particle_of, double rigidity, const std::vector<float>& factors,
+                         CookedFabric& fabric);
 void lay_out_hinges(Averaging averaging, bool may_pin, CookedFabric& fabric);
 
 /// The nearest `count` of `anchors` (points) to every point with their geodesic distances, nearest first; fewer where fewer

@@ -32,6 +32,7 @@ constexpr Range kTurn = between(-1e6, 1e6, "degrees");
 // Stiffer than 1e9 N/m is beyond what float positions resolve; "rigid" says it better.
 constexpr Range kStiffness = above(0, 1e9, "N/m");
 constexpr Range kFriction = between(0, 10);
+constexpr Range kThickness = between(0, 1, "m");
 
 // Squares of floats vanish for shorter vectors.
 constexpr double kShortestDirection = 1e-12;

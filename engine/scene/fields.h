@@ -48,7 +48,16 @@ void fields(V& v, Fabric& fabric) {
   v.number("bend", fabric.bend, between(0, 1e6, "N m"));
   v.number("damping", fabric.damping, between(0, 1e3, "1/s"));
   v.number("friction", fabric.friction, kFriction);
-  v.number("thickness", fabric.thickness, between(0, 1, "m"));
+  v.number("thickness", fabric.thickness, kThickness);
+}
+
+template <class V>
+void fields(V& v, Maps& maps) {
+  v.text("mass", maps.mass);
+  v.text("stretch", maps.stretch);
+  v.text("bend", maps.bend);
+  v.text("friction", maps.friction);
+  v.text("thickness", maps.thickness);
 }
 
 template <class V>
@@ -71,6 +80,7 @@ void fields(V& v, Cloth& cloth) {
   v.object("transform", cloth.transform);
   v.object("start", cloth.start);
   v.fabric("fabric", cloth.fabric);
+  v.object("maps", cloth.maps);
   v.object("appearance", cloth.appearance);
   effect_keys(v, cloth);
 }

@@ -16,7 +16,7 @@
 #include "engine/frame_view.h"
 #include "engine/mesh.h"
 #include "engine/scene.h"
-#include "engine/shading/image.h"
+#include "engine/image.h"
 
 namespace weft {
 

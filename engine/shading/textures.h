@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "compute/raster.h"
-#include "engine/shading/image.h"
+#include "engine/image.h"
 
 namespace weft::shading {
 

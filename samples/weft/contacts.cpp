@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "engine/shading/image.h"
+#include "engine/image.h"
 #include "samples/weft/commands.h"
 #include "samples/weft/console.h"
 #include "samples/weft/contact_costs.h"

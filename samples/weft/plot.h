@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/shading/image.h"
+#include "engine/image.h"
 
 namespace weft::command {
 

@@ -9,7 +9,7 @@
 
 #include "engine/reference/choice.h"
 #include "engine/reference/intersections.h"
-#include "engine/shading/image.h"
+#include "engine/image.h"
 #include "samples/weft/console.h"
 #include "samples/weft/files.h"
 

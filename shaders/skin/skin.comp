@@ -46,7 +46,7 @@ void constrain(SkinPoint point, Blend from, Blend to, vec3 x_from, vec3 x_to) {
   const MotionLimits limits = motion_limits[point.cloth];
   const uint at = 4 * point.particle;
   motion_targets[at] = vec4(x_from, limits.scale * point.max_distance);
-  motion_targets[at + 1] = vec4(x_to, limits.stiffness);
+  motion_targets[at + 1] = vec4(x_to, limits.stiffness * point.stiffness);
   if (motion_constraints < 2) return;
   const float behind = point.backstop_distance + point.backstop_radius;
   motion_targets[at + 2] = vec4(x_from - behind * turned(from, point.normal), point.backstop_radius);

@@ -24,6 +24,14 @@ Body body_at(uint k, Particle v) {
 // Of cloth `material`, in this substep.
 Particle particle_of(vec4 material) { return Particle(push.fraction_from, push.fraction_to, vec3(0), material.z, material.y); }
 
+vec4 material_of(uint particle) { return FETCH(materials, floatBitsToUint(FETCH(velocities, particle).w)); }
+
+// Where maps vary the cloth, the thinnest and the smoothest of the corners': vertices keep their own distances.
+vec4 material_of_triangle(uvec3 corner) {
+  const vec4 material = material_of(corner.x);
+  return has_maps ? min(material, min(material_of(corner.y), material_of(corner.z))) : material;
+}
+
 // How near triangles may come (m): nearer than vertices, so that where these lie on a body triangles have nothing to do.
 float separation_of(vec4 material) { return 0.9 * material.z; }
 

@@ -83,7 +83,7 @@ void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= collisions[0].count) return;
   const uvec3 corner = FETCH(triangles, collision_list[i]).xyz;
-  const vec4 material = FETCH(materials, floatBitsToUint(FETCH(velocities, corner.x).w));
+  const vec4 material = material_of_triangle(corner);
   const mat3 x = mat3(FETCH(positions, corner.x).xyz, FETCH(positions, corner.y).xyz, FETCH(positions, corner.z).xyz);
   const vec4 p = FETCH(predicted, corner.x), q = FETCH(predicted, corner.y), r = FETCH(predicted, corner.z);
   for (uint k = first_body; k < last_body; ++k)

@@ -36,7 +36,7 @@ void main() {
   if (i >= push.count) return;
   if (i == 0) collisions[0].groups.y = collisions[0].groups.z = 1;
   const uvec3 corner = FETCH(triangles, i).xyz;
-  const vec4 material = FETCH(materials, floatBitsToUint(FETCH(velocities, corner.x).w));
+  const vec4 material = material_of_triangle(corner);
   const mat3 x = mat3(FETCH(positions, corner.x).xyz, FETCH(positions, corner.y).xyz, FETCH(positions, corner.z).xyz);
   const mat3 p = mat3(FETCH(predicted, corner.x).xyz, FETCH(predicted, corner.y).xyz, FETCH(predicted, corner.z).xyz);
   bool clear = true;

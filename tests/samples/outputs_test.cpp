@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "engine/shading/image.h"
+#include "engine/image.h"
 #include "tests/support/command_line.h"
 
 namespace weft {

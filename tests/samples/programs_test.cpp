@@ -11,7 +11,7 @@
 
 #include "engine/export.h"
 #include "engine/mesh.h"
-#include "engine/shading/image.h"
+#include "engine/image.h"
 
 namespace weft {
 namespace {

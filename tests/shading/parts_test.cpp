@@ -16,7 +16,7 @@
 #include <numbers>
 #include <string>
 
-#include "engine/shading/image.h"
+#include "engine/image.h"
 #include "engine/shading/sky.h"
 #include "engine/shading/textures.h"
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engine/effects/ranges.h"
+#include "shaders/shared.h"
 
 namespace weft::scene_fields {
 

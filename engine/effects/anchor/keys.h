@@ -20,6 +20,7 @@ void fields(V& v, Anchor& anchor) {
   v.choices("corners", anchor.corners, kCorners);
   v.optional_number("top", anchor.top, between(0, kFarthest, "m"));
   v.optional_object("box", anchor.box);
+  v.text("map", anchor.map);
   v.whole("every", anchor.every, between(1, kMostVertices));
   v.list("keys", anchor.keys, 0, kMostKeys);
 }

@@ -61,6 +61,10 @@ Result<std::vector<std::uint32_t>> chosen_points(const Cloth& cloth, const Ancho
       if (at_top || (anchor.box && inside(*anchor.box, mesh.points[p]))) points.push_back(p);
     }
   }
+  const auto map = mapped("map", anchor.map, mesh);
+  if (!map) return map.why();
+  for (std::uint32_t p = 0; p < map->size(); ++p)
+    if ((*map)[p] >= 0.5f) points.push_back(p);
   std::sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());
   if (points.empty()) return fail("it chooses none of the ", mesh.points.size(), " points");

@@ -26,7 +26,7 @@ class Bisection {
   std::vector<std::uint32_t> clusters() {
     std::vector<std::uint32_t> order(fabric_.triangles.size());
     std::iota(order.begin(), order.end(), 0);
-    const auto body = [&](std::uint32_t t) { return std::bit_cast<std::uint32_t>(fabric_.velocities[fabric_.triangles[t][0]].w); };
+    const auto body = [&](std::uint32_t t) { return body_of(fabric_, fabric_.triangles[t][0]); };
     std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return body(a) < body(b); });
     for (std::size_t first = 0, end = 0; first < order.size(); first = end) {
       while (end < order.size() && body(order[end]) == body(order[first])) ++end;

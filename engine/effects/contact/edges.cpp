@@ -28,8 +28,8 @@ std::vector<gpu::uvec2> edges_of(std::span<const Triangle> triangles) {
 void add_rest(CookedFabric& fabric) {
   for (std::size_t i = 0; i < fabric.positions.size(); ++i) {
     const gpu::vec4& x = fabric.positions[i];
-    const auto cloth = std::bit_cast<std::uint32_t>(fabric.velocities[i].w);
-    fabric.rest.push_back({x.x, x.y, x.z, fabric.materials[cloth].thickness});
+    const auto material = std::bit_cast<std::uint32_t>(fabric.velocities[i].w);
+    fabric.rest.push_back({x.x, x.y, x.z, fabric.materials[material].thickness});
   }
 }
 

@@ -51,7 +51,8 @@ Result<void> add_collider_mesh(const Scene& scene, std::uint32_t collider, const
       static_cast<std::uint32_t>(fabric.triangles.size()), static_cast<std::uint32_t>(mesh.triangles.size())});
 
   const auto material = std::bit_cast<float>(static_cast<std::uint32_t>(fabric.materials.size()));
-  fabric.materials.push_back({1, static_cast<float>(described.friction), thickness, 0});
+  fabric.materials.push_back({1, static_cast<float>(described.friction), thickness,
+                              static_cast<float>(fabric.cloths.size() + fabric.collider_meshes.size() - 1)});
   const Key key = pose_at(described.keys, 0);
   const Rotation rotation = rotation_about(key.axis, key.degrees) * rest_rotation(described);
   for (std::uint32_t k = 0; k < added.particles; ++k) {

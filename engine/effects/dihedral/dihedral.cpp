@@ -20,7 +20,7 @@ constexpr Pass kPasses[] = {
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   const Cloth& cloth = input.cloth;
   if (!cloth.bending || !(cloth.fabric.bend > 0) || cloth.bend_rest != BendRest::mesh) return {};
-  const auto softened = cooking::add_hinges(input.mesh, state.particle_of(), cloth.fabric.bend, state.fabric());
+  const auto softened = cooking::add_hinges(input.mesh, state.particle_of(), cloth.fabric.bend, input.factors.bend, state.fabric());
   if (softened > 0) state.note(cloth, softened, " hinges lie on slivers; their stiffness was limited");
   return {};
 }

@@ -37,7 +37,8 @@ double within_limit(const Eigen::Vector3d& edge, const Eigen::Vector3d& from_0, 
 
 }  // namespace
 
-std::uint32_t add_hinges(const Mesh& mesh, std::span<const std::uint32_t> particle_of, double rigidity, CookedFabric& fabric) {
+std::uint32_t add_hinges(const Mesh& mesh, std::span<const std::uint32_t> particle_of, double rigidity, const std::vector<float>& factors,
+                         CookedFabric& fabric) {
   std::uint32_t softened = 0;
   for (const WingedEdge& winged : mesh.edges) {
     if (winged.triangle[0] == kNone || winged.triangle[1] == kNone || winged.across[0] == winged.across[1]) continue;
@@ -48,7 +49,8 @@ std::uint32_t add_hinges(const Mesh& mesh, std::span<const std::uint32_t> partic
     const double rest = std::atan2(edge.normalized().dot(n0.cross(n1)), n0.dot(n1));
     const double limit = std::min(within_limit(edge, d2, n0.norm()), within_limit(edge, d3, n1.norm()));
     softened += limit < 1;
-    const double compliance = 0.5 * (n0.norm() + n1.norm()) / (rigidity * edge.squaredNorm() * limit * limit);
+    const double here = factor(factors, winged.a, winged.b) * rigidity;
+    const double compliance = 0.5 * (n0.norm() + n1.norm()) / (here * edge.squaredNorm() * limit * limit);
     gpu::Hinge hinge{};
     for (int j = 0; j < 4; ++j) hinge.particle[j] = particle_of[points[j]];
     hinge.rest_cosine = static_cast<float>(std::cos(rest));

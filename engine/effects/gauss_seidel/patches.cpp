@@ -52,7 +52,7 @@ class Boxes {
   // Axis 3 counts cloths.
   float along(std::uint32_t i, int axis) const {
     const gpu::vec4& x = fabric_.positions[i];
-    return axis == 0 ? x.x : axis == 1 ? x.y : axis == 2 ? x.z : static_cast<float>(std::bit_cast<std::uint32_t>(fabric_.velocities[i].w));
+    return axis == 0 ? x.x : axis == 1 ? x.y : axis == 2 ? x.z : static_cast<float>(body_of(fabric_, i));
   }
 
   int longest(std::size_t first, std::size_t last) const {

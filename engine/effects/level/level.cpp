@@ -37,6 +37,7 @@ struct Level {
   cooking::Coarse coarse;
   std::vector<double> areas;          // m^2, of each node
   cooking::Weighed weighed;
+  std::vector<float> factors;         // of the stiffness, of each node; empty: 1
 };
 
 struct ClothLevels {
@@ -112,7 +113,8 @@ Ends links_of(const Level& level, const cooking::Stiffness& stiffness, std::size
   for (std::size_t l = 0; l < k.size(); ++l) {
     const auto& [a, b, rest, along] = level.coarse.links[l];
     // No area, no cloth.
-    const double compliance = k[l] > 0 ? std::min(1 / (part * k[l]), cooking::kSoftest) : cooking::kSoftest;
+    const double stiff = part * k[l] * cooking::factor(level.factors, a, b);
+    const double compliance = stiff > 0 ? std::min(1 / stiff, cooking::kSoftest) : cooking::kSoftest;
     for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
       ends.of_node[from].push_back(
           gpu::pack_level_link({first + to, static_cast<float>(rest * (1 + kSlack)), static_cast<float>(compliance)}));
@@ -144,6 +146,18 @@ std::vector<double> masses_of(const CookedFabric& fabric, std::span<const std::u
   return masses;
 }
 
+// The mean of each node over the points that it carries, by their areas.
+std::vector<float> at_nodes_of(const Level& level, const std::vector<float>& factors, const std::vector<double>& areas) {
+  if (factors.empty()) return {};
+  std::vector<double> sums(level.areas.size());
+  for (std::size_t p = 0; p < areas.size(); ++p)
+    for (int k = 0; k < 3; ++k)
+      sums[level.coarse.shares[p].node[k]] += level.coarse.shares[p].part[k] * areas[p] * double(factors[p]);
+  std::vector<float> means;
+  for (std::size_t n = 0; n < sums.size(); ++n) means.push_back(level.areas[n] > 0 ? static_cast<float>(sums[n] / level.areas[n]) : 1.0f);
+  return means;
+}
+
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   state.has_levels = false;
   if (!levels_of(state.scene())) return {};
@@ -163,13 +177,15 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   }
   std::vector<double> masses = masses_of(state.fabric(), cloth.particle_of);
   std::vector<cooking::Mean> in_points;
+  std::vector<float> factors = input.factors.stretch;
   while (ranks.size() > kFewest) {
-    Level level{cooking::coarsen(surface, ranks, uvs), {}, {}};
+    Level level{cooking::coarsen(surface, ranks, uvs), {}, {}, {}};
     const std::vector<std::uint32_t>& points = level.coarse.points;
     if (2 * points.size() > ranks.size() || points.size() < 3) break;   // small pieces
     level.areas.resize(points.size());
     for (std::size_t p = 0; p < areas.size(); ++p)
       for (int k = 0; k < 3; ++k) level.areas[level.coarse.shares[p].node[k]] += level.coarse.shares[p].part[k] * areas[p];
+    factors = level.factors = at_nodes_of(level, factors, areas);
     const auto at_nodes = [&](auto& of_points) {
       std::remove_reference_t<decltype(of_points)> of_nodes;
       for (const std::uint32_t p : points) of_nodes.push_back(of_points[p]);

@@ -44,6 +44,7 @@ constinit const Effect motion{
     .passes = kPasses,
     .specialize =
         [](const Cooked& s, Constants& constants) {
+          constants[gpu::constant::has_maps] = s.fabric.materials.size() > s.fabric.cloths.size() + s.fabric.collider_meshes.size();
           constants[gpu::constant::is_iterated] = s.scene.solver.iterations > 1 && s.scene.solver.method != Method::implicit;
         },
     .slice = {"motion", uniforms},

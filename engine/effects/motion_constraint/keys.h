@@ -12,6 +12,7 @@ void fields(V& v, MotionConstraints& constraints) {
   v.number("backstop_distance", constraints.backstop_distance, between(0, kFarthest, "m"));
   v.number("backstop_radius", constraints.backstop_radius, between(0, kFarthest, "m"));
   v.text("max_distance_map", constraints.max_distance_map);
+  v.text("stiffness_map", constraints.stiffness_map);
   v.text("backstop_map", constraints.backstop_map);
 }
 

@@ -66,28 +66,6 @@ gpu::SkinPoint point_of(const Mesh& mesh, const SkinnedMesh& skinned, std::uint3
   return point;
 }
 
-// Of each point what a map says, "NAME" or "NAME.c" with a channel r, g, b or a; 1 without a map.
-Result<std::vector<float>> mapped(const std::string& key, const std::string& map, const Mesh& mesh) {
-  std::vector<float> values(mesh.points.size(), 1);
-  if (map.empty()) return values;
-  const auto dot = map.rfind('.');
-  const std::string name = map.substr(0, dot), channel = dot == std::string::npos ? "r" : map.substr(dot + 1);
-  const std::size_t which = channel.size() == 1 ? std::string_view("rgba").find(channel[0]) : std::string::npos;
-  if (which == std::string::npos) return fail(key, ": ", in_quotes(map), " ends in a channel that is not r, g, b or a");
-  const auto at = mesh.attributes.find(name);
-  if (at == mesh.attributes.end()) {
-    std::string names;
-    for (const auto& [known, list] : mesh.attributes) names += (names.empty() ? "" : ", ") + known;
-    return fail(key, ": the mesh has no attribute ", in_quotes(name), "; it has ", names.empty() ? "none" : names);
-  }
-  for (std::size_t p = 0; p < values.size(); ++p) {
-    const Vec4& v = at->second[p];
-    values[p] = std::array{v.x, v.y, v.z, v.w}[which];
-    if (!(values[p] >= 0)) return fail(key, ": ", in_quotes(map), " is ", values[p], " at point ", p, ", less than 0");
-  }
-  return values;
-}
-
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   if (!is_skinned(input.cloth)) return {};
   CookedFabric& fabric = state.fabric();
@@ -103,15 +81,18 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   for (std::uint32_t p = 0; p < mesh.points.size(); ++p)
     points[place(p)] = point_of(mesh, *skinned, p, state.particle_of()[p], normals[p]);
   if (const auto& constraints = input.cloth.motion_constraints) {
-    const auto distances = mapped("motion_constraints.max_distance_map", constraints->max_distance_map, mesh);
+    const auto distances = cooking::mapped("motion_constraints.max_distance_map", constraints->max_distance_map, mesh);
     if (!distances) return distances.why();
-    const auto backstops = mapped("motion_constraints.backstop_map", constraints->backstop_map, mesh);
+    const auto stiffness = cooking::mapped("motion_constraints.stiffness_map", constraints->stiffness_map, mesh);
+    if (!stiffness) return stiffness.why();
+    const auto backstops = cooking::mapped("motion_constraints.backstop_map", constraints->backstop_map, mesh);
     if (!backstops) return backstops.why();
     for (std::uint32_t p = 0; p < mesh.points.size(); ++p) {
       gpu::SkinPoint& point = points[place(p)];
       point.cloth = index;
-      point.max_distance = static_cast<float>(constraints->max_distance) * (*distances)[p];
-      point.backstop_distance = static_cast<float>(constraints->backstop_distance) * (*backstops)[p];
+      point.max_distance = static_cast<float>(constraints->max_distance * cooking::factor(*distances, p));
+      point.stiffness = static_cast<float>(std::min(1.0, cooking::factor(*stiffness, p)));
+      point.backstop_distance = static_cast<float>(constraints->backstop_distance * cooking::factor(*backstops, p));
       point.backstop_radius = static_cast<float>(constraints->backstop_radius);
     }
   }

@@ -30,10 +30,24 @@ double slack(const Cloth& cloth, double gravity, double longest, double askew) {
   return std::min(kMostSlack, std::pow(fabric.area_density * gravity * longest * compliance, 2.0 / 3) / std::cbrt(24));
 }
 
+// Of the cloth's figures where maps make it heaviest and softest.
+Cloth at_its_weakest(const Cloth& cloth, const Mesh& mesh) {
+  Cloth weakest = cloth;
+  const auto factors = cooking::factors_of(cloth.maps, mesh);
+  if (!factors) return weakest;
+  const auto extreme = [](const std::vector<float>& of, auto which) { return of.empty() ? 1.0 : double(*which(of)); };
+  weakest.fabric.area_density *= extreme(factors->mass, [](const auto& of) { return std::ranges::max_element(of); });
+  const double softest = std::max(1e-6, extreme(factors->stretch, [](const auto& of) { return std::ranges::min_element(of); }));
+  weakest.fabric.stretch *= softest;
+  weakest.fabric.shear *= softest;
+  return weakest;
+}
+
 // Adds the tethers of a cloth that is held at these points; returns how many of its particles have none.
-std::uint32_t add_tethers(cooking::CookState& state, const Cloth& cloth, const Mesh& mesh, std::span<const std::uint32_t> particle_of,
+std::uint32_t add_tethers(cooking::CookState& state, const Cloth& described, const Mesh& mesh, std::span<const std::uint32_t> particle_of,
                           const std::vector<std::uint32_t>& points) {
   const CookedFabric& fabric = state.fabric();
+  const Cloth cloth = at_its_weakest(described, mesh);
   const auto reaches = cooking::nearest_anchors(mesh, points, cloth.tethers_per_vertex);
   const double gravity = length(state.scene().gravity);
   double longest = 0;

@@ -1,7 +1,6 @@
 #include "engine/effects/triangle/triangle.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 
@@ -23,17 +22,16 @@ constexpr Pass kPasses[] = {
      .after_tethers = true},
 };
 
-// Fine cloth stays out of round bodies by its vertices alone, but for a little. Of a triangle whose corners are r + t from a core no point
-// is nearer to it than the root of (r + t)^2 - l^2 / 3, l its longest edge: outside (1 - kSag) r while
-// l^2 <= 3 ((r + t)^2 - ((1 - kSag) r)^2).
-constexpr double kSag = 0.02;
+// Fine cloth stays out of round bodies by its vertices alone. Of a triangle whose corners are r + t from a core no point is nearer to it than
+// the root of (r + t)^2 - l^2 / 3, l its longest edge: outside r while l^2 <= 3 ((r + t)^2 - r^2), l stretched by kStretched.
+constexpr double kStretched = 0.1;
 
 bool may_show_through(const Collider& collider, double edge, double thickness) {
   switch (collider.shape) {
     case ColliderShape::sphere:
     case ColliderShape::capsule: {
-      const double from = collider.radius + thickness, to = (1 - kSag) * collider.radius;
-      return edge * edge > 3 * (from * from - to * to);
+      const double longest = (1 + kStretched) * edge;
+      return longest * longest > 3 * thickness * (2 * collider.radius + thickness);
     }
     case ColliderShape::box: return true;
     case ColliderShape::plane:   // where no vertex passes no triangle does
@@ -50,20 +48,29 @@ std::vector<double> longest_edges(const CookedFabric& fabric) {
     return std::hypot(double(a.x) - b.x, double(a.y) - b.y, double(a.z) - b.z);
   };
   for (const auto& [a, b, c] : std::span(fabric.triangles).first(fabric.cloth_triangles)) {
-    double& of_cloth = longest[std::bit_cast<std::uint32_t>(fabric.velocities[a].w)];
+    double& of_cloth = longest[body_of(fabric, a)];
     of_cloth = std::max({of_cloth, length(a, b), length(b, c), length(c, a)});
   }
   return longest;
+}
+
+// Of each cloth (m).
+std::vector<double> least_thickness(const CookedFabric& fabric) {
+  std::vector<double> least(fabric.cloths.size(), INFINITY);
+  for (const gpu::Material& material : fabric.materials)
+    if (const auto body = static_cast<std::size_t>(material.body); body < least.size())
+      least[body] = std::min(least[body], double(material.thickness));
+  return least;
 }
 
 void lay_out(cooking::CookState& state) {
   if (state.scene().colliders.empty()) return;
   CookedFabric& fabric = state.fabric();
   bool any = false, with_round = false;
-  const std::vector<double> edges = longest_edges(fabric);
+  const std::vector<double> edges = longest_edges(fabric), thickness = least_thickness(fabric);
   for (const Collider& collider : state.scene().colliders)
     for (std::size_t k = 0; k < edges.size(); ++k)
-      if (edges[k] > 0 && may_show_through(collider, edges[k], state.scene().cloths[k].fabric.thickness)) {
+      if (edges[k] > 0 && may_show_through(collider, edges[k], thickness[k])) {
         any = true;
         with_round = with_round || collider.shape != ColliderShape::box;
       }

@@ -1,4 +1,4 @@
-#include "engine/shading/image.h"
+#include "engine/image.h"
 
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
