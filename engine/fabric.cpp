@@ -86,7 +86,7 @@ Result<void> add_particles(CookState& state, std::uint32_t index, std::span<cons
   return {};
 }
 
-Result<void> add_cloth(CookState& state, std::uint32_t index, const Mesh& mesh) {
+Result<void> add_cloth(CookState& state, std::uint32_t index, const Mesh& mesh, const Mesh* render_mesh) {
   const Cloth& cloth = state.scene().cloths[index];
   CookedFabric& fabric = state.fabric();
   const auto first = static_cast<std::uint32_t>(fabric.positions.size());
@@ -104,7 +104,7 @@ Result<void> add_cloth(CookState& state, std::uint32_t index, const Mesh& mesh) 
                            static_cast<std::uint32_t>(fabric.surface_rows.size()), static_cast<std::uint32_t>(mesh.point_of.size()),
                            static_cast<std::uint32_t>(fabric.anchors.size()), static_cast<std::uint32_t>(anchors->size())});
   if (auto done = add_particles(state, index, order, mesh, *anchors, *factors); !done) return done;
-  const cooking::ClothInput input{cloth, mesh, *anchors, *factors, fabric.links.size(), fabric.bends.size()};
+  const cooking::ClothInput input{cloth, mesh, *anchors, *factors, render_mesh, fabric.links.size(), fabric.bends.size()};
   for (const Effect* effect : all_effects())
     if (effect->cook != nullptr)
       if (auto done = effect->cook(state, input); !done) return fail("cloths[", index, "]: ", done.why());
@@ -188,6 +188,13 @@ Result<std::vector<Mesh>> make_meshes(const Scene& scene) try {
     if (auto added = add(std::move(*mesh)); !added) return fail("colliders[", index, "]: ", added.why());
     transform_mesh(meshes.back(), {.translate = {}, .axis = {0, 1, 0}, .degrees = 0, .scale = collider.scale});
   }
+  for (const std::uint32_t index : render_meshes(scene)) {
+    const Cloth& cloth = scene.cloths[index];
+    auto mesh = load_mesh(scene.folder / cloth.render_mesh, scene.buffer_files);
+    if (!mesh) return fail("cloths[", index, "].render_mesh: ", mesh.why());
+    if (auto added = add(std::move(*mesh)); !added) return fail("cloths[", index, "].render_mesh: ", added.why());
+    transform_mesh(meshes.back(), cloth.transform);
+  }
   return meshes;
 } catch (...) {
   return caught("the scene's meshes");
@@ -196,8 +203,10 @@ Result<std::vector<Mesh>> make_meshes(const Scene& scene) try {
 Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) try {
   const std::vector<std::uint32_t> colliders = mesh_colliders(scene);
   const std::size_t cloths = scene.cloths.size();
-  if (meshes.size() != cloths + colliders.size())
-    return fail("the scene has ", cloths, " cloths and ", colliders.size(), " mesh colliders but ", meshes.size(), " meshes were given");
+  const std::vector<std::uint32_t> carriers = render_meshes(scene);
+  if (meshes.size() != cloths + colliders.size() + carriers.size())
+    return fail("the scene has ", cloths, " cloths, ", colliders.size(), " mesh colliders and ", carriers.size(), " render meshes but ",
+                meshes.size(), " meshes were given");
   if (cloths == 0) return fail("the scene has no cloth");
   // A scene made by the host has not been checked by the reader.
   if (!(scene.solver.rate > 0) || !std::isfinite(scene.solver.rate))
@@ -205,15 +214,23 @@ Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) try 
   if (scene.solver.iterations < 1) return fail("solver.iterations: 0 is less than 1");
   if (const std::string fault = method_fault(scene); !fault.empty()) return fail("solver.method: ", fault);
   if (const std::string fault = relaxation_fault(scene); !fault.empty()) return fail("solver.relaxation: ", fault);
+  const auto part = [&](std::size_t k) {
+    if (k < cloths) return fail("cloths[", k, "]: its mesh").message;
+    if (k < cloths + colliders.size()) return fail("colliders[", colliders[k - cloths], "]: its mesh").message;
+    return fail("cloths[", carriers[k - cloths - colliders.size()], "]: its render mesh").message;
+  };
   for (std::size_t k = 0; k < meshes.size(); ++k)
     if (const auto good = check(meshes[k]); !good)
-      return fail(k < cloths ? "cloths[" : "colliders[", k < cloths ? k : colliders[k - cloths], "]: its mesh: ", good.why());
+      return fail(part(k), ": ", good.why());
   CookState state(scene);
-  for (std::uint32_t index = 0; index < cloths; ++index)
-    if (auto added = add_cloth(state, index, meshes[index]); !added) return added.take_error();
+  const Mesh* carried = meshes.data() + cloths + colliders.size();
+  for (std::uint32_t index = 0; index < cloths; ++index) {
+    const Mesh* render_mesh = scene.cloths[index].render_mesh.empty() ? nullptr : carried++;
+    if (auto added = add_cloth(state, index, meshes[index], render_mesh); !added) return added.take_error();
+  }
   for (const Effect* effect : all_effects())
     if (effect->cook_bodies != nullptr)
-      if (auto added = effect->cook_bodies(state, meshes.subspan(cloths)); !added) return added.take_error();
+      if (auto added = effect->cook_bodies(state, meshes.subspan(cloths, colliders.size())); !added) return added.take_error();
   if (state.may_pin()) state.fabric().inverse_masses.resize(state.fabric().positions.size());
   if (auto fits = fit_substep(state); !fits) return fits.take_error();
   for (const Effect* effect : all_effects())
@@ -224,6 +241,19 @@ Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) try 
   return std::move(fabric);
 } catch (...) {
   return caught("the scene's cloth");
+}
+
+std::vector<std::uint32_t> render_meshes(const Scene& scene) {
+  std::vector<std::uint32_t> carriers;
+  for (std::uint32_t k = 0; k < scene.cloths.size(); ++k)
+    if (!scene.cloths[k].render_mesh.empty()) carriers.push_back(k);
+  return carriers;
+}
+
+std::uint32_t drawn_vertices(const CookedFabric& fabric) {
+  std::size_t count = fabric.surface_rows.size();
+  for (const CarriedMesh& mesh : fabric.render_meshes) count += mesh.vertices;
+  return static_cast<std::uint32_t>(count);
 }
 
 std::uint32_t body_of(const CookedFabric& fabric, std::uint32_t particle) {

@@ -65,6 +65,12 @@ struct ColliderMesh {
   std::uint32_t first_triangle, triangles;
 };
 
+/// A render mesh's place in the arrays: after all mesh colliders.
+struct CarriedMesh {
+  std::uint32_t cloth;                    // that carries it
+  std::uint32_t first_vertex, vertices;   // render vertices
+};
+
 /// An anchor: a kinematic particle of cloth.
 struct AnchorTarget {
   std::uint32_t cloth, entry;   // Scene::cloths[cloth].anchors[entry]
@@ -104,6 +110,7 @@ class OwnLists {
 struct CookedFabric {
   std::vector<ClothRange> cloths;
   std::vector<ColliderMesh> collider_meshes;
+  std::vector<CarriedMesh> render_meshes;
   std::vector<gpu::vec4> positions;          // particles: xyz (m), w inverse mass (1/kg), 0 for anchors
   std::vector<gpu::vec4> velocities;         // particles: xyz (m/s), w the material's index as bits
   std::vector<float> inverse_masses;         // particles: 1/kg, of those that are held, too; only where a scene may pin, colliders' 0
@@ -141,12 +148,13 @@ struct CookedFabric {
 std::uint32_t substeps_of(const SolverSettings& solver);
 
 /// Loads or generates every cloth's mesh and puts it where its transform says; after these, in the order of the scene, the meshes of
-/// its mesh colliders, scaled, in their own axes. Errors, which name the cloth or the collider: a grid and a mesh, or neither; a grid of
+/// its mesh colliders, scaled, in their own axes, and then the render meshes that cloths carry, in the order of these. Errors, which name the cloth or the collider: a grid and a mesh, or neither; a grid of
 /// no size or too many cells; what load_mesh refuses; more vertices than can be simulated.
 Result<std::vector<Mesh>> make_meshes(const Scene& scene);
 
 /// Errors: no particle, more than WEFT_MAX_PARTICLES, an anchor that chooses nothing or a vertex the mesh does not have,
-/// mass or a coefficient that is not finite. `meshes` has one entry a cloth and one a mesh collider, as make_meshes gives them.
+/// mass or a coefficient that is not finite. `meshes` has one entry a cloth, one a mesh collider and one a render mesh, as make_meshes gives
+/// them.
 Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes);
 
 /// The same cloth with other particles held, an entry each: all lists that depend on who is held, of the lengths that they had. Only of
@@ -167,6 +175,15 @@ std::uint32_t body_of(const CookedFabric& fabric, std::uint32_t particle);
 
 /// The number of kinematic particles: all anchors, then those of mesh colliders.
 std::uint32_t kinematic_particles(const CookedFabric& fabric);
+
+/// The indices of cloths that carry a render mesh.
+std::vector<std::uint32_t> render_meshes(const Scene& scene);
+
+/// The pictures that a cloth's maps name, with their keys.
+std::vector<std::pair<std::string, std::string>> painted_maps(const Cloth& cloth);
+
+/// All render vertices: of cloths, of mesh colliders and of render meshes.
+std::uint32_t drawn_vertices(const CookedFabric& fabric);
 
 /// Particles and render vertices of cloth: those of mesh colliders come after them.
 std::uint32_t cloth_particles(const CookedFabric& fabric);

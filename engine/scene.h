@@ -149,6 +149,16 @@ struct MotionConstraints {
   bool operator==(const MotionConstraints&) const = default;
 };
 
+/// How much a cloth feels of the motion of the frame that it goes with, a character's or a vehicle's: 1 all of it, as in the world; 0 nothing,
+/// as if the frame stood still.
+struct Inertia {
+  double linear = 1;            // of its acceleration, 0 ... 1
+  double angular = 1;           // of its angular acceleration, and of the Coriolis force, 0 ... 1
+  double centrifugal = 1;       // of the centrifugal force, 0 ... 1
+  std::string joint;            // of the cloth's skin, by name, that is the frame; empty: the host says where it is (Simulation::move_frame)
+  bool operator==(const Inertia&) const = default;
+};
+
 /// About which shape a cloth bends: flat, whatever its mesh is, or the mesh's own, with its folds and curves.
 enum class BendRest { flat, mesh };
 
@@ -156,7 +166,8 @@ struct Cloth {
   std::string name = "cloth";
   std::optional<Grid> grid;     // either a grid ...
   std::string mesh;             // ... or a glTF/GLB/OBJ file, relative to the scene
-  Transform transform;
+  std::string render_mesh;      // a finer one that is drawn in its place, a file as `mesh`: it goes where the cloth carries it; empty: none
+  Transform transform;          // of both
   Start start;
   Fabric fabric;
   Maps maps;
@@ -170,6 +181,7 @@ struct Cloth {
   std::optional<Springs> springs;   // methods implicit, mass_spring and verlet only, in place of the fabric's links and bends
   std::vector<Anchor> anchors;
   std::optional<Skinning> skin;
+  std::optional<Inertia> inertia;
   std::optional<MotionConstraints> motion_constraints;   // to the rest pose, where nothing moves the skin
   Appearance appearance;
 };

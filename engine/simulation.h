@@ -52,6 +52,7 @@
 #include "engine/frame_view.h"
 #include "engine/mesh.h"
 #include "engine/metrics.h"
+#include "engine/moving_frame.h"
 #include "engine/reaction.h"
 #include "engine/reaction.h"
 #include "engine/scene.h"
@@ -144,7 +145,7 @@ class Simulation {
   static Result<std::unique_ptr<Simulation>> create(const compute::Device& device, const Scene& scene,
                                                     const SimulationOptions& options = {});
   /// The same with meshes that the caller made: one a cloth, in its rest pose in world space, then one a mesh collider, in the
-  /// collider's own axes. Errors: also another number of meshes, or one that check(mesh) refuses.
+  /// collider's own axes, then one for each cloth with a `render_mesh` (any text, then), where that cloth rests. Errors: also another number of meshes, or one that check(mesh) refuses.
   static Result<std::unique_ptr<Simulation>> create(const compute::Device& device, const Scene& scene, std::vector<Mesh> meshes,
                                                     const SimulationOptions& options = {});
   ~Simulation();
@@ -181,7 +182,8 @@ class Simulation {
   Result<void> reserve_contacts(std::uint32_t pairs);
 
   /// Positions (m, world space) and unit normals of every render vertex, cloth after cloth, then mesh collider after mesh
-  /// collider: RGBA32F, 16 bytes apart. Valid until the simulation is destroyed.
+  /// collider, then render mesh after render mesh (CookedFabric says where each begins): RGBA32F, 16 bytes apart. Valid until the simulation
+  /// is destroyed.
   FrameView positions() const;
   FrameView normals() const;
 
@@ -245,6 +247,17 @@ class Simulation {
   Result<void> set_pose(std::uint32_t cloth, std::span<const Affine> joints);
   /// The same of a mesh collider (Collider::skin): maps from its shape at rest to its shape, in its own axes; its pose comes on top.
   Result<void> set_body_pose(std::uint32_t collider, std::span<const Affine> joints);
+  /// Where the frame that a cloth goes with (Cloth::inertia) is at the end of the next frame (world space). The host drives it from now on, instead
+  /// of a joint; without a joint the first call says where it is. A frame of the simulation without a new place holds still. Turns by the
+  /// shorter arc. Errors: no such cloth, or one without `inertia`; a place or rotation that is not finite, or no rotation. Nothing has changed
+  /// then.
+  Result<void> move_frame(std::uint32_t cloth, const MovingFrame& frame);
+  /// Takes a cloth from one frame to another at once, without a trace: places, velocities and what contacts know turn along, anchors and their
+  /// targets too, the pose of its skin, and its frame. Keys and animations move anchors back where they have them; what the host has set for
+  /// the next frame stays set. Colliders are taken along by place_collider. Waits. Errors: no such cloth; a frame that move_frame refuses; cloth
+  /// that would be 1e10 m away or more (nothing has changed then); memory; what Vulkan refuses.
+  Result<void> teleport(std::uint32_t cloth, const MovingFrame& from, const MovingFrame& to);
+
   /// From the next frame on: what a cloth's max distances are multiplied by (0 ... 1e6), and the stiffness of its motion constraints (0 ... 1).
   /// Errors: a cloth without motion constraints; other values. Nothing has changed then.
   Result<void> limit_motion(std::uint32_t cloth, double scale, double stiffness);
@@ -281,7 +294,7 @@ class Simulation {
 
   /// As given to create, with the solver settings chosen where its method is "auto".
   const Scene& scene() const;
-  /// One a cloth, relative to origin(), then one a mesh collider, in its own axes.
+  /// One a cloth, relative to origin(), then one a mesh collider, in its own axes, then one a render mesh, as the cloths.
   const std::vector<Mesh>& meshes() const;
   /// Lists that depend on who is held are those of the last frame.
   const CookedFabric& fabric() const;

@@ -26,6 +26,7 @@
 #include "compute/result.h"
 #include "engine/collider_pose.h"
 #include "engine/fabric.h"
+#include "engine/moving_frame.h"
 #include "engine/scene.h"
 
 namespace weft {
@@ -45,6 +46,15 @@ struct Snapshot {
   struct SkinState {
     bool is_host_driven = false;
     std::vector<Affine> pose, pending;   // joints; pending: for the next frame, or empty
+  };
+  /// The frame that a cloth goes with.
+  struct FrameState {
+    bool is_host_driven = false;
+    bool is_pending = false;       // `pending` is for the next frame
+    MovingFrame at, pending;
+    std::array<double, 3> velocity{};   // m/s: what it did in the last frame
+    Rotation turn;
+    double seconds = 1;
   };
   struct MotionLimitsState {
     float scale = 1, stiffness = 1;
@@ -77,6 +87,7 @@ struct Snapshot {
   std::array<double, 3> wind_travelled{};   // m: its way since the start
   std::vector<SkinState> skins;
   std::vector<MotionLimitsState> motion_limits;   // of each cloth
+  std::vector<FrameState> frames;   // of each cloth, where any has one
   std::uint32_t phase = 0;       // substeps modulo 3, as the solver counts them
   std::uint32_t capacity = 0;    // of candidate pairs; 0 without contacts
   std::vector<AnchorTargetState> anchors;

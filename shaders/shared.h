@@ -260,6 +260,23 @@ struct SkinPoint {
   vec3 normal;        // unit, at rest
 };
 
+/// How a cloth's velocities change where its moving frame does not move on evenly: w + m w + n (x - centre) + b (inertia.comp).
+struct FrameChange {
+  vec3 centre, b;     // m, m/s
+  vec3 m[3];          // rows
+  vec3 n[3];          // rows, 1/s
+};
+
+/// A vertex of a render mesh, bound to a triangle of its cloth (render_mesh.comp).
+struct Carried {
+  uint corners[3];    // render vertices of the cloth
+  uint vertex;        // what it is itself
+  float weights[2];   // of the first two corners
+  vec3 offset;        // m, in the axes of its place
+  vec3 normal;        // unit, in these
+};
+#define WEFT_PHONG_CURVE 0.75f   // how much of the curve its normals describe a triangle has (Boubekeur and Alexa 2008)
+
 /// A joint's map from the rest pose to the frame's start and end: three rows of an affine matrix each.
 struct Joint {
   vec4 from[3];
@@ -424,7 +441,7 @@ SLICE(Air, air)
 
 static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28);
 static_assert(sizeof(Grab) == 44 && sizeof(Collider) == 96);
-static_assert(sizeof(SkinPoint) == 76 && sizeof(Joint) == 96 && sizeof(MotionLimits) == 8 && sizeof(Reaction) == 48);
+static_assert(sizeof(SkinPoint) == 76 && sizeof(Carried) == 48 && sizeof(FrameChange) == 96 && sizeof(Joint) == 96 && sizeof(MotionLimits) == 8 && sizeof(Reaction) == 48);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 40);
 static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 316 && sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);

@@ -15,6 +15,7 @@ struct ClothInput {
   const Mesh& mesh;
   std::span<const AnchorChoice> anchors;
   const Factors& factors;
+  const Mesh* render_mesh = nullptr;   // that the cloth carries
   std::size_t first_link = 0, first_bend = 0;   // of the cloth, in the fabric's lists
 };
 

@@ -102,6 +102,20 @@ Result<void> for_maps(const Cloth& cloth, const Each& each) {
 
 }  // namespace
 
+}  // namespace cooking
+
+std::vector<std::pair<std::string, std::string>> painted_maps(const Cloth& cloth) {
+  std::vector<std::pair<std::string, std::string>> maps;
+  (void)cooking::for_maps(cloth, [&](const std::string& key, const std::string& text) -> Result<void> {
+    const auto map = cooking::parsed(text);
+    if (map && cooking::is_picture(map->name)) maps.emplace_back(key, map->name);
+    return {};
+  });
+  return maps;
+}
+
+namespace cooking {
+
 Result<void> add_pictures(const std::filesystem::path& folder, const Cloth& cloth, Mesh& mesh) {
   return for_maps(cloth, [&](const std::string& key, const std::string& text) -> Result<void> {
     if (text.empty()) return {};

@@ -146,7 +146,7 @@ constexpr Buffer own(std::string_view name) {
 namespace lengths {
 inline std::uint64_t one(const Cooked&) { return 1; }
 inline std::uint64_t particles(const Cooked& s) { return s.fabric.positions.size(); }
-inline std::uint64_t vertices(const Cooked& s) { return s.fabric.surface_rows.size(); }
+inline std::uint64_t vertices(const Cooked& s) { return s.fabric.surface_rows.size(); }   // without those of render meshes
 inline std::uint64_t candidates(const Cooked& s) { return s.contacts.capacity; }
 }  // namespace lengths
 

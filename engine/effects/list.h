@@ -20,6 +20,7 @@
   EFFECT(collide) \
   EFFECT(reaction) \
   EFFECT(triangle) \
+  EFFECT(inertia) \
   EFFECT(motion) \
   EFFECT(grab) \
   EFFECT(air) \
@@ -27,4 +28,5 @@
   EFFECT(untangle) \
   EFFECT(skin) \
   EFFECT(motion_constraint) \
-  EFFECT(surface)
+  EFFECT(surface) \
+  EFFECT(render_mesh)

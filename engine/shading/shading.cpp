@@ -123,7 +123,7 @@ Result<void> Shading::State::create_cloths(const Scene& scene, std::span<const S
     DrawnCloth drawn;
     drawn.first_vertex = vertices;
     drawn.first_index = static_cast<std::uint32_t>(3 * triangles.size());
-    drawn.index_count = static_cast<std::uint32_t>(3 * mesh.triangles.size());
+    drawn.index_count = shaded[i].shown ? static_cast<std::uint32_t>(3 * mesh.triangles.size()) : 0;
     drawn.push = {look.base_colour, static_cast<float>(look.roughness_factor), look.repeat, static_cast<float>(look.metallic),
                   static_cast<float>(transmission), WEFT_VIEW_CAMERA};
     vertices += static_cast<std::uint32_t>(mesh.positions.size());

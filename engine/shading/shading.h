@@ -29,6 +29,7 @@ struct ShadedCloth {
   const RenderMesh* mesh = nullptr;
   const Appearance* appearance = nullptr;   // null for mesh colliders, which have the scene's colour for them
   double transmission = 0.15;  // fraction of light from behind that shines through, 0 ... 1
+  bool shown = true;           // false: its vertices are there and not drawn, as those of a cloth that carries a render mesh
 };
 
 /// One frame. Views are RGBA32F and hold the vertices of every cloth and mesh collider in create's order. Writes on the
@@ -42,7 +43,8 @@ struct Poses {
 
 class Shading {
  public:
-  /// `cloths` are the scene's and, where they are to be seen, its mesh colliders after them: in the order of Simulation::meshes().
+  /// `cloths` are the scene's and, where they are to be seen, its mesh colliders and render meshes after them: in the order of
+  /// Simulation::meshes().
   /// Loads textures and allocates and compiles everything. `device` must outlive the result and needs a graphics queue.
   /// Errors: what read_image refuses of a texture; a picture size outside 1 ... 8192; a mesh with no triangle, or with an index out of
   /// range; a null appearance that is no mesh collider's; neither cloth nor collider; a light without a direction; a device that does not

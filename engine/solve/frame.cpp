@@ -62,7 +62,7 @@ Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input)
     moving_air.pass(advance.simulated);
   }
   clock.substeps += advance.substeps;
-  move_scene(input);
+  move_scene(advance.simulated, input);
   return advance;
 }
 
@@ -125,12 +125,13 @@ void Simulation::State::move_anchors() {
   }
 }
 
-void Simulation::State::move_scene(FrameInput& input) {
+void Simulation::State::move_scene(double seconds, FrameInput& input) {
   const std::vector<Affine> pose = next_pose();
   const std::vector<ColliderPose> before = pose.empty() ? std::vector<ColliderPose>() : bodies.poses;
   input.anchors_move = kinematic.are_dirty || scene.pins > 0;   // pins always: the anchor pass tells their velocities
   move_anchors();
   move_collider_meshes();
+  move_frames(pose, seconds, input);
   move_skins(pose, before, input);
   move_grabs();
   for (const gpu::Anchor& anchor : kinematic.targets) input.anchors_move |= !same(anchor.from, anchor.to);

@@ -43,10 +43,12 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
 Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& device, const Scene& scene, std::vector<Mesh> meshes,
                                                        const SimulationOptions& options) try {
   if (const auto good = check(scene); !good) return good.why();
-  const std::span<Mesh> cloths = std::span(meshes).first(std::min(meshes.size(), scene.cloths.size()));
-  const Vec3 origin = origin_near(cloths);
+  const std::size_t cloths = scene.cloths.size(), colliders = mesh_colliders(scene).size();
+  const Vec3 origin = origin_near(std::span(meshes).first(std::min(meshes.size(), cloths)));
   if (origin != Vec3{})
-    for (Mesh& mesh : cloths) {
+    for (std::size_t k = 0; k < meshes.size(); ++k) {
+      if (k >= cloths && k < cloths + colliders) continue;   // these have axes of their own
+      Mesh& mesh = meshes[k];
       for (Vec3& p : mesh.points) p = p - origin;
       for (Vec3& p : mesh.render.positions) p = p - origin;
       if (mesh.skin) mesh.skin->place.origin = mesh.skin->place.origin - origin;
@@ -155,6 +157,16 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   state->skins.is_host_driven.resize(state->skinned_meshes().size());
   state->skins.joints.reserve(state->skins.pose.size());   // a frame that has begun to move them needs no memory
   state->skins.limits = motion_limits_of(scene);
+  if (state->solver->has(buffers::frame_changes)) {
+    state->frames.at.resize(scene.cloths.size());
+    state->frames.motion.resize(scene.cloths.size());
+    state->frames.pending.resize(scene.cloths.size());
+    state->frames.is_host_driven.resize(scene.cloths.size());
+    state->frames.changes.resize(scene.cloths.size());
+    for (std::size_t k = 0; k < scene.cloths.size(); ++k)
+      if (const auto& joints = std::as_const(state->fabric.own).of<InertiaLists>().joints; joints[k] != kNone)
+        state->frames.at[k] = state->frame_of_joint(k, state->skins.pose);
+  }
   state->grabs.corners.resize(3 * scene.grabs, gpu::Grab{WEFT_NONE, 0, 0, 0, 0, {}, {}});
   state->grabs.held.resize(scene.grabs);
   if (scene.pins > 0) (void)state->own_digest();   // of the cloth as it is described, whoever is held later
@@ -185,7 +197,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
 FrameView Simulation::positions() const {
   const compute::Buffer& buffer = state_->solver->buffer(buffers::vertex_positions);
   return {buffer.handle, 0, sizeof(gpu::vec4), VK_FORMAT_R32G32B32A32_SFLOAT,
-          static_cast<std::uint32_t>(state_->fabric.surface_rows.size()), buffer.usage};
+          drawn_vertices(state_->fabric), buffer.usage};
 }
 
 FrameView Simulation::normals() const {

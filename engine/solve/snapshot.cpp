@@ -18,7 +18,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
 
 constexpr std::string_view kMagic = "WEFTSNAP";
-constexpr std::uint32_t kVersion = 13;
+constexpr std::uint32_t kVersion = 14;
 constexpr std::size_t kHead = kMagic.size() + sizeof kVersion + sizeof(std::uint64_t);
 constexpr std::size_t kEnd = sizeof(std::uint64_t);
 constexpr std::uint64_t kLongest = std::uint64_t(1) << 32;   // of a file: more than the most particles and candidates take
@@ -57,6 +57,18 @@ void fields(Walk& walk, T& state) {
   walk(state.is_host_driven), walk(state.pose), walk(state.pending);
 }
 
+template <class Walk, Is<MovingFrame> T>
+void fields(Walk& walk, T& frame) {
+  walk(frame.place), walk(frame.rotation.x), walk(frame.rotation.y), walk(frame.rotation.z), walk(frame.rotation.w);
+}
+
+template <class Walk, Is<Snapshot::FrameState> T>
+void fields(Walk& walk, T& s) {
+  walk(s.is_host_driven), walk(s.is_pending), walk(s.at), walk(s.pending);
+  walk(s.velocity[0]), walk(s.velocity[1]), walk(s.velocity[2]);
+  walk(s.turn.x), walk(s.turn.y), walk(s.turn.z), walk(s.turn.w), walk(s.seconds);
+}
+
 template <class Walk, Is<Snapshot::MotionLimitsState> T>
 void fields(Walk& walk, T& limits) {
   walk(limits.scale), walk(limits.stiffness);
@@ -82,7 +94,7 @@ template <class Walk, Is<Snapshot> T>
 void fields(Walk& walk, T& s) {
   walk(s.digest), walk(s.substeps), walk(s.left_over), walk(s.gravity);
   walk(s.wind), walk(s.air_fields), walk(s.wind_travelled[0]), walk(s.wind_travelled[1]), walk(s.wind_travelled[2]);
-  walk(s.skins), walk(s.motion_limits);
+  walk(s.skins), walk(s.motion_limits), walk(s.frames);
   walk(s.phase), walk(s.capacity);
   walk(s.anchors), walk(s.grabs), walk(s.colliders), walk(s.contents), walk(s.note);
 }
@@ -255,6 +267,7 @@ std::uint64_t digest_of(const Scene& described, const CookedFabric& fabric) {
   for (Cloth& cloth : scene.cloths) {
     cloth.name.clear();
     cloth.mesh.clear();   // what was made of it tells more than where it was
+    cloth.render_mesh.clear();
     cloth.appearance = {};
   }
   for (Collider& collider : scene.colliders) {
@@ -265,7 +278,7 @@ std::uint64_t digest_of(const Scene& described, const CookedFabric& fabric) {
   digest.add(scene_text(scene));
   const Cooked subject = cooked_of(described, fabric);
   for (const Effect* effect : all_effects()) {
-    if (!effect->called_for(described, fabric)) continue;
+    if (!effect->called_for(described, fabric) || effect == &effects::render_mesh) continue;   // that follows, and nothing follows it
     for (const Buffer* row : effect->buffers) {
       if (row->contents == nullptr) continue;
       const Contents contents = row->contents(subject);

@@ -8,6 +8,7 @@
 #include "engine/effects/collide/collide.h"
 #include "engine/effects/contact/contact.h"
 #include "engine/effects/grab/grab.h"
+#include "engine/effects/inertia/inertia.h"
 #include "engine/effects/motion/motion.h"
 #include "engine/effects/motion_constraint/motion_constraint.h"
 #include "engine/effects/skin/skin.h"
@@ -358,6 +359,7 @@ void Solver::record_input(compute::Recorder& recorder, const FrameInput& input) 
   if (has(buffers::grabs)) copy(buffer(buffers::grabs), std::as_bytes(input.grabs));
   if (has(buffers::colliders)) copy(buffer(buffers::colliders), std::as_bytes(input.colliders));
   if (has(buffers::skin_joints)) copy(buffer(buffers::skin_joints), std::as_bytes(input.joints));
+  if (has(buffers::frame_changes)) copy(buffer(buffers::frame_changes), std::as_bytes(input.frame_changes));
   if (has(buffers::motion_limits)) copy(buffer(buffers::motion_limits), std::as_bytes(input.motion_limits));
   recorder.barrier(compute::Use::transfer, compute::Use::compute);
 }

@@ -205,13 +205,13 @@ Result<std::vector<Vec3>> narrowed(Result<std::vector<gpu::vec4>> wide) {
 }  // namespace
 
 Result<std::vector<Vec3>> Simulation::read_vertex_positions() const try {
-  return narrowed(state_->read(buffers::vertex_positions, state_->fabric.surface_rows.size()));
+  return narrowed(state_->read(buffers::vertex_positions, drawn_vertices(state_->fabric)));
 } catch (...) {
   return caught("the vertices");
 }
 
 Result<std::vector<Vec3>> Simulation::read_vertex_normals() const try {
-  return narrowed(state_->read(buffers::vertex_normals, state_->fabric.surface_rows.size()));
+  return narrowed(state_->read(buffers::vertex_normals, drawn_vertices(state_->fabric)));
 } catch (...) {
   return caught("the vertices");
 }

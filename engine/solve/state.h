@@ -84,6 +84,15 @@ struct Skins {
   std::vector<gpu::MotionLimits> limits;       // of each cloth
 };
 
+/// The frames that cloths go with: an entry a cloth where the scene has any, or none.
+struct Frames {
+  std::vector<MovingFrame> at;                 // at the last frame's end
+  std::vector<FrameMotion> motion;             // in the last frame
+  std::vector<std::optional<MovingFrame>> pending;   // that the host has set since the last frame
+  std::vector<bool> is_host_driven;
+  std::vector<gpu::FrameChange> changes;       // of the frame at hand
+};
+
 /// What it takes to repeat a frame. While `frame_is_torn` the solver's buffers are in the middle of a frame, and `saved` holds its
 /// start.
 struct Rollback {
@@ -156,6 +165,7 @@ struct Simulation::State {
   Grabs grabs;
   Bodies bodies;
   Skins skins;
+  Frames frames;
   Rollback rollback;
   ContactCapacity capacity;
   FrameQueue queue;
@@ -166,7 +176,7 @@ struct Simulation::State {
   bool timed_on_cpu() const;
   double dispatches_of(double substeps) const;   // of a frame of so many substeps
   Result<Advance> plan_frame(double seconds, FrameInput& input);
-  void move_scene(FrameInput& input);
+  void move_scene(double seconds, FrameInput& input);
   void move_anchors();
   void move_grabs();
   std::size_t anchors_and_pins() const { return kinematic.pending.size(); }
@@ -194,6 +204,11 @@ struct Simulation::State {
   std::vector<Affine> next_pose() const;
   std::vector<Vec3> body_shape(const ColliderMesh& mesh) const;
   void move_skins(std::span<const Affine> pose, std::span<const ColliderPose> before, FrameInput& input);
+  MovingFrame frame_of_joint(std::size_t cloth, std::span<const Affine> pose) const;
+  void move_frames(std::span<const Affine> pose, double seconds, FrameInput& input);
+  Result<void> check_frames(const Snapshot& snapshot) const;
+  std::vector<Snapshot::FrameState> saved_frames() const;
+  void put_frames_back(const Snapshot& snapshot);
   Result<void> set_joints(bool is_collider, std::uint32_t index, std::span<const Affine> joints);
   void record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool save, std::size_t place);
   Result<void> submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits, bool save);

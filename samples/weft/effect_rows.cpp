@@ -57,6 +57,8 @@ const EffectRow kRows[] = {
     {"motion_constraint", "max distances and backstops",
      {{"cloths[0].motion_constraints", R"({"max_distance":0.02,"backstop_distance":0.01,"backstop_radius":10})"}},
      {}},
+    {"inertia", "half of what a moving frame makes felt", {{"cloths[0].inertia", R"({"linear":0.5})"}}, {}},
+    {"render_mesh", "a render mesh of six vertices", {{"cloths[0].render_mesh", "effects_body.obj"}}, {}},
     {"pins", "room for 16 pins", {{"pins", "16"}}, {{"pins", "0"}}},
     {"grab", "a hand that could grab", {{"grabs", "1"}}, {{"grabs", "0"}}},
     {"contact", "contacts, without untangling",

@@ -55,7 +55,9 @@ std::vector<Input> inputs_of(const std::filesystem::path& file, const Scene& sce
     const Cloth& cloth = scene.cloths[i];
     const std::string path = "cloths[" + std::to_string(i) + "].";
     if (!cloth.mesh.empty()) add_mesh(scene.folder / cloth.mesh, path + "mesh", inputs);
+    if (!cloth.render_mesh.empty()) add_mesh(scene.folder / cloth.render_mesh, path + "render_mesh", inputs);
     for (const auto& [key, map] : maps_of(cloth.appearance)) inputs.push_back({scene.folder / map, path + "appearance." + key});
+    for (const auto& [key, map] : painted_maps(cloth)) inputs.push_back({scene.folder / map, path + key});
   }
   for (const std::uint32_t i : mesh_colliders(scene))
     add_mesh(scene.folder / scene.colliders[i].mesh, "colliders[" + std::to_string(i) + "].mesh", inputs);

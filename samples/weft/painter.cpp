@@ -8,10 +8,12 @@ namespace weft::command {
 Exit Painter::create(compute::Device& device, const Simulation& simulation, VkExtent2D size) {
   const Scene& scene = simulation.scene();
   std::vector<ShadedCloth> cloths;
-  for (std::size_t i = 0; i < scene.cloths.size(); ++i)
-    cloths.push_back({&simulation.meshes()[i].render, &scene.cloths[i].appearance});
-  for (std::size_t i = scene.cloths.size(); i < simulation.meshes().size(); ++i)
-    cloths.push_back({&simulation.meshes()[i].render, nullptr});
+  const std::vector<Mesh>& meshes = simulation.meshes();
+  for (const Cloth& cloth : scene.cloths) cloths.push_back({.mesh = &meshes[cloths.size()].render, .appearance = &cloth.appearance,
+                                                            .shown = cloth.render_mesh.empty()});
+  for (std::size_t k = 0; k < mesh_colliders(scene).size(); ++k) cloths.push_back({.mesh = &meshes[cloths.size()].render});
+  for (const CarriedMesh& carried : simulation.fabric().render_meshes)
+    cloths.push_back({.mesh = &meshes[cloths.size()].render, .appearance = &scene.cloths[carried.cloth].appearance});
   auto shading = Shading::create(device, scene, cloths, size);
   if (shading) {
     shading_ = std::move(*shading);

@@ -76,7 +76,9 @@ std::vector<std::string> file_faults(const Scene& scene) {
     const Cloth& cloth = scene.cloths[i];
     const std::string path = "cloths[" + std::to_string(i) + "].";
     if (!cloth.mesh.empty()) look(cloth.mesh, mesh_fault, path + "mesh");
+    if (!cloth.render_mesh.empty()) look(cloth.render_mesh, mesh_fault, path + "render_mesh");
     for (const auto& [key, map] : maps_of(cloth.appearance)) look(map, image_fault, path + "appearance." + key);
+    for (const auto& [key, map] : painted_maps(cloth)) look(map, image_fault, path + key);
   }
   for (const std::uint32_t i : mesh_colliders(scene)) look(scene.colliders[i].mesh, mesh_fault, "colliders[" + std::to_string(i) + "].mesh");
   return faults;

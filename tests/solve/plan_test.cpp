@@ -200,6 +200,8 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(calls.has(Id::skin), {&b::skin_points, &b::skin_joints});
     expect(calls.has(Id::motion_constraint), {&b::motion_targets, &b::motion_limits});
     expect(calls.has(Id::grab), {&b::grabs});
+    expect(calls.has(Id::inertia), {&b::frame_changes});
+    expect(calls.has(Id::render_mesh), {&b::carried});
     expect(calls.has(Id::untangle), {&b::tangled_pairs, &b::crossed_triangles, &b::regions, &b::region_sizes});
     expect(true, {&b::positions, &b::velocities, &b::predicted, &b::next_iterate, &b::materials, &b::surface_rows, &b::corners,
                   &b::vertex_positions, &b::vertex_normals, &b::counters});

@@ -27,6 +27,7 @@ inline Soup soup_of(Random& random, std::uint32_t particles) {
   solver.substeps = 1;
   Soup soup{loose_particles(random, particles, solver), {}};
   soup.fabric.materials.assign(3, soup.fabric.materials[0]);
+  for (std::size_t k = 0; k < 3; ++k) soup.fabric.materials[k].body = static_cast<float>(k);
   for (const gpu::vec4& x : soup.fabric.positions) soup.fabric.rest.push_back({x.x, x.y, x.z, 0.003f});
   soup.predicted = soup.fabric.positions;
   return soup;

@@ -55,7 +55,7 @@ inline CookedFabric loose_particles(Random& random, std::uint32_t count, const S
     fabric.surface_rows.push_back({i, 0, 0, 0});
   }
   for (const double damping : {0.1, 2.0})
-    fabric.materials.push_back({static_cast<float>(std::exp(-damping * fabric.h)), 0.4f, 0.002f, 0});
+    fabric.materials.push_back({static_cast<float>(std::exp(-damping * fabric.h)), 0.4f, 0.002f, static_cast<float>(fabric.materials.size())});
   fabric.cloths.push_back({"loose", 0, count, 0, count, 0, 0});
   return fabric;
 }

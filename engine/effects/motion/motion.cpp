@@ -1,6 +1,8 @@
 // Motion: the prediction by free flight, and the finalize pass for iterations that no other pass can finalize.
 #include "engine/effects/motion/motion.h"
 
+#include <algorithm>
+
 #include "engine/effects/effect.h"
 
 namespace weft {
@@ -35,6 +37,12 @@ Contents uniforms(const Cooked& s) {
   return made(std::vector{motion});
 }
 
+// Whether some body has several.
+bool vary(const std::vector<gpu::Material>& materials) {
+  const auto same_body = [](const gpu::Material& a, const gpu::Material& b) { return a.body == b.body; };
+  return std::ranges::adjacent_find(materials, same_body) != materials.end();
+}
+
 }  // namespace
 
 constinit const Effect motion{
@@ -44,7 +52,7 @@ constinit const Effect motion{
     .passes = kPasses,
     .specialize =
         [](const Cooked& s, Constants& constants) {
-          constants[gpu::constant::has_maps] = s.fabric.materials.size() > s.fabric.cloths.size() + s.fabric.collider_meshes.size();
+          constants[gpu::constant::has_maps] = vary(s.fabric.materials);
           constants[gpu::constant::is_iterated] = s.scene.solver.iterations > 1 && s.scene.solver.method != Method::implicit;
         },
     .slice = {"motion", uniforms},

@@ -13,7 +13,7 @@ namespace buffers {
 
 namespace detail {
 constexpr Buffer drawn(std::string_view name) {
-  Buffer row = scratch<gpu::vec4>(name, lengths::vertices);
+  Buffer row = scratch<gpu::vec4>(name, [](const Cooked& s) { return std::uint64_t(drawn_vertices(s.fabric)); });
   row.access = Access::vertices;
   return row;
 }
