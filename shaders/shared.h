@@ -40,7 +40,8 @@
   X(25, uint, grab_count)       /* of grabs */ \
   X(26, bool, reacts)           /* 1: what colliders are given is added up (reaction/reaction.glsl) */ \
   X(27, bool, has_lee)          /* 1: colliders have wakes in the air (air/wake.glsl) */ \
-  X(28, bool, has_maps)         /* 1: a cloth has several materials (Maps) */
+  X(28, bool, has_maps)         /* 1: a cloth has several materials (Maps) */ \
+  X(29, uint, air_every)        /* substeps from one look at the air to the next (air/air.comp) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u

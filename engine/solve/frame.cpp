@@ -52,6 +52,7 @@ Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input)
   advance.simulated = substeps * fabric.h;
   clock.left_over = std::max(0.0, clock.left_over + taken - advance.simulated);
   input.substeps = advance.substeps;
+  input.first_substep = clock.substeps;
   input.gravity = gravity;
   input.few_contacts = contacts_are_few();
   if (advance.substeps == 0) return advance;

@@ -359,7 +359,11 @@ std::vector<PassUse> Simulation::passes() const try {
   for (std::size_t k = 0; k < s.solver->plan().passes.size(); ++k) {
     const PlannedPass& planned = s.solver->plan().passes[k];
     const bool idle = planned.pass->only_towards_targets && !s.kinematic.are_keyed && s.scene.pins == 0 && !s.solver->has(buffers::detection);
-    const auto runs = static_cast<std::uint32_t>(idle ? 0 : runs_of(planned.pass->stage, shape_of(s.scene), substeps));
+    auto runs = static_cast<std::uint32_t>(idle ? 0 : runs_of(planned.pass->stage, shape_of(s.scene), substeps));
+    if (planned.pass->every != nullptr) {
+      const std::uint32_t every = planned.pass->every(cooked_of(s.scene, s.fabric));
+      runs = (runs + every - 1) / every;
+    }
     uses.push_back({planned.label, runs * static_cast<std::uint32_t>(s.solver->rounds(k)),
                     static_cast<std::uint32_t>(compute::instructions_of(planned.spirv))});
   }

@@ -163,6 +163,7 @@ Result<void> Solver::create_runs(const Cooked& subject, const compute::PipelineC
   for (const PlannedPass& planned : plan_.passes) {
     Run run;
     run.ranges = ranges_of(*planned.pass, subject);
+    if (planned.pass->every != nullptr) run.every = planned.pass->every(subject);
     if (planned.pass->threads.groups != nullptr) run.groups = static_cast<std::uint32_t>(planned.pass->threads.groups(subject));
     for (const std::uint32_t parity : {0u, 1u}) run.touches[parity] = touches_of(planned, parity);
     if (auto made = create_pipeline(planned, cache, run); !made) return made;
@@ -301,21 +302,22 @@ void Solver::list_frame(const FrameInput& input) {
       case Stage::substep_end: push.flags = substep_flags; break;
       default: break;
     }
-    list(moment.stage, input, push);
+    list(moment.stage, input, push, input.first_substep + moment.substep);
     if (moment.stage == Stage::detect) phase_ = (phase_ + 1) % 3;
   });
 }
 
 std::span<const Solver::Step> Solver::surface() {
   steps_.clear();
-  list(Stage::frame_end, {}, {});
+  list(Stage::frame_end, {}, {}, 0);
   return steps_;
 }
 
-void Solver::list(Stage stage, const FrameInput& input, const gpu::Push& push) {
+void Solver::list(Stage stage, const FrameInput& input, const gpu::Push& push, std::uint64_t substep) {
   for (std::uint32_t k = 0; k < plan_.passes.size(); ++k) {
     const Pass& pass = *plan_.passes[k].pass;
     if (pass.stage != stage || pass.crowd == (input.few_contacts ? Crowd::many : Crowd::few)) continue;
+    if (substep % runs_[k].every != 0) continue;
     const bool at_targets = pass.only_towards_targets && !input.anchors_move;
     // With contacts, an anchor that cloth held back may not have reached its target.
     if (at_targets && !has(buffers::detection)) continue;

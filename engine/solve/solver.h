@@ -35,6 +35,7 @@ struct Edit {
 /// A frame's input from the host. The spans need only live during record_input.
 struct FrameInput {
   std::uint32_t substeps = 0;
+  std::uint64_t first_substep = 0;            // of all since the simulation's start
   Vec3 gravity;
   std::optional<MovingAir> air;               // where the scene has any
   bool anchors_move = false;
@@ -113,6 +114,7 @@ class Solver {
   // A pass: its dispatches where it is listed once, and what they run with.
   struct Run {
     std::vector<Range> ranges;
+    std::uint32_t every = 1;               // substeps
     std::uint32_t groups = 0;              // of workgroups; 0: as many as a range needs
     compute::Touches touches[2];           // by parity
     compute::DescriptorLayout layouts[2];  // storage, texels: not every device can hold all bindings in one
@@ -125,7 +127,7 @@ class Solver {
   Result<void> create_pipeline(const PlannedPass& planned, const compute::PipelineCache& cache, Run& run) const;
   Result<std::vector<Sets>> write_sets() const;
   void list_frame(const FrameInput& input);
-  void list(Stage stage, const FrameInput& input, const gpu::Push& push);
+  void list(Stage stage, const FrameInput& input, const gpu::Push& push, std::uint64_t substep);
   /// From the next recorded frame on. `value` is the struct of the slice.
   template <class T>
   void set_uniforms(std::string_view slice, const T& value) {

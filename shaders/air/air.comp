@@ -6,11 +6,12 @@
 // is never below 0: no triangle gains from the air more than the wind gives. A is the rest area, so that cloth that is stretched is not
 // blown further, and stretched the more.
 //
-// u is that of the velocity before this substep's gravity, which is the one that cloth moves with: a sheet then falls at its terminal
-// velocity to the second order of the substep h. With S the sum of rho A |u| C / 6 over the triangles, C being the most that a part of u
-// can meet, the particle would lose b = h w S of its velocity against the air at most, and if b is above 1 that would be turned round,
+// Fetching what lies about a particle is what it costs, and the air is slow to change: it is looked at in every n-th substep, and pushes for a
+// time of t = n h. u is that of the velocity that cloth has in the mean over these if gravity alone goes on: before this substep's gravity
+// with n = 1. A sheet then falls at its terminal velocity to the second order of t. With S the sum of rho A |u| C / 6 over the triangles, C being the most that a part of u
+// can meet, the particle would lose b = t w S of its velocity against the air at most, and if b is above 1 that would be turned round,
 // and the more so the faster it is. So the change is divided by sqrt(1 + b^2), with which it cannot, whatever wind and rate are; that too
-// is 1 to the second order of h.
+// is 1 to the second order of t.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -47,7 +48,7 @@ void main() {
   if (i >= push.count) return;
   const uvec2 row = air_stride > 0 ? uvec2(i * air_stride, air_stride) : FETCH_UINT2(air_rows, i);
   const vec4 x = FETCH(positions, i);
-  u = air_about(i) - (FETCH(velocities, i).xyz - motion.h * motion.gravity);
+  u = air_about(i) - (FETCH(velocities, i).xyz - 0.5 * float(air_every + 1) * motion.h * motion.gravity);
   vec3 before = vec3(0);
   for (uint k = row.x; k < row.x + row.y; ++k) {
     const uvec4 pair = FETCH(air_fans, k);
@@ -58,6 +59,6 @@ void main() {
   }
   const float squared_speed = dot(u, u), speed = sqrt(squared_speed);
   const float along_wind = air.friction * area + (air.drag - air.friction - air.lift) * squares / max(squared_speed, 1e-30);
-  const float share = motion.h * x.w * air.half_density * speed, most = share * area * air.most;
+  const float share = float(air_every) * motion.h * x.w * air.half_density * speed, most = share * area * air.most;
   add_velocity(i, (share / sqrt(1 + most * most)) * (along_wind * u + air.lift * along_normals));
 }

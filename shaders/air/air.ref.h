@@ -64,7 +64,7 @@ struct AirCorner {
   double area;          // m^2, at rest
 };
 
-/// By how much air that comes at `u` changes a particle's velocity in a substep h.
+/// By how much air that comes at `u` changes a particle's velocity in a time h (s).
 inline Vector push_by_air(const gpu::Air& air, std::span<const AirCorner> corners, const Vector& at, const Points& x, const Vector& u,
                           double inverse_mass, double h) {
   Vector force = Vector::Zero();

@@ -43,6 +43,7 @@ inline Needs setup_for(const Calls& calls, bool texels) {
   setup.constants[constant::has_contacts] = calls.has(Id::contact);
   setup.constants[constant::untangles] = calls.has(Id::untangle);
   setup.constants[constant::air_wave_count] = setup.constants[constant::air_field_count] = calls.has(Id::air);
+  setup.constants[constant::air_every] = calls.has(Id::air) ? 2 : 0;
   setup.constants[constant::has_lee] = calls.has(Id::air) && calls.has(Id::collide);
   setup.constants[constant::motion_constraints] = calls.has(Id::motion_constraint) ? 2 : 0;
   setup.constants[constant::skins_move_anchors] = calls.has(Id::skin) && calls.has(Id::anchor);

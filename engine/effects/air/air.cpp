@@ -90,6 +90,11 @@ MovingAir air_of(const Air& air, const AirState& state, double time, double seco
   return moving;
 }
 
+std::uint32_t air_every(const Cooked& subject) {
+  constexpr double kLongest = 1.0 / 300;   // s
+  return static_cast<std::uint32_t>(std::max(1.0, std::floor(kLongest / subject.fabric.h + 1e-6)));
+}
+
 namespace effects {
 namespace {
 
@@ -102,7 +107,7 @@ bool is_stirred(const Needs& needs) {
 
 constexpr Pass kPasses[] = {
     {.name = "air_stir", .stage = Stage::frame_begin, .threads = threads::particles, .when = is_stirred},
-    {.name = "air", .stage = Stage::force, .threads = threads::particles, .changes = Changes::velocity},
+    {.name = "air", .stage = Stage::force, .threads = threads::particles, .changes = Changes::velocity, .every = air_every},
 };
 
 // Rows of one length need no look at where they begin, and their loops are unrolled, which is worth some places that nobody needs.
@@ -178,6 +183,7 @@ constinit const Effect air{
           constants[gpu::constant::has_lee] = air.lee && std::ranges::any_of(s.scene.colliders, [](const Collider& c) {
             return c.shape == ColliderShape::sphere || c.shape == ColliderShape::capsule || c.shape == ColliderShape::box;
           });
+          constants[gpu::constant::air_every] = air_every(s);
           constants[gpu::constant::air_stride] = s.fabric.own.of<AirLists>().fans.stride;
         },
     .slice = {"air", [](const Cooked& s) { return made(std::vector{air_of(*s.scene.air, {s.scene.air->wind, {}, {}}, 0, 0, {}).air}); }},

@@ -31,6 +31,9 @@ struct AirLists {
   PairRows fans;   // entries: (particle, that as float bits)
 };
 
+/// Substeps from one look at the air to the next, so that it takes no longer than 1/300 s: with the default two.
+std::uint32_t air_every(const Cooked& subject);
+
 namespace buffers {
 /// Gusts and eddies of the frame.
 inline constexpr Buffer air_waves =
