@@ -312,7 +312,7 @@ struct Scene {
   std::optional<Air> air;             // none: cloth meets no resistance but its own damping
   std::uint32_t pins = 0;             // vertices that the host may pin at a time, besides anchors (Simulation::pin); 0: none, nor release any
   std::uint32_t grabs = 0;            // places of cloth that the host may pull at a time (Simulation::grab)
-  bool reactions = false;             // adds up what cloth does to colliders that are no meshes (Simulation::take_reactions)
+  bool reactions = false;             // adds up what cloth does to colliders that are no meshes, and to grabs (Simulation::take_reactions, take_pulls)
   std::vector<Cloth> cloths;          // 1 ... 1024
   std::vector<Collider> colliders;    // at most 1024; each costs every particle
   Camera camera;

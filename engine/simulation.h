@@ -276,6 +276,11 @@ class Simulation {
   /// and come with the next call. Nothing is lost or told twice. Zero of mesh colliders; empty where the scene does not ask for reactions.
   /// Valid until the next call.
   std::span<const Reaction> take_reactions();
+  /// The same of the scene's grabs, an entry each: what cloth pulls hands by, so that a host can attach it to its rigid bodies: it moves a grab to
+  /// where the body has it, and gives the body this impulse there. What a substep gave is known when the next one begins. Exact as long as
+  /// nothing pushes a grabbed particle but what sees its mass in the solve (engine/README.md, "Hands"). Empty where the scene does not ask
+  /// for reactions. Valid until the next call.
+  std::span<const Reaction> take_pulls();
 
   /// Of the last frame of advance or submit; empty without SimulationOptions::timings. On devices without timestamps the CPU
   /// measures each pass, and timed_on_cpu() is true. Empty, too, where there is no memory for the list.

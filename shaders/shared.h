@@ -159,6 +159,17 @@ struct Grab {
   vec3 to;            // m, at its end
 };
 
+/// A pull as it stood when a substep began: what it has given shows where that ends (grab.comp).
+struct LastPull {
+  uint particle;      // WEFT_NONE: nobody pulled
+  float stiffness;    // N/m, and
+  float damping;      // N s/m: as much of them as the limited force left
+  vec3 place;         // m, of the particle
+  vec3 target;        // m, at the substep's end
+  vec3 velocity;      // m/s, of the target
+  vec3 hand;          // m, where the hand is at the substep's end: the mean of its corners' targets
+};
+
 // The buffer holds all planes, then all spheres, capsules and boxes; how many of each is a constant. A particle is put out of them in this
 // order, so that where two overlap the later one decides.
 struct Collider {
@@ -171,7 +182,7 @@ struct Collider {
   vec3 half_size;     // m: half a box's sides; y: half a capsule's length
 };
 
-/// What cloth has given to a collider since the start, in quanta of 64 bits, two's complement, low and high words apart: an impulse, x y z,
+/// What cloth has given to a collider, or to a hand, since the start, in quanta of 64 bits, two's complement, low and high words apart: an impulse, x y z,
 /// and an angular impulse about its centre.
 struct Reaction {
   uint low[6], high[6];

@@ -186,7 +186,9 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   state->bodies.in_world.reserve(colliders);
   if (scene.reactions) {
     state->reactions.between.resize(colliders);
-    for (auto* sums : {&state->reactions.heard, &state->reactions.known, &state->reactions.told}) sums->resize(state->bodies.order.size());
+    state->reactions.pulls.resize(scene.grabs);
+    for (auto* sums : {&state->reactions.heard, &state->reactions.known, &state->reactions.told})
+      sums->resize(state->bodies.order.size() + scene.grabs);
   }
   std::unique_ptr<Simulation> simulation(new Simulation(std::move(state)));
   // The surface is drawable before the first frame.

@@ -62,17 +62,36 @@ std::optional<std::size_t> Simulation::State::newest_place() const {
   return done > queue.heard ? std::optional(slot_of(done)) : std::nullopt;
 }
 
+// As far as frames are done.
+void Simulation::State::hear_reactions() {
+  if (has_recorded) hear_recorded();
+  else if (const auto place = newest_place()) read_reactions(*place, reactions.known);
+  else reactions.known = reactions.heard;
+}
+
 std::span<const Reaction> Simulation::take_reactions() {
   State& s = *state_;
   if (!s.scene.reactions) return {};
-  if (s.has_recorded) s.hear_recorded();
-  else if (const auto place = s.newest_place()) s.read_reactions(*place, s.reactions.known);
-  else s.reactions.known = s.reactions.heard;
+  s.hear_reactions();
   const double quantum = reaction_quantum(s.fabric);
-  for (std::size_t k = 0; k < s.bodies.order.size(); ++k)
+  for (std::size_t k = 0; k < s.bodies.order.size(); ++k) {
     s.reactions.between[s.bodies.order[k]] = reaction_between(s.reactions.told[k], s.reactions.known[k], quantum);
-  s.reactions.told = s.reactions.known;
+    s.reactions.told[k] = s.reactions.known[k];
+  }
   return s.reactions.between;
+}
+
+std::span<const Reaction> Simulation::take_pulls() {
+  State& s = *state_;
+  if (!s.scene.reactions) return {};
+  s.hear_reactions();
+  const double quantum = reaction_quantum(s.fabric);
+  for (std::size_t g = 0; g < s.reactions.pulls.size(); ++g) {
+    const std::size_t k = s.bodies.order.size() + g;
+    s.reactions.pulls[g] = reaction_between(s.reactions.told[k], s.reactions.known[k], quantum);
+    s.reactions.told[k] = s.reactions.known[k];
+  }
+  return s.reactions.pulls;
 }
 
 // The surface of the pose at hand, outside a frame.
@@ -152,11 +171,11 @@ Result<void> Simulation::State::put(std::span<const gpu::vec4> positions) {
   const auto upload = [&](const Buffer& row, const std::vector<gpu::vec4>& values) {
     return compute::Upload{&solver->buffer(row), std::as_bytes(std::span(values))};
   };
-  if (auto done = write({upload(buffers::positions, wanted), upload(buffers::predicted, iterate), upload(buffers::next_iterate, iterate),
-                         upload(buffers::velocities, *velocities)},
-                        *counted);
-      !done)
-    return done;
+  std::vector<compute::Upload> uploads = {upload(buffers::positions, wanted), upload(buffers::predicted, iterate),
+                                          upload(buffers::next_iterate, iterate), upload(buffers::velocities, *velocities)};
+  const std::vector<gpu::LastPull> none = no_pulls(scene);   // what was pulled is elsewhere now
+  if (solver->has(buffers::last_pulls)) uploads.push_back({&solver->buffer(buffers::last_pulls), std::as_bytes(std::span(none))});
+  if (auto done = write(std::move(uploads), *counted); !done) return done;
   for (gpu::Anchor& anchor : kinematic.targets) {
     if (anchor.particle == WEFT_NONE) continue;
     anchor.particle &= ~(WEFT_STAYS | WEFT_FROM_HERE);

@@ -124,12 +124,12 @@ struct RecordedFrames {
   std::size_t next = 0;                        // the place of the next frame, if it is free
 };
 
-/// What colliders were given, in the order of Bodies::order; with reactions. All have their size from the start, so that a frame that is
+/// What colliders were given, in the order of Bodies::order, and then grabs; with reactions. All have their size from the start, so that a frame that is
 /// heard of asks for no memory.
 struct ReactionSums {
   std::vector<gpu::Reaction> heard;            // of the frame that Report is of
   std::vector<gpu::Reaction> known, told;      // as far as known; as the host was told
-  std::vector<Reaction> between;               // of each collider of the scene, as they were told
+  std::vector<Reaction> between, pulls;        // of each collider of the scene, and of each grab, as they were told
 };
 
 /// Frames that Weft submits. Frame n is done when `ready` has reached n; `submitted` is the last n, `heard` the last that the host has
@@ -240,6 +240,7 @@ struct Simulation::State {
   /// The place of the last frame that is done, while others are under way; none: the report of it has been heard.
   std::optional<std::size_t> newest_place() const;
   void read_reactions(std::size_t place, std::vector<gpu::Reaction>& into) const;
+  void hear_reactions();
   void hear(std::uint64_t frame);
   Result<void> wait_for_slot();
   Result<void> draw_surface();

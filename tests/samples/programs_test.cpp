@@ -70,6 +70,24 @@ TEST_F(Programs, hammock_swings_a_ball_which_comes_to_rest_and_weighs_on_it_what
   EXPECT_LT(height, -0.2) << said();
 }
 
+// The bar walks 2 m in 4 s: the box is pulled along against the friction of the floor, and ends where the sheet lets it.
+TEST_F(Programs, tow_pulls_a_box_by_a_sheet_against_friction) {
+  ASSERT_EQ(run("tow 6"), 0) << said();
+  std::istringstream lines(said());
+  std::string line;
+  double second = 0, place = 0, speed = 0, degrees = 0, force = 0, steady = 0;
+  std::getline(lines, line);   // the heading
+  while (std::getline(lines, line) && !line.starts_with("friction")) {
+    std::istringstream(line) >> second >> place >> speed >> degrees >> force;
+    if (second == 3 || second == 4) steady += force / 2;
+  }
+  EXPECT_EQ(second, 6);
+  EXPECT_NEAR(steady, 0.3 * 9.81, 0.1 * 0.3 * 9.81) << said();   // while it slides, in the mean
+  EXPECT_NEAR(place, 2, 0.15) << said();
+  EXPECT_LT(speed, 0.01) << said();
+  EXPECT_LT(std::abs(degrees), 10) << said();
+}
+
 TEST_F(Programs, host_engine_answers_a_wrong_flag_and_a_missing_device_in_a_sentence) {
   EXPECT_EQ(run("host_engine --frames -3"), 2);
   EXPECT_NE(said().find("--frames"), std::string::npos) << said();

@@ -200,6 +200,7 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(calls.has(Id::skin), {&b::skin_points, &b::skin_joints});
     expect(calls.has(Id::motion_constraint), {&b::motion_targets, &b::motion_limits});
     expect(calls.has(Id::grab), {&b::grabs});
+    expect(calls.has(Id::grab) && calls.has(Id::reaction), {&b::last_pulls});
     expect(calls.has(Id::inertia), {&b::frame_changes});
     expect(calls.has(Id::render_mesh), {&b::carried});
     expect(calls.has(Id::untangle), {&b::tangled_pairs, &b::crossed_triangles, &b::regions, &b::region_sizes});

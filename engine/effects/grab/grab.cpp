@@ -5,7 +5,7 @@
 namespace weft::effects {
 namespace {
 
-constexpr const Buffer* kBuffers[] = {&buffers::grabs};
+constexpr const Buffer* kBuffers[] = {&buffers::grabs, &buffers::last_pulls};
 
 constexpr Pass kPasses[] = {{.name = "grab", .stage = Stage::force, .threads = threads::once, .changes = Changes::velocity}};
 

@@ -1,4 +1,4 @@
-// Reactions: the impulses of cloth on colliders. Sums of integers, so that they do not depend on the order of threads, and never emptied:
+// Reactions: the impulses of cloth on colliders, and on hands. Sums of integers, so that they do not depend on the order of threads, and never emptied:
 // what happened between two frames is the difference of their sums, whichever frames in between the host has heard of.
 #pragma once
 
@@ -17,10 +17,10 @@ Reaction reaction_between(const gpu::Reaction& from, const gpu::Reaction& to, do
 
 namespace buffers {
 
-/// Of each collider of the buffer `colliders`, since the start.
-inline constexpr Buffer reactions = buffer<gpu::Reaction>(
-    "reactions", Lifetime::persistent,
-    [](const Cooked& s) { return std::uint64_t(s.scene.colliders.size() - s.fabric.collider_meshes.size()); });
+/// Of each collider of the buffer `colliders`, and then of each grab, since the start.
+inline constexpr Buffer reactions = buffer<gpu::Reaction>("reactions", Lifetime::persistent, [](const Cooked& s) {
+  return std::uint64_t(s.scene.colliders.size() - s.fabric.collider_meshes.size() + s.scene.grabs);
+});
 
 }  // namespace buffers
 }  // namespace weft
