@@ -63,7 +63,7 @@ enum class Corner { low_low, high_low, low_high, high_high };  // of a mesh's bo
 /// values count as they stand in the file, 0 ... 1. Without a channel: the first. Empty: 1 everywhere.
 struct Maps {
   std::string mass;             // of Fabric::area_density, or Springs::mass; never 0 all around a vertex
-  std::string stretch;          // of Fabric::stretch and shear: along each link, the mean of its ends; not with `springs`
+  std::string stretch;          // of Fabric::stretch and shear: along a link, as of two springs in series; not with `springs`
   std::string bend;             // of Fabric::bend; not with `springs`
   std::string friction;         // of Fabric::friction
   std::string thickness;        // of Fabric::thickness

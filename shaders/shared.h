@@ -287,7 +287,7 @@ struct Carried {
   vec3 offset;        // m, in the axes of its place
   vec3 normal;        // unit, in these
 };
-#define WEFT_PHONG_CURVE 0.75f   // how much of the curve its normals describe a triangle has (Boubekeur and Alexa 2008)
+#define WEFT_PHONG_CURVE 0.5f    // of the way to its corners' tangent planes: the middle of a chord is then on its arc, to the second order
 
 /// A joint's map from the rest pose to the frame's start and end: three rows of an affine matrix each.
 struct Joint {

@@ -113,7 +113,7 @@ Ends links_of(const Level& level, const cooking::Stiffness& stiffness, std::size
   for (std::size_t l = 0; l < k.size(); ++l) {
     const auto& [a, b, rest, along] = level.coarse.links[l];
     // No area, no cloth.
-    const double stiff = part * k[l] * cooking::factor(level.factors, a, b);
+    const double stiff = part * k[l] * cooking::in_series(level.factors, a, b);
     const double compliance = stiff > 0 ? std::min(1 / stiff, cooking::kSoftest) : cooking::kSoftest;
     for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
       ends.of_node[from].push_back(

@@ -42,7 +42,7 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   const auto springs = cooking::springs(input.mesh, {input.cloth.fabric.stretch, input.cloth.fabric.shear}, !state.has_levels);
   for (const cooking::Spring& s : springs) {
     // What the GPU will read, so that strain and reference see the same link.
-    const double compliance = s.compliance > 0 ? s.compliance / cooking::factor(input.factors.stretch, s.a, s.b) : 0;
+    const double compliance = s.compliance > 0 ? s.compliance / cooking::in_series(input.factors.stretch, s.a, s.b) : 0;
     const gpu::uvec2 packed =
         gpu::pack_link({0, static_cast<float>(s.rest), static_cast<float>(std::min(compliance, cooking::kSoftest)), s.only_pulls});
     const gpu::Link link = gpu::unpack_link(packed.x, packed.y);

@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 Scene carried(const Inertia& inertia) {
   Scene scene = sheet(12);
   scene.cloths[0].grid->upright = true;
-  scene.cloths[0].fabric.damping = 1;
+  scene.cloths[0].fabric.damping = 0;   // it is the world's
   scene.cloths[0].skin.emplace();
   scene.cloths[0].anchors.emplace_back().top = 0.001;
   scene.cloths[0].inertia = inertia;
@@ -162,7 +162,7 @@ TEST_F(InertiaCase, a_teleport_leaves_no_trace) {
     const auto goes = must(Simulation::create(device(), scene)), stays = must(Simulation::create(device(), scene));
     const Eigen::Affine3d jump = Eigen::Translation3d(3, 0.5, -2) * Eigen::Affine3d(Eigen::AngleAxisd(2, Vector3d::UnitY()));
     for (Simulation* simulation : {goes.get(), stays.get()}) must(simulation->move_frame(0, frame_at(wild(0))));
-    for (int k = 1; k <= 30; ++k) {
+    for (int k = 1; k <= 21; ++k) {
       const Eigen::Affine3d map = wild(k / 60.0);
       drive(*stays, device(), Way::advance, map);
       drive(*goes, device(), Way::advance, k > 20 ? jump * map : map);
@@ -171,7 +171,7 @@ TEST_F(InertiaCase, a_teleport_leaves_no_trace) {
     const auto a = must(goes->read_positions()), b = must(stays->read_positions());
     const ClothRange &own = goes->fabric().cloths[0], &other = goes->fabric().cloths[1];
     for (std::uint32_t i = own.first_particle; i < own.first_particle + own.particles; ++i)
-      EXPECT_LT((jump.inverse() * Vector3d(a[i].x, a[i].y, a[i].z) - Vector3d(b[i].x, b[i].y, b[i].z)).norm(), 5e-3) << i;
+      EXPECT_LT((jump.inverse() * Vector3d(a[i].x, a[i].y, a[i].z) - Vector3d(b[i].x, b[i].y, b[i].z)).norm(), 2e-4) << i;   // rounding, which cloth that is shaken spreads
     for (std::uint32_t i = other.first_particle; i < other.first_particle + other.particles; ++i)
       EXPECT_LT(std::hypot(a[i].x - b[i].x, a[i].y - b[i].y, a[i].z - b[i].z), 1e-4f);
   }
