@@ -77,6 +77,7 @@ struct Snapshot {
   std::array<double, 3> wind_travelled{};   // m: its way since the start
   std::vector<SkinState> skins;
   std::vector<MotionLimitsState> motion_limits;   // of each cloth
+  std::vector<float> gas_amounts;   // of each cloth, as multiples of the scene's
   std::uint32_t phase = 0;       // substeps modulo 3, as the solver counts them
   std::uint32_t capacity = 0;    // of candidate pairs; 0 without contacts
   std::vector<AnchorTargetState> anchors;

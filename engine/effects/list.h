@@ -23,6 +23,7 @@
   EFFECT(motion) \
   EFFECT(grab) \
   EFFECT(air) \
+  EFFECT(pressure) \
   EFFECT(contact) \
   EFFECT(untangle) \
   EFFECT(skin) \

@@ -155,6 +155,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   state->skins.is_host_driven.resize(state->skinned_meshes().size());
   state->skins.joints.reserve(state->skins.pose.size());   // a frame that has begun to move them needs no memory
   state->skins.limits = motion_limits_of(scene);
+  state->gas_amounts.resize(scene.cloths.size(), 1);
   state->grabs.corners.resize(3 * scene.grabs, gpu::Grab{WEFT_NONE, 0, 0, 0, 0, {}, {}});
   state->grabs.held.resize(scene.grabs);
   if (scene.pins > 0) (void)state->own_digest();   // of the cloth as it is described, whoever is held later

@@ -18,7 +18,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
 
 constexpr std::string_view kMagic = "WEFTSNAP";
-constexpr std::uint32_t kVersion = 13;
+constexpr std::uint32_t kVersion = 14;
 constexpr std::size_t kHead = kMagic.size() + sizeof kVersion + sizeof(std::uint64_t);
 constexpr std::size_t kEnd = sizeof(std::uint64_t);
 constexpr std::uint64_t kLongest = std::uint64_t(1) << 32;   // of a file: more than the most particles and candidates take
@@ -82,7 +82,7 @@ template <class Walk, Is<Snapshot> T>
 void fields(Walk& walk, T& s) {
   walk(s.digest), walk(s.substeps), walk(s.left_over), walk(s.gravity);
   walk(s.wind), walk(s.air_fields), walk(s.wind_travelled[0]), walk(s.wind_travelled[1]), walk(s.wind_travelled[2]);
-  walk(s.skins), walk(s.motion_limits);
+  walk(s.skins), walk(s.motion_limits), walk(s.gas_amounts);
   walk(s.phase), walk(s.capacity);
   walk(s.anchors), walk(s.grabs), walk(s.colliders), walk(s.contents), walk(s.note);
 }

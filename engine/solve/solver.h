@@ -44,6 +44,7 @@ struct FrameInput {
   std::span<const gpu::Joint> joints;         // of all skins
   std::span<const gpu::MotionLimits> motion_limits;   // of all cloths
   std::span<const gpu::Grab> grabs;
+  std::span<const float> gas_amounts;         // of all cloths
   std::span<const Edit> edits;
 };
 
