@@ -47,7 +47,8 @@ TEST_F(PressureCase, a_free_balloon_keeps_its_momentum_and_its_spin) {
       const Motion before = motion_of(*simulation);
       run(*simulation, 1);
       const Motion after = motion_of(*simulation);
-      EXPECT_LT((after.momentum - before.momentum).norm(), 2e-4 * before.momentum.norm());
+      // Far off the cloth is up to 8 m from the particles' origin: places are as coarse, with gas or without.
+      EXPECT_LT((after.momentum - before.momentum).norm(), (place == 0 ? 2e-4 : 2e-3) * before.momentum.norm());
       EXPECT_LT((after.spin - before.spin).norm(), 0.02 * before.spin.norm());
     }
 }

@@ -54,7 +54,7 @@ std::vector<reference::Vector> given(SinglePass& passes, const Subject& s, const
   for (std::size_t i = 0; i < after.size(); ++i) {
     change.push_back(vector(after[i]) - vector(before[i]));
     if (change.back().norm() == 0) continue;
-    const auto predicted = vector(s.fabric.positions[i]) + s.fabric.h * vector(after[i]);
+    const reference::Vector predicted = vector(s.fabric.positions[i]) + s.fabric.h * vector(after[i]);
     EXPECT_LT((vector(iterate[i]) - predicted).norm(), 4 * kRounding * (predicted.norm() + vector(s.fabric.positions[i]).norm())) << i;
   }
   return change;

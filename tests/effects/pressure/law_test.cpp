@@ -49,7 +49,8 @@ TEST_F(PressureLaw, tension_balances_the_pressure_that_the_volume_has) {
       run(*simulation, 4);
       const double v = volume_of(*simulation), measured = virial_of_springs(*simulation) / (3 * v);
       EXPECT_GT(v, rest) << "it has given way";
-      EXPECT_NEAR(measured, gauge(gas, rest, v), 0.01 * measured) << "volume " << v / rest << " of that at rest";
+      // A volume in single precision is as good as its last digit, of which a stiff gas makes more.
+      EXPECT_NEAR(measured, gauge(gas, rest, v), 0.01 * measured + 0x1p-22 * gas.ambient) << "volume " << v / rest << " of that at rest";
       RecordProperty("volume", std::to_string(v / rest));
     }
 }
@@ -66,7 +67,7 @@ TEST_F(PressureLaw, a_press_finds_the_pressure_that_the_volume_has) {
   scene.colliders = {plane(0, 0), lid};
   const auto simulation = must(Simulation::create(device(), scene, std::vector{ball(0.2, 3, {0, 0.21f, 0})}));
   const double rest = volume_of(*simulation);
-  double before = rest;
+  double before = INFINITY;
   for (const double height : {0.33, 0.24}) {
     run(*simulation, height > 0.3 ? 4.5 : 4);
     simulation->take_reactions();
