@@ -5,6 +5,8 @@
     tablecloth.glb   one square sheet, 2 m x 2 m, 65 x 65 places, 32-bit indices; flat, on y = 0
     pleats.glb       a skirt of 24 pleats, 0.55 m long, sewn along a UV seam; its waist up, its hem on y = 0
     table.glb        a table, 0.9 m x 0.9 m, 0.72 m high, on y = 0: one closed surface with hard edges
+    balloon.glb      a closed ball, 0.5 m across, of a cube's six sides with 16 x 16 cells each; its middle at the origin
+    cushion.glb      two square sheets, 0.5 m x 0.5 m, 33 x 33 places, sewn together all around and 2 cm apart in the middle; upright
     table_linen.glb  two panels, 1.5 m x 1.5 m, 61 x 61 places, sewn along a UV seam; flat, on y = 0
     quilt.glb        a padded quilt, 1.2 m x 1.2 m, closed, 2 x 97 x 97 places; flat, its middle on y = 0
     body.glb, skirt.glb, cape.glb
@@ -252,6 +254,54 @@ def table():
     return glb("table", positions, normals, uvs, triangles, wide_indices=False)
 
 
+def balloon():
+    cells, radius = 16, 0.25
+    positions, normals, uvs, triangles = [], [], [], []
+    for axis in range(3):
+        for end in (-1.0, 1.0):
+            first = len(positions)
+            for j in range(cells + 1):
+                for i in range(cells + 1):
+                    # Even in the angle, so that cells near a cube's corner are not much smaller than others.
+                    across = [math.tan(math.pi / 4 * (2 * k / cells - 1)) for k in ((i, j) if end > 0 else (j, i))]
+                    place = [0.0, 0.0, 0.0]
+                    place[axis], place[(axis + 1) % 3], place[(axis + 2) % 3] = end, across[0], across[1]
+                    length = math.hypot(*place)
+                    normals.append(tuple(x / length for x in place))
+                    positions.append(tuple(radius * x / length for x in place))
+                    uvs.append((math.pi / 2 * radius * i / cells, math.pi / 2 * radius * j / cells))
+            # A cell's corner (i, j) is followed along i and then along j by the right hand, seen from outside.
+            def cell(a, b, c, d, i, j):
+                return [(a, b, d), (a, d, c)] if (i < cells // 2) == (j < cells // 2) else [(a, b, c), (b, d, c)]
+            for j in range(cells):
+                for i in range(cells):
+                    a = first + j * (cells + 1) + i
+                    triangles += cell(a, a + 1, a + cells + 1, a + cells + 2, i, j)
+    return glb("balloon", positions, normals, uvs, triangles, wide_indices=False)
+
+
+def cushion():
+    cells, size, bulge = 32, 0.5, 0.01
+    positions, normals, uvs, triangles = [], [], [], []
+    for side in (1, -1):
+        first = len(positions)
+        for j in range(cells + 1):
+            for i in range(cells + 1):
+                u, v = i / cells, j / cells
+                height = bulge * math.sin(math.pi * u) * math.sin(math.pi * v)
+                positions.append((size * (u - 0.5), size * (v - 0.5), side * height))
+                normals.append((0.0, 0.0, float(side)))
+                uvs.append((size * u, size * (1 - v)))
+        for j in range(cells):
+            for i in range(cells):
+                a = first + j * (cells + 1) + i
+                b, c, d = a + 1, a + cells + 1, a + cells + 2
+                # Diagonals towards the nearer corner, in which no triangle then has both of its sides sewn.
+                cut = [(a, b, d), (a, d, c)] if (i < cells // 2) == (j < cells // 2) else [(a, b, c), (b, d, c)]
+                triangles += cut if side > 0 else [(x, z, y) for x, y, z in cut]
+    return glb("cushion", positions, normals, uvs, triangles, wide_indices=False)
+
+
 # ---- Fabric: a height field of yarns, and four maps taken from it
 
 def periodic_noise(rng, count, step):
@@ -459,6 +509,8 @@ def main():
         save(folder / "quilt.glb", quilt())
         save(folder / "table.glb", table())
         save(folder / "table_linen.glb", table_linen())
+        save(folder / "balloon.glb", balloon())
+        save(folder / "cushion.glb", cushion())
         for part in (character.body, character.skirt, character.cape):
             save(folder / f"{part.__name__}.glb", on_skeleton(part.__name__, part()))
         save(folder / "banner.png", banner())

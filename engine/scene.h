@@ -159,6 +159,15 @@ struct Inertia {
   bool operator==(const Inertia&) const = default;
 };
 
+/// A gas in a closed cloth: an ideal one whose temperature stays as it is, so that (Boyle 1662), with p its absolute pressure and V the cloth's
+/// volume, p V = (ambient + rest_pressure) volume. The cloth gets p - ambient.
+struct Gas {
+  double rest_pressure = 1000;  // Pa above the ambient, 0 ... 1e7: of the gas where it has its `volume`
+  double ambient = 101325;      // Pa, 0 ... 1e7: of the air outside. The larger, the less the volume gives way
+  std::optional<double> volume = {};   // m^3, > 0; none: the mesh's at rest
+  bool operator==(const Gas&) const = default;
+};
+
 /// About which shape a cloth bends: flat, whatever its mesh is, or the mesh's own, with its folds and curves.
 enum class BendRest { flat, mesh };
 
@@ -183,6 +192,7 @@ struct Cloth {
   std::optional<Skinning> skin;
   std::optional<Inertia> inertia;
   std::optional<MotionConstraints> motion_constraints;   // to the rest pose, where nothing moves the skin
+  std::optional<Gas> pressure;  // closed meshes only
   Appearance appearance;
 };
 

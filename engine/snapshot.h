@@ -88,6 +88,7 @@ struct Snapshot {
   std::vector<SkinState> skins;
   std::vector<MotionLimitsState> motion_limits;   // of each cloth
   std::vector<FrameState> frames;   // of each cloth, where any has one
+  std::vector<float> gas_amounts;   // of each cloth, as multiples of the scene's
   std::uint32_t phase = 0;       // substeps modulo 3, as the solver counts them
   std::uint32_t capacity = 0;    // of candidate pairs; 0 without contacts
   std::vector<AnchorTargetState> anchors;

@@ -232,6 +232,39 @@ struct FreeCloth {
   vec3 drift;              // m/s
 };
 
+#define WEFT_GAS_PART 256u     // particles of a part, at least
+#define WEFT_GAS_PARTS 1024u   // of all gases, besides the last of each, at most
+/// The gas in a closed cloth (pressure.glsl).
+struct Gas {
+  uint first_part, parts;   // of its cloth
+  uint cloth;
+  uint particle;            // the cloth's first: places are relative to it
+  float volume;             // m^3, > 0: where the scene's amount of it has `pressure`
+  float pressure;           // Pa, absolute
+  float ambient;            // Pa, outside
+  float most;               // m: moves no particle further in a substep
+};
+/// Particles of a cloth with a gas, which one workgroup goes through.
+struct GasPart {
+  uint gas;
+  uint first;               // of gas_rows
+  uint particle;            // that this is of; the others follow
+  uint count;
+};
+/// What a gas found and did in the last substep.
+struct GasState {
+  float left;               // m^3: the volume that it left to the constraints, as far as its gradient tells
+  float gained;             // m^3: by how much it had changed it
+};
+/// Sums over a part.
+struct GasSum {
+  float volume;             // m^3, where the substep begins
+  float predicted;          // m^3, where it would end
+  float mobility;           // m^4/kg: of w |grad V|^2
+  float longest;            // m^2/kg: the most of w |grad V|
+  GasState before;          // the gas's, for the next pass, which changes it
+};
+
 #define WEFT_AIR_EDDIES 16u
 #define WEFT_AIR_GUSTS 8u
 #define WEFT_AIR_WAVES 24u   // both
@@ -453,7 +486,9 @@ SLICE(Air, air)
 
 static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28);
 static_assert(sizeof(Grab) == 44 && sizeof(Collider) == 96);
-static_assert(sizeof(SkinPoint) == 76 && sizeof(Carried) == 48 && sizeof(FrameChange) == 96 && sizeof(Joint) == 96 && sizeof(MotionLimits) == 8 && sizeof(Reaction) == 48);
+static_assert(sizeof(SkinPoint) == 76 && sizeof(Joint) == 96 && sizeof(MotionLimits) == 8 && sizeof(Reaction) == 48);
+static_assert(sizeof(Carried) == 48 && sizeof(FrameChange) == 96);
+static_assert(sizeof(Gas) == 32 && sizeof(GasPart) == 16 && sizeof(GasState) == 8 && sizeof(GasSum) == 24);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 40);
 static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 316 && sizeof(Acceleration) == 48);
 static_assert(std::is_trivially_copyable_v<Push>);

@@ -15,6 +15,7 @@
 #include "engine/effects/level/level.h"
 #include "engine/effects/motion/motion.h"
 #include "engine/effects/motion_constraint/motion_constraint.h"
+#include "engine/effects/pressure/pressure.h"
 #include "engine/effects/skin/skin.h"
 #include "engine/effects/reaction/reaction.h"
 #include "engine/effects/render_mesh/render_mesh.h"

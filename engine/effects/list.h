@@ -24,6 +24,7 @@
   EFFECT(motion) \
   EFFECT(grab) \
   EFFECT(air) \
+  EFFECT(pressure) \
   EFFECT(contact) \
   EFFECT(untangle) \
   EFFECT(skin) \

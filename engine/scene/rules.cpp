@@ -56,6 +56,8 @@ void check(const Read& read, const Cloth& cloth) {
   if (grid && mesh) read.faults.add(read.path, "has both a grid and a mesh: give one of them");
   // A program may give the mesh itself; make_meshes asks for one of them.
   if (!grid && !mesh && read.json != nullptr) read.faults.add(read.path, "has neither a grid nor a mesh: give one of them");
+  if (cloth.pressure && grid)
+    read.faults.add(read.path + ".pressure", "a grid is open and holds no gas: give the cloth a closed mesh");
   if (cloth.bending && cloth.fabric.bend == 0)
     read.faults.add(read.path + ".fabric.bend", "0 is not above 0 (N m); for a cloth that does not resist bending say \"bending\": false");
   if (!cloth.bending && cloth.bend_rest == BendRest::mesh)

@@ -152,6 +152,7 @@ void Simulation::State::move_scene(double seconds, FrameInput& input) {
   kinematic.are_dirty = input.anchors_move;
   input.anchors = kinematic.targets;
   input.grabs = grabs.corners;
+  input.gas_amounts = gas_amounts;
   input.colliders = bodies.colliders;
 }
 

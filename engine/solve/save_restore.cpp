@@ -124,6 +124,7 @@ Result<Snapshot> Simulation::save() const try {
   }
   for (const gpu::MotionLimits& limits : s.skins.limits) snapshot.motion_limits.push_back({limits.scale, limits.stiffness});
   snapshot.frames = s.saved_frames();
+  snapshot.gas_amounts = s.gas_amounts;
   snapshot.phase = s.solver->phase();
   snapshot.capacity = s.solver->contact_settings().capacity;
   for (std::uint32_t k = 0; k < s.kinematic.is_host_driven.size(); ++k)
@@ -191,6 +192,7 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
     if (!std::isfinite(way)) return unfit("its wind has travelled ", way, " m");
   if (auto good = check_skins(snapshot); !good) return unfit(good.why());
   if (auto good = check_frames(snapshot); !good) return unfit(good.why());
+  if (auto good = check_gases(snapshot); !good) return unfit(good.why());
   if (snapshot.phase > 2) return unfit("its phase of ", snapshot.phase, " is above 2");
   if (const std::uint64_t most = std::max<std::uint64_t>(most_candidates(fabric), solver->contact_settings().capacity);
       snapshot.capacity > most)
@@ -312,6 +314,7 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
   moving_air.travelled = snapshot.wind_travelled;
   skins = std::move(skinned);
   put_frames_back(snapshot);
+  std::ranges::copy(snapshot.gas_amounts, gas_amounts.begin());
   kinematic.is_host_driven.assign(kinematic.is_host_driven.size(), false);
   kinematic.pending.assign(kinematic.pending.size(), std::nullopt);
   for (const Snapshot::AnchorTargetState& state : snapshot.anchors) {

@@ -167,6 +167,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
       if (const auto& joints = std::as_const(state->fabric.own).of<InertiaLists>().joints; joints[k] != kNone)
         state->frames.at[k] = state->frame_of_joint(k, state->skins.pose);
   }
+  state->gas_amounts.resize(scene.cloths.size(), 1);
   state->grabs.corners.resize(3 * scene.grabs, gpu::Grab{WEFT_NONE, 0, 0, 0, 0, {}, {}});
   state->grabs.held.resize(scene.grabs);
   if (scene.pins > 0) (void)state->own_digest();   // of the cloth as it is described, whoever is held later

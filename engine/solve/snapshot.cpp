@@ -94,7 +94,7 @@ template <class Walk, Is<Snapshot> T>
 void fields(Walk& walk, T& s) {
   walk(s.digest), walk(s.substeps), walk(s.left_over), walk(s.gravity);
   walk(s.wind), walk(s.air_fields), walk(s.wind_travelled[0]), walk(s.wind_travelled[1]), walk(s.wind_travelled[2]);
-  walk(s.skins), walk(s.motion_limits), walk(s.frames);
+  walk(s.skins), walk(s.motion_limits), walk(s.frames), walk(s.gas_amounts);
   walk(s.phase), walk(s.capacity);
   walk(s.anchors), walk(s.grabs), walk(s.colliders), walk(s.contents), walk(s.note);
 }

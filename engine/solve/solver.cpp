@@ -11,6 +11,7 @@
 #include "engine/effects/inertia/inertia.h"
 #include "engine/effects/motion/motion.h"
 #include "engine/effects/motion_constraint/motion_constraint.h"
+#include "engine/effects/pressure/pressure.h"
 #include "engine/effects/skin/skin.h"
 #include "engine/solve/sizes.h"
 
@@ -363,6 +364,7 @@ void Solver::record_input(compute::Recorder& recorder, const FrameInput& input) 
   if (has(buffers::skin_joints)) copy(buffer(buffers::skin_joints), std::as_bytes(input.joints));
   if (has(buffers::frame_changes)) copy(buffer(buffers::frame_changes), std::as_bytes(input.frame_changes));
   if (has(buffers::motion_limits)) copy(buffer(buffers::motion_limits), std::as_bytes(input.motion_limits));
+  if (has(buffers::gas_amounts)) copy(buffer(buffers::gas_amounts), std::as_bytes(input.gas_amounts));
   recorder.barrier(compute::Use::transfer, compute::Use::compute);
 }
 

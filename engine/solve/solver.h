@@ -46,6 +46,7 @@ struct FrameInput {
   std::span<const gpu::MotionLimits> motion_limits;   // of all cloths
   std::span<const gpu::Grab> grabs;
   std::span<const gpu::FrameChange> frame_changes;    // of all cloths
+  std::span<const float> gas_amounts;         // of all cloths
   std::span<const Edit> edits;
 };
 

@@ -166,6 +166,7 @@ struct Simulation::State {
   Bodies bodies;
   Skins skins;
   Frames frames;
+  std::vector<float> gas_amounts;   // of each cloth, as multiples of the scene's
   Rollback rollback;
   ContactCapacity capacity;
   FrameQueue queue;
@@ -200,6 +201,7 @@ struct Simulation::State {
   void move_collider_meshes();
   std::span<const SkinnedMesh> skinned_meshes() const { return fabric.own.of<SkinLists>().meshes; }
   Result<void> check_skins(const Snapshot& snapshot) const;
+  Result<void> check_gases(const Snapshot& snapshot) const;
   Skins skins_of(const Snapshot& snapshot) const;
   std::vector<Affine> next_pose() const;
   std::vector<Vec3> body_shape(const ColliderMesh& mesh) const;

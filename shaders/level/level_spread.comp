@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 
+GATHER(positions)
 GATHER_WRITE(predicted)
 #include "level/spread.glsl"
 

@@ -1,9 +1,8 @@
 // How far a particle goes with the nodes of the finest level, by its shares in them; one that a hand makes heavier goes less far, as far as the
-// same impulse takes it. Needs predicted.
+// same impulse takes it. Needs predicted and positions.
 
 GATHER_UINT4(level_shares)
 GATHER(level_steps)
-GATHER(positions)
 
 float lightness(uint i) {
   const float inverse_mass = FETCH(positions, i).w;

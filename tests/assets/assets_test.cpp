@@ -76,6 +76,19 @@ TEST(Assets, the_table_is_one_closed_surface_with_hard_edges) {
   EXPECT_GT(mesh->render.positions.size(), mesh->points.size());
 }
 
+TEST(Assets, the_balloon_and_the_cushion_are_closed_and_face_outwards) {
+  for (const auto& [name, low, high] : {std::tuple("balloon", 0.065, 0.06545), std::tuple("cushion", 0.002, 0.00204)}) {
+    const Result<Mesh> mesh = load_mesh(kAssets / "generated" / (std::string(name) + ".glb"));
+    ASSERT_TRUE(mesh) << mesh.error();
+    EXPECT_TRUE(mesh->mended.empty());
+    for (const WingedEdge& edge : mesh->edges) EXPECT_TRUE(edge.triangle[0] != kNone && edge.triangle[1] != kNone);
+    EXPECT_EQ(mesh->points.size() + mesh->triangles.size(), mesh->edges.size() + 2) << "Euler: a sphere";
+    double volume = 0;
+    for (const auto& [a, b, c] : mesh->triangles) volume += dot(mesh->points[a], cross(mesh->points[b], mesh->points[c])) / 6;
+    EXPECT_TRUE(volume > low && volume < high) << name << ": " << volume << " m^3";
+  }
+}
+
 TEST(Assets, the_table_linen_is_sewn_along_its_seam) {
   const Result<Mesh> mesh = load_mesh(kAssets / "generated/table_linen.glb");
   ASSERT_TRUE(mesh) << mesh.error();

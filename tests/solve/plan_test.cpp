@@ -197,6 +197,8 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
             &b::contact_counts, &b::contact_sums, &b::contact_penetrations, &b::slides, &b::kinematic_lags, &b::step_fractions, &b::contact_list,
             &b::touched_particles});
     expect(calls.has(Id::air), {&b::air_rows, &b::air_fans});
+    expect(calls.has(Id::pressure),
+           {&b::gases, &b::gas_parts, &b::gas_rows, &b::gas_rings, &b::gas_amounts, &b::gas_states, &b::gas_gradients, &b::gas_sums});
     expect(calls.has(Id::skin), {&b::skin_points, &b::skin_joints});
     expect(calls.has(Id::motion_constraint), {&b::motion_targets, &b::motion_limits});
     expect(calls.has(Id::grab), {&b::grabs});

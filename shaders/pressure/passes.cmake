@@ -1,0 +1,1 @@
+weft_passes(pressure_volume pressure)
