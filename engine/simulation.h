@@ -257,6 +257,8 @@ class Simulation {
   /// Poses of the scene's colliders at the last frame's end (world space), in the scene's order; valid until colliders() is
   /// called again.
   std::span<const ColliderPose> colliders() const;
+  /// Their sizes at the last frame's end, in the scene's order; valid until the next frame.
+  std::span<const ColliderSize> collider_sizes() const;
 
   /// What cloth has done to each of the scene's colliders, in the scene's order, since the last call, or since create or restore: in
   /// frames that are done. It does not wait: after advance the frame is among them; after submit and record some of the last may not be,

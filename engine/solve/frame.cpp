@@ -135,22 +135,26 @@ void Simulation::State::move_scene(FrameInput& input) {
   move_grabs();
   for (const gpu::Anchor& anchor : kinematic.targets) input.anchors_move |= !same(anchor.from, anchor.to);
   bodies.colliders.clear();
+  bodies.from_sizes.clear();
   for (const std::uint32_t k : bodies.order) {
     const Collider& described = scene.colliders[k];
     const ColliderPose from = bodies.poses[k];
     const Vec3 spin = move_collider_on(k);
     const ColliderPose& to = bodies.poses[k];
-    const Vec3 half_size =
-        described.shape == ColliderShape::box ? 0.5f * described.size : Vec3{0, static_cast<float>(0.5 * described.length), 0};
+    bodies.from_sizes.push_back(body_size(described.shape, bodies.sizes[k]));
+    if (std::optional<ColliderSize>& pending = bodies.pending_sizes[k]) bodies.sizes[k] = *pending;
+    bodies.pending_sizes[k].reset();
+    const gpu::BodySize size = body_size(described.shape, bodies.sizes[k]);
     const Rotation& start = from.rotation;
-    bodies.colliders.push_back({static_cast<float>(described.radius), static_cast<float>(described.friction), gpu_vector(from.centre),
-                                gpu_vector(to.centre), gpu_vector(from.normal), gpu_vector(to.normal), gpu_vector(spin),
-                                {start.x, start.y, start.z, start.w}, gpu_vector(half_size)});
+    bodies.colliders.push_back({size.radius, static_cast<float>(described.friction), gpu_vector(from.centre), gpu_vector(to.centre),
+                                gpu_vector(from.normal), gpu_vector(to.normal), gpu_vector(spin), {start.x, start.y, start.z, start.w},
+                                size.half_size});
   }
   kinematic.are_dirty = input.anchors_move;
   input.anchors = kinematic.targets;
   input.grabs = grabs.corners;
   input.colliders = bodies.colliders;
+  input.body_sizes = bodies.from_sizes;
 }
 
 // Reports at `place` of `readback`.

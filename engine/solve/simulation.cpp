@@ -161,16 +161,19 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   const std::size_t colliders = scene.colliders.size();
   state->bodies.pending.resize(colliders);
   state->bodies.is_host_driven.resize(colliders);
+  state->bodies.pending_sizes.resize(colliders);
   for (const Collider& collider : scene.colliders) {
     const Key key = pose_at(collider.keys, 0);
     state->bodies.poses.push_back(keyed_pose(collider, key));
     state->bodies.keys.push_back(key);
+    state->bodies.sizes.push_back(size_of(collider));
   }
   for (std::uint32_t k = 0; k < colliders; ++k)
     if (scene.colliders[k].shape != ColliderShape::mesh) state->bodies.order.push_back(k);
   std::stable_sort(state->bodies.order.begin(), state->bodies.order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return scene.colliders[a].shape < scene.colliders[b].shape; });
   state->bodies.colliders.reserve(state->bodies.order.size());   // a frame that has begun to move them needs no memory
+  state->bodies.from_sizes.reserve(state->bodies.order.size());
   state->bodies.in_world.reserve(colliders);
   if (scene.reactions) {
     state->reactions.between.resize(colliders);
@@ -322,6 +325,7 @@ std::span<const ColliderPose> Simulation::colliders() const {
   for (ColliderPose& pose : state_->bodies.in_world) pose.centre = pose.centre + state_->origin;
   return state_->bodies.in_world;
 }
+std::span<const ColliderSize> Simulation::collider_sizes() const { return state_->bodies.sizes; }
 Vec3 Simulation::origin() const { return state_->origin; }
 const Scene& Simulation::scene() const { return state_->described; }
 const std::vector<Mesh>& Simulation::meshes() const { return state_->meshes; }

@@ -64,15 +64,18 @@ struct Grabs {
   std::vector<gpu::Grab> corners;              // of the frame at hand, three a grab
 };
 
-/// Colliders, an entry each in all lists but the last two.
+/// Colliders, an entry each in all lists but the last three.
 struct Bodies {
   std::vector<ColliderPose> poses;             // at the last frame's end
   std::vector<Key> keys;                       // the keys' last poses
   std::vector<std::optional<ColliderPose>> pending;   // poses that the host has set since the last frame
   std::vector<bool> is_host_driven;
+  std::vector<ColliderSize> sizes;               // at the last frame's end
+  std::vector<std::optional<ColliderSize>> pending_sizes;
   std::vector<ColliderPose> in_world;            // poses in the host's world
   std::vector<std::uint32_t> order;            // by shape, as the GPU wants them; no meshes
   std::vector<gpu::Collider> colliders;        // of the frame at hand, in that order
+  std::vector<gpu::BodySize> from_sizes;       // where it begins
 };
 
 /// Skins: their joints, an entry each, and what the host has said, an entry a skinned mesh (SkinLists::meshes).

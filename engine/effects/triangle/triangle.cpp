@@ -32,7 +32,9 @@ bool may_show_through(const Collider& collider, double edge, double thickness) {
   switch (collider.shape) {
     case ColliderShape::sphere:
     case ColliderShape::capsule: {
-      const double from = collider.radius + thickness, to = (1 - kSag) * collider.radius;
+      if (collider.resizes) return true;   // to whatever size
+      const double radius = collider.shape == ColliderShape::capsule ? std::min(collider.radius, radius_at_end(collider)) : collider.radius;
+      const double from = radius + thickness, to = (1 - kSag) * radius;
       return edge * edge > 3 * (from * from - to * to);
     }
     case ColliderShape::box: return true;
