@@ -192,8 +192,10 @@ vec3 out_of_capsule(Collider collider, Particle v, vec3 p) {
   return out_of_body(r, capsule_distance(collider, r.b), capsule_entry(collider, r.a, r.b - r.a), v, p, s.friction);
 }
 
-vec3 out_of_box(Collider collider, Particle v, vec3 p) {
+// One that grows comes at the particle by all its faces: the particle keeps its place by them, and moves by what it lags behind.
+vec3 out_of_box(Collider collider, vec3 growth, Particle v, vec3 p) {
   const Surface s = surface_at(collider, v);
-  const Relative r = relative_to_body(collider, s, v, p);
+  Relative r = relative_to_body(collider, s, v, p);
+  if (resizes) r.a *= growth;
   return out_of_body(r, box_distance(collider, r.b), box_entry(collider, r.a, r.b - r.a), v, p, s.friction);
 }

@@ -16,7 +16,8 @@ void apply_corrections(uint i) {
   if (has_colliders) {
     const vec4 x = FETCH(positions, i);
     const vec3 start = x.xyz + (triangles_collide > 0 ? ways_out[i].xyz : vec3(0));   // as in finalize.glsl
-    p = out_of_colliders(start, p, FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)), x.w);
+    const uint cloth = floatBitsToUint(FETCH(velocities, i).w);
+    p = out_of_colliders(start, p, FETCH(materials, cloth), cloth, x.w);
   }
   if ((push.flags & WEFT_LAST_ITERATION) != 0) {
     const vec3 end = keep_within_bound(bound_of(i), expected_of(i, detection[0].steps), FETCH(positions, i).xyz, p);

@@ -115,8 +115,8 @@ void main() {
   Inverse inverse = factor_of(sums, mass);
   if (has_colliders) {
     ColliderFilter collider = ColliderFilter(vec4(0), vec3(0));
-    if (free)
-      collider = filter_at(x.xyz, v, FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)), preconditioned(inverse, sums.impulse));
+    const uint cloth = floatBitsToUint(FETCH(velocities, i).w);
+    if (free) collider = filter_at(x.xyz, v, FETCH(materials, cloth), cloth, preconditioned(inverse, sums.impulse));
     collider_filters[2 * i] = collider.directions;
     collider_filters[2 * i + 1] = vec4(collider.change, 0);
     sums = filtered_system(sums, collider.directions, mass);

@@ -65,7 +65,7 @@ void finalize(uint i, vec4 p) {
     if (has_contacts) ways_out[i] = vec4(asked.out_of, 0);   // contact_apply puts the particle out once more
   }
   if (motion_constraints > 0) p.xyz = within_motion_constraint(i, p.xyz);
-  if (has_colliders) p.xyz = out_of_colliders(start, p.xyz, material, x.w);
+  if (has_colliders) p.xyz = out_of_colliders(start, p.xyz, material, floatBitsToUint(v.w), x.w);
   if (is_accelerated) chebyshev_iterates[3 * i + 1] = vec4(p.xyz, 0);
   if (has_contacts && last) {
     const float bound = uintBitsToFloat(bits & ~WEFT_PAIRED);

@@ -8,17 +8,18 @@ struct Body {
   float radius;     // m; 0: a box
   float friction;   // of the pair
   uint number;      // counted from 1, without planes
+  vec3 growth;      // of a box that is resized (collide/size.glsl); of others 1
 };
 
 // Those that triangles collide with: boxes, and round ones where some are too small for the cells of cloth.
 const uint first_body = triangles_collide == 2 ? 0 : spheres + capsules, last_body = spheres + capsules + boxes;
 
 Body body_at(uint k, Particle v) {
-  const Collider collider = colliders[planes + k];
+  const Collider collider = collider_at(planes + k, v.to);
   const Surface s = surface_at(collider, v);
   const bool is_sphere = k < spheres, is_box = k >= spheres + capsules;
   return Body(pose_of(collider, s, v.from, v.to), is_sphere ? vec3(0) : collider.half_size, is_box ? 0 : collider.radius, s.friction,
-              k + 1);
+              k + 1, resizes && is_box ? growth_of(planes + k, v) : vec3(1));
 }
 
 // Of cloth `material`, in this substep.

@@ -65,7 +65,8 @@ void lay_out(cooking::CookState& state) {
   const std::vector<double> edges = longest_edges(fabric);
   for (const Collider& collider : state.scene().colliders)
     for (std::size_t k = 0; k < edges.size(); ++k)
-      if (edges[k] > 0 && may_show_through(collider, edges[k], state.scene().cloths[k].fabric.thickness)) {
+      if (edges[k] > 0 && meet(state.scene().cloths[k], collider) &&
+          may_show_through(collider, edges[k], state.scene().cloths[k].fabric.thickness)) {
         any = true;
         with_round = with_round || collider.shape != ColliderShape::box;
       }
