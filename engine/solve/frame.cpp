@@ -125,11 +125,18 @@ void Simulation::State::move_anchors() {
   }
 }
 
+// Colliders with bones go where joints have them at the frame's end.
+void Simulation::State::move_carried(std::span<const Affine> pose) {
+  for (const auto& [collider, joint] : fabric.own.of<SkinLists>().bones)
+    if (const ColliderPose to = carried_pose(scene.colliders[collider], pose[joint]); !(to == bodies.poses[collider])) bodies.pending[collider] = to;
+}
+
 void Simulation::State::move_scene(FrameInput& input) {
   const std::vector<Affine> pose = next_pose();
   const std::vector<ColliderPose> before = pose.empty() ? std::vector<ColliderPose>() : bodies.poses;
   input.anchors_move = kinematic.are_dirty || scene.pins > 0;   // pins always: the anchor pass tells their velocities
   move_anchors();
+  move_carried(pose);
   move_collider_meshes();
   move_skins(pose, before, input);
   move_grabs();

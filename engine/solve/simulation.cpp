@@ -168,10 +168,9 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
     state->bodies.keys.push_back(key);
     state->bodies.sizes.push_back(size_of(collider));
   }
-  for (std::uint32_t k = 0; k < colliders; ++k)
-    if (scene.colliders[k].shape != ColliderShape::mesh) state->bodies.order.push_back(k);
-  std::stable_sort(state->bodies.order.begin(), state->bodies.order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return scene.colliders[a].shape < scene.colliders[b].shape; });
+  for (const auto& [collider, joint] : std::as_const(state->fabric.own).of<SkinLists>().bones)
+    state->bodies.poses[collider] = carried_pose(scene.colliders[collider], state->skins.pose[joint]);
+  state->bodies.order = colliders_by_shape(scene);
   state->bodies.colliders.reserve(state->bodies.order.size());   // a frame that has begun to move them needs no memory
   state->bodies.from_sizes.reserve(state->bodies.order.size());
   state->bodies.in_world.reserve(colliders);
@@ -243,6 +242,10 @@ Result<void> Simulation::move_colliders(std::uint32_t first, std::span<const Col
   const std::size_t colliders = state_->bodies.poses.size();
   if (first > colliders || poses.size() > colliders - first)
     return fail("colliders ", first, " to ", first + poses.size(), " (exclusive) are beyond the simulation's ", colliders);
+  for (const auto& [collider, joint] : state_->fabric.own.of<SkinLists>().bones)
+    if (collider >= first && collider - first < poses.size())
+      return fail("collider ", collider, " goes with a joint of the cloth \"", state_->scene.colliders[collider].bone->cloth,
+                  "\": set_pose, or the animation, moves it");
   std::vector<ColliderPose> checked;
   for (std::size_t k = 0; k < poses.size(); ++k) {
     auto pose = state_->checked_pose(static_cast<std::uint32_t>(first + k), poses[k]);

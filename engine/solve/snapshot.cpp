@@ -11,6 +11,7 @@
 #include "compute/file.h"
 #include "compute/digest.h"
 #include "engine/effects/effect.h"
+#include "engine/effects/skin/skin.h"
 
 namespace weft {
 namespace {
@@ -275,6 +276,7 @@ std::uint64_t digest_of(const Scene& described, const CookedFabric& fabric) {
       digest.add(contents.bytes());
     }
   }
+  digest.add(std::as_bytes(std::span(fabric.own.of<SkinLists>().bones)));   // by names, which are cleared
   digest.add(std::as_bytes(std::span(&fabric.h, 1)));
   return digest.value();
 }

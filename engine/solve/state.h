@@ -191,6 +191,7 @@ struct Simulation::State {
   const ColliderMesh* mesh_of(std::uint32_t collider) const;   // null: it is none
   Vec3 move_collider_on(std::uint32_t collider);
   void move_collider_meshes();
+  void move_carried(std::span<const Affine> pose);
   std::span<const SkinnedMesh> skinned_meshes() const { return fabric.own.of<SkinLists>().meshes; }
   Result<void> check_skins(const Snapshot& snapshot) const;
   Skins skins_of(const Snapshot& snapshot) const;
