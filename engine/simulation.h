@@ -228,6 +228,10 @@ class Simulation {
   /// drive the collider, move it on from there, and so does a bone. Together with write_positions, which does the same to cloth and its anchors,
   /// this teleports a scene. Waits if it is a mesh collider. Errors: as move_collider; what Vulkan refuses.
   Result<void> place_collider(std::uint32_t collider, const ColliderPose& pose);
+  /// The size for the end of the next frame, of a collider that the scene says may be resized (Collider::resizes): it grows or shrinks
+  /// evenly through the frame about its centre, and pushes cloth no faster than its surface moves. Errors: no such collider, or one that
+  /// may not be resized; a size outside a scene's limits. Nothing has changed then.
+  Result<void> resize_collider(std::uint32_t collider, const ColliderSize& size);
   /// From the next frame on (m/s^2). Errors: not finite, or 1e10 m/s^2 or more; the gravity is then as it was.
   Result<void> set_gravity(Vec3 gravity);
   /// From the next frame on (m/s): gusts and turbulence come on top, and eddies go with it. Errors: a scene without air; not finite, or above

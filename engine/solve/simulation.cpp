@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "engine/reference/choice.h"
+#include "engine/effects/ranges.h"
 #include "engine/scene/origin.h"
 #include "engine/solve/sanitize.h"
 #include "engine/solve/state.h"
@@ -283,6 +284,35 @@ Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPo
   state_->bodies.poses[collider] = *there;
   state_->bodies.pending[collider].reset();
   return state_->mesh_of(collider) != nullptr ? state_->draw_surface() : Result<void>();
+} catch (...) {
+  return caught("the collider");
+}
+
+Result<void> Simulation::resize_collider(std::uint32_t collider, const ColliderSize& size) try {
+  if (collider >= state_->bodies.sizes.size()) return fail("collider ", collider, " is not below the scene's ", state_->bodies.sizes.size());
+  const Collider& described = state_->scene.colliders[collider];
+  if (!may_resize(described))
+    return fail("collider ", collider, " may not be resized: it is a plane or a mesh, or the scene does not ask for it (its key \"resizes\")");
+  const auto look = [&](const char* what, double value) -> Result<void> {
+    if (value > 0 && value <= scene_fields::kFarthest) return {};
+    return fail("the ", what, " of collider ", collider, " is ", value, " m, not above 0 and at most ", scene_fields::kFarthest, " m");
+  };
+  const bool box = described.shape == ColliderShape::box, capsule = described.shape == ColliderShape::capsule;
+  ColliderSize taken = state_->bodies.sizes[collider];   // what the shape does not have stays
+  if (box)
+    for (const float side : {size.size.x, size.size.y, size.size.z})
+      if (auto good = look("size", side); !good) return good;
+  if (!box)
+    if (auto good = look("radius", size.radius); !good) return good;
+  if (capsule) {
+    if (auto good = look("radius_end", size.radius_end); !good) return good;
+    if (auto good = look("length", size.length); !good) return good;
+  }
+  if (box) taken.size = size.size;
+  if (!box) taken.radius = taken.radius_end = size.radius;
+  if (capsule) taken.radius_end = size.radius_end, taken.length = size.length;
+  state_->bodies.pending_sizes[collider] = taken;
+  return {};
 } catch (...) {
   return caught("the collider");
 }

@@ -19,7 +19,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
 
 constexpr std::string_view kMagic = "WEFTSNAP";
-constexpr std::uint32_t kVersion = 13;
+constexpr std::uint32_t kVersion = 14;
 constexpr std::size_t kHead = kMagic.size() + sizeof kVersion + sizeof(std::uint64_t);
 constexpr std::size_t kEnd = sizeof(std::uint64_t);
 constexpr std::uint64_t kLongest = std::uint64_t(1) << 32;   // of a file: more than the most particles and candidates take
@@ -38,6 +38,11 @@ void fields(Walk& walk, T& pose) {
   walk(pose.centre), walk(pose.normal), walk(pose.rotation.x), walk(pose.rotation.y), walk(pose.rotation.z), walk(pose.rotation.w);
 }
 
+template <class Walk, Is<ColliderSize> T>
+void fields(Walk& walk, T& size) {
+  walk(size.radius), walk(size.radius_end), walk(size.length), walk(size.size);
+}
+
 template <class Walk, Is<Snapshot::AnchorTargetState> T>
 void fields(Walk& walk, T& state) {
   walk(state.anchor), walk(state.is_pending), walk(state.target);
@@ -46,6 +51,7 @@ void fields(Walk& walk, T& state) {
 template <class Walk, Is<Snapshot::ColliderState> T>
 void fields(Walk& walk, T& state) {
   walk(state.is_host_driven), walk(state.is_pending), walk(state.pose), walk(state.pending);
+  walk(state.is_resized), walk(state.size), walk(state.pending_size);
 }
 
 template <class Walk, Is<Affine> T>
