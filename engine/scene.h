@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "compute/result.h"
+#include "engine/collider_pose.h"
 #include "engine/vector.h"
 
 namespace weft {
@@ -193,10 +194,20 @@ struct Cloth {
   std::optional<Inertia> inertia;
   std::optional<MotionConstraints> motion_constraints;   // to the rest pose, where nothing moves the skin
   std::optional<Gas> pressure;  // closed meshes only
+  /// Names of the other cloths that it meets by contacts; none: all. Two meet where each has the other, and each meets itself.
+  std::optional<std::vector<std::string>> meets = {};
   Appearance appearance;
 };
 
 enum class ColliderShape { plane, sphere, capsule, box, mesh };
+
+/// A joint of a cloth's skin, which carries a collider along (Simulation::set_pose, or the file's animation). The collider is described as
+/// it is beside the cloth at rest, in world space; its size does not change with the joint's scale.
+struct Bone {
+  std::string cloth;            // its name; of several the first
+  std::string joint;            // its name in the file; empty: the first
+  bool operator==(const Bone&) const = default;
+};
 
 struct Collider {
   ColliderShape shape = ColliderShape::plane;
@@ -206,12 +217,19 @@ struct Collider {
   Vec3 centre;                  // m; a point of the plane, where a mesh's origin lies, or the middle of the others
   Vec3 normal{0, 1, 0};         // unit, planes only
   double radius = 0.5;          // m, spheres and capsules
+  /// m, capsules only: the radius at the end to which `axis` points, where that is another: the capsule is the convex hull of its two ends'
+  /// spheres. None: `radius`.
+  std::optional<double> radius_end = {};
   double length = 0.5;          // m, capsules only: from the centre of one end's sphere to the other's
   Vec3 size{1, 1, 1};           // m, boxes only: whole sides
   Vec3 axis{0, 1, 0};           // unit: along which a capsule lies, or about which a box or a mesh is turned
   double degrees = 0;           // boxes and meshes only: how far
   double friction = 0.4;        // combined with the fabric's by the geometric mean
   std::optional<Skinning> skin; // meshes only
+  std::optional<Bone> bone;     // not with keys; not of meshes, which have skins
+  /// Names of the cloths that it meets, all of such a name; none: all.
+  std::optional<std::vector<std::string>> meets;
+  bool resizes = false;         // whether the host may resize it (Simulation::resize_collider); neither planes nor meshes
   std::vector<Key> keys;
   Vec3 colour{0.5f, 0.5f, 0.5f};
 };
@@ -383,6 +401,14 @@ std::string relaxation_fault(const Scene& scene);
 
 /// Why the scene's method cannot solve it, as what follows "solver.method: "; empty if it can.
 std::string method_fault(const Scene& scene);
+
+/// The radius of a capsule's end, which is `radius` where none is given.
+inline double radius_at_end(const Collider& collider) { return collider.radius_end.value_or(collider.radius); }
+inline ColliderSize size_of(const Collider& collider) { return {collider.radius, radius_at_end(collider), collider.length, collider.size}; }
+
+/// Whether a cloth and a collider meet, or two cloths by contacts (meets).
+bool meet(const Cloth& cloth, const Collider& collider);
+bool meet(const Cloth& a, const Cloth& b);
 
 /// Indices of the colliders that are meshes. They are part of what is simulated; the others are formulas.
 std::vector<std::uint32_t> mesh_colliders(const Scene& scene);

@@ -222,14 +222,18 @@ class Simulation {
 
   /// The complete pose for the end of the next frame (world space; a capsule or a box without a rotation stands along its own
   /// axes). The host drives this collider from now on, instead of the scene's keys. It rotates by the shorter arc. Errors: no
-  /// such collider; a pose that is not finite, or 1e10 m away or more; a normal or rotation of length 0.
+  /// such collider, or one with a bone; a pose that is not finite, or 1e10 m away or more; a normal or rotation of length 0.
   Result<void> move_collider(std::uint32_t collider, const ColliderPose& pose);
   /// The same of several, in the scene's order from `first` on; all of them or, with an error, none.
   Result<void> move_colliders(std::uint32_t first, std::span<const ColliderPose> poses);
   /// Puts the collider there at once; it meets no cloth on the way. A pending pose of move_collider is dropped; keys, where they
-  /// drive the collider, move it on from there. Together with write_positions, which does the same to cloth and its anchors,
+  /// drive the collider, move it on from there, and so does a bone. Together with write_positions, which does the same to cloth and its anchors,
   /// this teleports a scene. Waits if it is a mesh collider. Errors: as move_collider; what Vulkan refuses.
   Result<void> place_collider(std::uint32_t collider, const ColliderPose& pose);
+  /// The size for the end of the next frame, of a collider that the scene says may be resized (Collider::resizes): it grows or shrinks
+  /// evenly through the frame about its centre, and pushes cloth no faster than its surface moves. Errors: no such collider, or one that
+  /// may not be resized; a size outside a scene's limits. Nothing has changed then.
+  Result<void> resize_collider(std::uint32_t collider, const ColliderSize& size);
   /// From the next frame on (m/s^2). Errors: not finite, or 1e10 m/s^2 or more; the gravity is then as it was.
   Result<void> set_gravity(Vec3 gravity);
   /// From the next frame on (m/s): gusts and turbulence come on top, and eddies go with it. Errors: a scene without air; not finite, or above
@@ -241,8 +245,8 @@ class Simulation {
 
   /// The pose of a cloth's skin (Cloth::skin) for the end of the next frame: for each joint the map from the cloth at rest, as make_meshes has
   /// it, to where the joint takes it (world space), the product of the joint's matrix and its inverse bind matrix in other words. The host
-  /// drives the skin from now on, instead of an animation; a frame without a new pose holds still. Anchors without keys go there, and motion
-  /// constraints follow, evenly through the frame. Errors: no such cloth, or none with a skin; another number of joints than its mesh has
+  /// drives the skin from now on, instead of an animation; a frame without a new pose holds still. Anchors without keys go there, colliders
+  /// with a bone go along, and motion constraints follow, evenly through the frame. Errors: no such cloth, or none with a skin; another number of joints than its mesh has
   /// (1 without a skin of its own); a map that is not finite. Nothing has changed then.
   Result<void> set_pose(std::uint32_t cloth, std::span<const Affine> joints);
   /// The same of a mesh collider (Collider::skin): maps from its shape at rest to its shape, in its own axes; its pose comes on top.
@@ -274,6 +278,8 @@ class Simulation {
   /// Poses of the scene's colliders at the last frame's end (world space), in the scene's order; valid until colliders() is
   /// called again.
   std::span<const ColliderPose> colliders() const;
+  /// Their sizes at the last frame's end, in the scene's order; valid until the next frame.
+  std::span<const ColliderSize> collider_sizes() const;
 
   /// What cloth has done to each of the scene's colliders, in the scene's order, since the last call, or since create or restore: in
   /// frames that are done. It does not wait: after advance the frame is among them; after submit and record some of the last may not be,

@@ -42,6 +42,8 @@ struct Snapshot {
     bool is_host_driven = false;   // instead of by keys
     bool is_pending = false;       // `pending` is for the next frame
     ColliderPose pose, pending;
+    bool is_resized = false;       // `pending_size` is for the next frame
+    ColliderSize size, pending_size;
   };
   struct SkinState {
     bool is_host_driven = false;

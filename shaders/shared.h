@@ -41,7 +41,11 @@
   X(26, bool, reacts)           /* 1: what colliders are given is added up (reaction/reaction.glsl) */ \
   X(27, bool, has_lee)          /* 1: colliders have wakes in the air (air/wake.glsl) */ \
   X(28, bool, has_maps)         /* 1: a cloth has several materials (Maps) */ \
-  X(29, uint, air_every)        /* substeps from one look at the air to the next (air/air.comp) */
+  X(29, uint, air_every)        /* substeps from one look at the air to the next (air/air.comp) */ \
+  X(30, bool, has_tapered)      /* 1: some capsule's ends have two radii (collide/round_cone.glsl) */ \
+  X(31, bool, has_body_masks)   /* 1: some collider does not meet every cloth (collide/mask.glsl) */ \
+  X(32, uint, contact_mask_words)   /* in a row of contact_masks; 0: every cloth meets every other and every mesh (contact/mask.glsl) */ \
+  X(33, bool, resizes)          /* 1: the host may resize some collider (collide/colliders.glsl) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
@@ -173,13 +177,20 @@ struct LastPull {
 // The buffer holds all planes, then all spheres, capsules and boxes; how many of each is a constant. A particle is put out of them in this
 // order, so that where two overlap the later one decides.
 struct Collider {
-  float radius;       // m, spheres and capsules
+  float radius;       // m, spheres and capsules; of one with two radii their mean
   float friction;     // Coulomb
   vec3 centre_from, centre_to;   // m
   vec3 normal_from, normal_to;   // unit, planes
   vec3 spin;          // rad over the frame, about the centre: where capsules and boxes end follows from it
   vec4 rotation_from; // unit quaternion, capsules and boxes
-  vec3 half_size;     // m: half a box's sides; y: half a capsule's length
+  vec3 half_size;     // m: half a box's sides; y: half a capsule's length; of one with two radii x where its middle is along its axis,
+                      // and z the sine of its taper (collide/round_cone.glsl)
+};
+
+/// The size of a collider at the frame's start, where the host may resize it; Collider has that at its end.
+struct BodySize {
+  float radius;
+  vec3 half_size;
 };
 
 /// What cloth has given to a collider, or to a hand, since the start, in quanta of 64 bits, two's complement, low and high words apart: an impulse, x y z,
@@ -485,7 +496,7 @@ SLICE(Air, air)
 #ifdef __cplusplus
 
 static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28);
-static_assert(sizeof(Grab) == 44 && sizeof(Collider) == 96);
+static_assert(sizeof(Grab) == 44 && sizeof(Collider) == 96 && sizeof(BodySize) == 16);
 static_assert(sizeof(SkinPoint) == 76 && sizeof(Joint) == 96 && sizeof(MotionLimits) == 8 && sizeof(Reaction) == 48);
 static_assert(sizeof(Carried) == 48 && sizeof(FrameChange) == 96);
 static_assert(sizeof(Gas) == 32 && sizeof(GasPart) == 16 && sizeof(GasState) == 8 && sizeof(GasSum) == 24);

@@ -31,6 +31,9 @@ class SceneCheck {
 
   void note(std::string_view) {}
   void text(std::string_view, const std::string&) {}
+  void optional_texts(std::string_view key, const std::optional<std::vector<std::string>>& values, std::size_t most) {
+    if (values) short_enough(key, values->size(), most);
+  }
   void flag(std::string_view, bool) {}
   void optional_flag(std::string_view, const std::optional<bool>&) {}
   void number(std::string_view key, double value, const scene_fields::Range& range) { look(path_of(key), value, range); }

@@ -4,7 +4,7 @@
 // key by key. A key that is not here does not exist. Internal: not part of the public API.
 //
 // A visitor has these members, each called with the key and the value it stands for:
-//   text, flag, optional_flag, number, optional_number, stiffness (a number or "rigid"), whole, choice, choices, vector2, vector3, direction,
+//   text, optional_texts, flag, optional_flag, number, optional_number, stiffness (a number or "rigid"), whole, choice, choices, vector2, vector3, direction,
 //   unit (normalised), colour, file, cells, whole_list, object, optional_object, list, fabric, tethers, contacts, note (read by
 //   nobody)
 #pragma once
@@ -81,6 +81,7 @@ void fields(V& v, Cloth& cloth) {
   v.object("start", cloth.start);
   v.fabric("fabric", cloth.fabric);
   v.object("maps", cloth.maps);
+  v.optional_texts("meets", cloth.meets, kMostCloths);
   v.object("appearance", cloth.appearance);
   effect_keys(v, cloth);
 }

@@ -43,12 +43,15 @@ class Reader {
   void text(std::string_view key, std::string& out) {
     const json* value = find(key);
     if (!value) return;
-    if (!value->is_string()) return wrong(key, *value, "text");
-    const std::string& text = value->get_ref<const std::string&>();
-    constexpr std::size_t kLongest = 1000;
-    if (text.size() > kLongest)
-      return fault(key, "is " + std::to_string(text.size()) + " bytes long, more than " + std::to_string(kLongest));
-    out = text;
+    read_text(*value, path_of(key), out);
+  }
+
+  void optional_texts(std::string_view key, std::optional<std::vector<std::string>>& out, std::size_t most) {
+    if (!object_.contains(key)) return known_.push_back(key);
+    out.emplace();
+    each(key, 0, most, [&](const json& entry, const std::string& path) {
+      if (std::string text; read_text(entry, path, text)) out->push_back(std::move(text));
+    });
   }
 
   void flag(std::string_view key, bool& out) {
@@ -225,6 +228,16 @@ class Reader {
     std::string text = shown(value);
     if (value.is_string()) text += " is text";
     faults_.add(path, text + ", not " + std::string(wanted));
+  }
+
+  bool read_text(const json& value, const std::string& path, std::string& out) {
+    if (!value.is_string()) return wrong_at(path, value, "text"), false;
+    const std::string& text = value.get_ref<const std::string&>();
+    constexpr std::size_t kLongest = 1000;
+    if (text.size() > kLongest)
+      return faults_.add(path, "is " + std::to_string(text.size()) + " bytes long, more than " + std::to_string(kLongest)), false;
+    out = text;
+    return true;
   }
 
   bool read_number(const json& value, const std::string& path, const Range& range, double& out) {

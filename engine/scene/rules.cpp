@@ -1,6 +1,7 @@
 // Rules that bind several keys of one object together.
 #include "engine/scene/rules.h"
 
+#include <algorithm>
 
 #include "compute/text.h"
 #include "engine/scene/fields.h"
@@ -21,6 +22,30 @@ void check_vertices(const std::string& path, const Grid& grid, const std::vector
   for (std::size_t i = 0; i < vertices.size(); ++i)
     if (vertices[i] >= vertices_of(grid))
       faults.add(join(path, "[", i, "]"), join(vertices[i], " is not a vertex, the grid has ", number_text(vertices_of(grid))));
+}
+
+// That cloths of these names are there, and that one that has bones has a skin.
+void check_names(const Scene& scene, Faults& faults) {
+  std::vector<std::string_view> names;
+  for (const Cloth& cloth : scene.cloths) names.push_back(cloth.name);
+  const auto look = [&](const std::string& path, const std::string& name) {
+    const bool found = std::ranges::find(names, name) != names.end();
+    if (!found) faults.add(path, join("there is no cloth \"", printable(name), "\"", suggestion(name, names)));
+    return found;
+  };
+  const auto look_all = [&](const std::string& path, const std::optional<std::vector<std::string>>& list) {
+    for (std::size_t k = 0; list && k < list->size(); ++k) look(join(path, ".meets[", k, "]"), (*list)[k]);
+  };
+  for (std::size_t i = 0; i < scene.cloths.size(); ++i) look_all(join("cloths[", i, "]"), scene.cloths[i].meets);
+  for (std::size_t i = 0; i < scene.colliders.size(); ++i) {
+    const Collider& collider = scene.colliders[i];
+    look_all(join("colliders[", i, "]"), collider.meets);
+    const std::string path = join("colliders[", i, "].bone.cloth");
+    if (!collider.bone || !look(path, collider.bone->cloth)) continue;
+    const Cloth& cloth = scene.cloths[static_cast<std::size_t>(std::ranges::find(names, collider.bone->cloth) - names.begin())];
+    if (!cloth.skin && !cloth.motion_constraints)
+      faults.add(path, join("the cloth \"", printable(cloth.name), "\" has no skin that could move a collider: give it the key \"skin\""));
+  }
 }
 
 }  // namespace
@@ -83,9 +108,12 @@ void check(const Read& read, const Collider& collider) {
   if (collider.shape == ColliderShape::mesh && !read.has("mesh", true))
     read.faults.add(read.path, "has no \"mesh\": the file that it is made of");
   check_times(read.path + ".keys", collider.keys, read.faults);
+  if (collider.bone && !collider.keys.empty())
+    read.faults.add(read.path + ".keys", "move what a bone moves already: leave one of the two away");
 }
 
 void check(const Read& read, const Scene& scene) {
+  check_names(scene, read.faults);
   if (const std::string fault = size_fault(scene); !fault.empty()) read.faults.add("cloths", fault);
   if (const std::string fault = method_fault(scene); !fault.empty()) read.faults.add("solver.method", fault);
   if (const std::string fault = relaxation_fault(scene); !fault.empty()) read.faults.add("solver.relaxation", fault);

@@ -37,6 +37,9 @@ struct SceneWriter {
 
   void note(std::string_view) {}
   void text(std::string_view key, const std::string& value) { put(key, value); }
+  void optional_texts(std::string_view key, const std::optional<std::vector<std::string>>& value, std::size_t) {
+    if (value) put(key, *value);
+  }
   void flag(std::string_view key, bool value) { put(key, value); }
   void optional_flag(std::string_view key, const std::optional<bool>& value) {
     if (value) put(key, *value);

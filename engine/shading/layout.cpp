@@ -31,7 +31,8 @@ void add_moved(Box& box, const Box& what, std::span<const Key> keys) {
 // The largest distance of a collider's points from its centre (m).
 float reach_of(const Collider& collider) {
   if (collider.shape == ColliderShape::box) return 0.5f * length(collider.size);
-  return static_cast<float>(collider.radius + (collider.shape == ColliderShape::capsule ? 0.5 * collider.length : 0));
+  if (collider.shape == ColliderShape::sphere) return static_cast<float>(collider.radius);
+  return static_cast<float>(std::max(collider.radius, radius_at_end(collider)) + 0.5 * collider.length);
 }
 
 vec4 with_zero(Vec3 v) { return {v.x, v.y, v.z, 0}; }
@@ -78,18 +79,22 @@ float tile_size(float radius) {
   return 10 * power;
 }
 
-Solid solid_of(const Collider& collider, const ColliderPose& pose, const Frame& frame, Vec3 target, float tile) {
+Solid solid_of(const Collider& collider, const ColliderPose& pose, const ColliderSize& size, const Frame& frame, Vec3 target, float tile) {
   Solid solid{};
   solid.colour = collider.colour;
   if (collider.shape != ColliderShape::plane) {
-    const auto r = static_cast<float>(collider.radius);
-    const Vec3 half = collider.shape == ColliderShape::box ? 0.5f * collider.size : Vec3{r, r, r};
-    solid.shape = static_cast<std::uint32_t>(collider.shape);
+    const bool capsule = collider.shape == ColliderShape::capsule;
+    const bool swallowed = capsule && std::abs(size.radius - size.radius_end) >= size.length;   // one end's sphere holds the other's
+    const auto r = static_cast<float>(swallowed ? std::max(size.radius, size.radius_end) : size.radius);
+    const Vec3 half = collider.shape == ColliderShape::box ? 0.5f * size.size : Vec3{r, r, r};
+    solid.shape = swallowed ? WEFT_SHAPE_SPHERE : static_cast<std::uint32_t>(collider.shape);
     solid.axis_x = with_zero(rotated(pose.rotation, {half.x, 0, 0}));
     solid.axis_y = with_zero(rotated(pose.rotation, {0, half.y, 0}));
     solid.axis_z = with_zero(rotated(pose.rotation, {0, 0, half.z}));
-    if (collider.shape == ColliderShape::capsule) solid.end = static_cast<float>(0.5 * collider.length / collider.radius);
-    solid.centre = with_zero(pose.centre);
+    if (capsule) solid.end = static_cast<float>(0.5 * size.length / size.radius);
+    if (capsule) solid.end_radius = static_cast<float>(size.radius_end / size.radius);
+    const auto up = static_cast<float>(swallowed ? std::copysign(0.5 * size.length, size.radius_end - size.radius) : 0);
+    solid.centre = with_zero(swallowed ? pose.centre + rotated(pose.rotation, {0, up, 0}) : pose.centre);
     solid.roughness = 0.45f;
     return solid;
   }

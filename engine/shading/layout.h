@@ -18,7 +18,7 @@ Extent extent_of(const Scene& scene, std::span<const std::span<const Vec3>> mesh
 float tile_size(float radius);
 
 /// A collider at its pose, as solid.vert wants it.
-Solid solid_of(const Collider& collider, const ColliderPose& pose, const Frame& frame, Vec3 target, float tile);
+Solid solid_of(const Collider& collider, const ColliderPose& pose, const ColliderSize& size, const Frame& frame, Vec3 target, float tile);
 
 /// How many vertices solid.vert makes of it.
 std::uint32_t vertex_count(const Solid& solid);

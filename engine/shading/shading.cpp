@@ -217,6 +217,8 @@ Result<Image> Shading::draw(const Poses& poses) try {
   }
   if (poses.colliders.size() != state.colliders.size())
     return fail("the frame has ", poses.colliders.size(), " collider poses, but the scene has ", state.colliders.size(), " colliders");
+  if (!poses.sizes.empty() && poses.sizes.size() != state.colliders.size())
+    return fail("the frame has ", poses.sizes.size(), " sizes of colliders, but the scene has ", state.colliders.size(), " colliders");
   if (state.in_flight) {
     if (auto done = compute::wait_for(*state.device, state.fence.get()); !done) return done.take_error();
     state.in_flight = false;
@@ -227,7 +229,8 @@ Result<Image> Shading::draw(const Poses& poses) try {
   for (std::size_t i = 0; i < state.colliders.size(); ++i)
     if (state.colliders[i].shape != ColliderShape::mesh)   // those are among the cloths
       state.solids.push_back(
-          shading::solid_of(state.colliders[i], poses.colliders[i], state.frame, state.camera.target, state.tile));
+          shading::solid_of(state.colliders[i], poses.colliders[i], poses.sizes.empty() ? size_of(state.colliders[i]) : poses.sizes[i],
+                            state.frame, state.camera.target, state.tile));
   if (auto recorded = state.record(poses); !recorded) return recorded.take_error();
 
   const VkFence fence = state.fence.get();

@@ -39,6 +39,7 @@ struct Poses {
   std::span<const ColliderPose> colliders;  // as many as the scene has
   VkSemaphore ready = VK_NULL_HANDLE;       // timeline semaphore to wait for, or none
   std::uint64_t ready_value = 0;
+  std::span<const ColliderSize> sizes = {};  // of the colliders, where they were resized (Simulation::collider_sizes); empty: the scene's
 };
 
 class Shading {

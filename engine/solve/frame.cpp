@@ -126,34 +126,45 @@ void Simulation::State::move_anchors() {
   }
 }
 
+// Colliders with bones go where joints have them at the frame's end.
+void Simulation::State::move_carried(std::span<const Affine> pose) {
+  for (const auto& [collider, joint] : fabric.own.of<SkinLists>().bones)
+    if (const ColliderPose to = carried_pose(scene.colliders[collider], pose[joint]); !(to == bodies.poses[collider])) bodies.pending[collider] = to;
+}
+
 void Simulation::State::move_scene(double seconds, FrameInput& input) {
   const std::vector<Affine> pose = next_pose();
   const std::vector<ColliderPose> before = pose.empty() ? std::vector<ColliderPose>() : bodies.poses;
   input.anchors_move = kinematic.are_dirty || scene.pins > 0;   // pins always: the anchor pass tells their velocities
   move_anchors();
+  move_carried(pose);
   move_collider_meshes();
   move_frames(pose, seconds, input);
   move_skins(pose, before, input);
   move_grabs();
   for (const gpu::Anchor& anchor : kinematic.targets) input.anchors_move |= !same(anchor.from, anchor.to);
   bodies.colliders.clear();
+  bodies.from_sizes.clear();
   for (const std::uint32_t k : bodies.order) {
     const Collider& described = scene.colliders[k];
     const ColliderPose from = bodies.poses[k];
     const Vec3 spin = move_collider_on(k);
     const ColliderPose& to = bodies.poses[k];
-    const Vec3 half_size =
-        described.shape == ColliderShape::box ? 0.5f * described.size : Vec3{0, static_cast<float>(0.5 * described.length), 0};
+    bodies.from_sizes.push_back(body_size(described.shape, bodies.sizes[k]));
+    if (std::optional<ColliderSize>& pending = bodies.pending_sizes[k]) bodies.sizes[k] = *pending;
+    bodies.pending_sizes[k].reset();
+    const gpu::BodySize size = body_size(described.shape, bodies.sizes[k]);
     const Rotation& start = from.rotation;
-    bodies.colliders.push_back({static_cast<float>(described.radius), static_cast<float>(described.friction), gpu_vector(from.centre),
-                                gpu_vector(to.centre), gpu_vector(from.normal), gpu_vector(to.normal), gpu_vector(spin),
-                                {start.x, start.y, start.z, start.w}, gpu_vector(half_size)});
+    bodies.colliders.push_back({size.radius, static_cast<float>(described.friction), gpu_vector(from.centre), gpu_vector(to.centre),
+                                gpu_vector(from.normal), gpu_vector(to.normal), gpu_vector(spin), {start.x, start.y, start.z, start.w},
+                                size.half_size});
   }
   kinematic.are_dirty = input.anchors_move;
   input.anchors = kinematic.targets;
   input.grabs = grabs.corners;
   input.gas_amounts = gas_amounts;
   input.colliders = bodies.colliders;
+  input.body_sizes = bodies.from_sizes;
 }
 
 // Reports at `place` of `readback`.

@@ -9,6 +9,7 @@
 #include <set>
 #include <tuple>
 
+#include "engine/effects/ranges.h"
 #include "engine/solve/sanitize.h"
 #include "engine/solve/state.h"
 
@@ -31,6 +32,12 @@ const std::vector<std::byte>* find(const Snapshot& snapshot, const std::string& 
 bool is_pose(const ColliderPose& pose) {
   const Rotation& r = pose.rotation;
   return is_finite(pose.centre) && is_finite(pose.normal) && std::isfinite(r.x + r.y + r.z + r.w);
+}
+
+bool is_size(const ColliderSize& size) {
+  constexpr double kMost = scene_fields::kFarthest;
+  const auto good = [&](double value) { return value > 0 && value <= kMost; };
+  return good(size.radius) && good(size.radius_end) && good(size.length) && good(size.size.x) && good(size.size.y) && good(size.size.z);
 }
 
 // w is the scene's: an inverse mass, or a material that a shader looks up.
@@ -134,7 +141,8 @@ Result<Snapshot> Simulation::save() const try {
     if (grab) snapshot.grabs.push_back(*grab);
   for (std::size_t k = 0; k < s.bodies.poses.size(); ++k)
     snapshot.colliders.push_back(
-        {s.bodies.is_host_driven[k], s.bodies.pending[k].has_value(), s.bodies.poses[k], s.bodies.pending[k].value_or(ColliderPose())});
+        {s.bodies.is_host_driven[k], s.bodies.pending[k].has_value(), s.bodies.poses[k], s.bodies.pending[k].value_or(ColliderPose()),
+         s.bodies.pending_sizes[k].has_value(), s.bodies.sizes[k], s.bodies.pending_sizes[k].value_or(ColliderSize())});
   for (const Buffer* row : s.rollback.rows) {   // `detection` comes before `candidates`
     const compute::Buffer& buffer = s.solver->buffer(*row);
     std::vector<std::byte> bytes(bytes_of(*s.solver, *row, detection_of(snapshot), snapshot.capacity));
@@ -205,6 +213,10 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
   for (std::size_t k = 0; k < snapshot.colliders.size(); ++k)
     if (!is_pose(snapshot.colliders[k].pose) || !is_pose(snapshot.colliders[k].pending))
       return unfit("the pose of collider ", k, " is not finite");
+  for (std::size_t k = 0; k < snapshot.colliders.size(); ++k)
+    for (const ColliderSize& size : {snapshot.colliders[k].size, snapshot.colliders[k].pending_size})
+      if (!is_size(size) || (!may_resize(scene.colliders[k]) && !(snapshot.colliders[k].size == bodies.sizes[k])))
+        return unfit("collider ", k, " has a size that it cannot have");
   if (snapshot.contents.size() != rollback.rows.size() + 1)
     return unfit("it has ", snapshot.contents.size(), " buffers instead of ", rollback.rows.size() + 1);
   const auto targets = anchors_of(snapshot);
@@ -326,6 +338,8 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
     bodies.poses[k] = state.pose;
     bodies.is_host_driven[k] = state.is_host_driven;
     bodies.pending[k] = state.is_pending ? std::optional(state.pending) : std::nullopt;
+    bodies.sizes[k] = state.size;
+    bodies.pending_sizes[k] = state.is_resized ? std::optional(state.pending_size) : std::nullopt;
     bodies.keys[k] = pose_at(scene.colliders[k].keys, now());
   }
   return draw_surface();

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "engine/reference/choice.h"
+#include "engine/effects/ranges.h"
 #include "engine/scene/origin.h"
 #include "engine/solve/sanitize.h"
 #include "engine/solve/state.h"
@@ -174,16 +175,18 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   const std::size_t colliders = scene.colliders.size();
   state->bodies.pending.resize(colliders);
   state->bodies.is_host_driven.resize(colliders);
+  state->bodies.pending_sizes.resize(colliders);
   for (const Collider& collider : scene.colliders) {
     const Key key = pose_at(collider.keys, 0);
     state->bodies.poses.push_back(keyed_pose(collider, key));
     state->bodies.keys.push_back(key);
+    state->bodies.sizes.push_back(size_of(collider));
   }
-  for (std::uint32_t k = 0; k < colliders; ++k)
-    if (scene.colliders[k].shape != ColliderShape::mesh) state->bodies.order.push_back(k);
-  std::stable_sort(state->bodies.order.begin(), state->bodies.order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return scene.colliders[a].shape < scene.colliders[b].shape; });
+  for (const auto& [collider, joint] : std::as_const(state->fabric.own).of<SkinLists>().bones)
+    state->bodies.poses[collider] = carried_pose(scene.colliders[collider], state->skins.pose[joint]);
+  state->bodies.order = colliders_by_shape(scene);
   state->bodies.colliders.reserve(state->bodies.order.size());   // a frame that has begun to move them needs no memory
+  state->bodies.from_sizes.reserve(state->bodies.order.size());
   state->bodies.in_world.reserve(colliders);
   if (scene.reactions) {
     state->reactions.between.resize(colliders);
@@ -255,6 +258,10 @@ Result<void> Simulation::move_colliders(std::uint32_t first, std::span<const Col
   const std::size_t colliders = state_->bodies.poses.size();
   if (first > colliders || poses.size() > colliders - first)
     return fail("colliders ", first, " to ", first + poses.size(), " (exclusive) are beyond the simulation's ", colliders);
+  for (const auto& [collider, joint] : state_->fabric.own.of<SkinLists>().bones)
+    if (collider >= first && collider - first < poses.size())
+      return fail("collider ", collider, " goes with a joint of the cloth \"", state_->scene.colliders[collider].bone->cloth,
+                  "\": set_pose, or the animation, moves it");
   std::vector<ColliderPose> checked;
   for (std::size_t k = 0; k < poses.size(); ++k) {
     auto pose = state_->checked_pose(static_cast<std::uint32_t>(first + k), poses[k]);
@@ -292,6 +299,35 @@ Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPo
   state_->bodies.poses[collider] = *there;
   state_->bodies.pending[collider].reset();
   return state_->mesh_of(collider) != nullptr ? state_->draw_surface() : Result<void>();
+} catch (...) {
+  return caught("the collider");
+}
+
+Result<void> Simulation::resize_collider(std::uint32_t collider, const ColliderSize& size) try {
+  if (collider >= state_->bodies.sizes.size()) return fail("collider ", collider, " is not below the scene's ", state_->bodies.sizes.size());
+  const Collider& described = state_->scene.colliders[collider];
+  if (!may_resize(described))
+    return fail("collider ", collider, " may not be resized: it is a plane or a mesh, or the scene does not ask for it (its key \"resizes\")");
+  const auto look = [&](const char* what, double value) -> Result<void> {
+    if (value > 0 && value <= scene_fields::kFarthest) return {};
+    return fail("the ", what, " of collider ", collider, " is ", value, " m, not above 0 and at most ", scene_fields::kFarthest, " m");
+  };
+  const bool box = described.shape == ColliderShape::box, capsule = described.shape == ColliderShape::capsule;
+  ColliderSize taken = state_->bodies.sizes[collider];   // what the shape does not have stays
+  if (box)
+    for (const float side : {size.size.x, size.size.y, size.size.z})
+      if (auto good = look("size", side); !good) return good;
+  if (!box)
+    if (auto good = look("radius", size.radius); !good) return good;
+  if (capsule) {
+    if (auto good = look("radius_end", size.radius_end); !good) return good;
+    if (auto good = look("length", size.length); !good) return good;
+  }
+  if (box) taken.size = size.size;
+  if (!box) taken.radius = taken.radius_end = size.radius;
+  if (capsule) taken.radius_end = size.radius_end, taken.length = size.length;
+  state_->bodies.pending_sizes[collider] = taken;
+  return {};
 } catch (...) {
   return caught("the collider");
 }
@@ -337,6 +373,7 @@ std::span<const ColliderPose> Simulation::colliders() const {
   for (ColliderPose& pose : state_->bodies.in_world) pose.centre = pose.centre + state_->origin;
   return state_->bodies.in_world;
 }
+std::span<const ColliderSize> Simulation::collider_sizes() const { return state_->bodies.sizes; }
 Vec3 Simulation::origin() const { return state_->origin; }
 const Scene& Simulation::scene() const { return state_->described; }
 const std::vector<Mesh>& Simulation::meshes() const { return state_->meshes; }

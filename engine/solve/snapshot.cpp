@@ -11,6 +11,7 @@
 #include "compute/file.h"
 #include "compute/digest.h"
 #include "engine/effects/effect.h"
+#include "engine/effects/skin/skin.h"
 
 namespace weft {
 namespace {
@@ -37,6 +38,11 @@ void fields(Walk& walk, T& pose) {
   walk(pose.centre), walk(pose.normal), walk(pose.rotation.x), walk(pose.rotation.y), walk(pose.rotation.z), walk(pose.rotation.w);
 }
 
+template <class Walk, Is<ColliderSize> T>
+void fields(Walk& walk, T& size) {
+  walk(size.radius), walk(size.radius_end), walk(size.length), walk(size.size);
+}
+
 template <class Walk, Is<Snapshot::AnchorTargetState> T>
 void fields(Walk& walk, T& state) {
   walk(state.anchor), walk(state.is_pending), walk(state.target);
@@ -45,6 +51,7 @@ void fields(Walk& walk, T& state) {
 template <class Walk, Is<Snapshot::ColliderState> T>
 void fields(Walk& walk, T& state) {
   walk(state.is_host_driven), walk(state.is_pending), walk(state.pose), walk(state.pending);
+  walk(state.is_resized), walk(state.size), walk(state.pending_size);
 }
 
 template <class Walk, Is<Affine> T>
@@ -288,6 +295,7 @@ std::uint64_t digest_of(const Scene& described, const CookedFabric& fabric) {
       digest.add(contents.bytes());
     }
   }
+  digest.add(std::as_bytes(std::span(fabric.own.of<SkinLists>().bones)));   // by names, which are cleared
   digest.add(std::as_bytes(std::span(&fabric.h, 1)));
   return digest.value();
 }

@@ -42,6 +42,7 @@ struct FrameInput {
   bool few_contacts = false;                  // Crowd::few; the same bits either way
   std::span<const gpu::Anchor> anchors;       // when they move
   std::span<const gpu::Collider> colliders;   // by shape, as the buffer has them
+  std::span<const gpu::BodySize> body_sizes;  // of these, where the frame begins
   std::span<const gpu::Joint> joints;         // of all skins
   std::span<const gpu::MotionLimits> motion_limits;   // of all cloths
   std::span<const gpu::Grab> grabs;

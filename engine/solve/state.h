@@ -64,15 +64,18 @@ struct Grabs {
   std::vector<gpu::Grab> corners;              // of the frame at hand, three a grab
 };
 
-/// Colliders, an entry each in all lists but the last two.
+/// Colliders, an entry each in all lists but the last three.
 struct Bodies {
   std::vector<ColliderPose> poses;             // at the last frame's end
   std::vector<Key> keys;                       // the keys' last poses
   std::vector<std::optional<ColliderPose>> pending;   // poses that the host has set since the last frame
   std::vector<bool> is_host_driven;
+  std::vector<ColliderSize> sizes;               // at the last frame's end
+  std::vector<std::optional<ColliderSize>> pending_sizes;
   std::vector<ColliderPose> in_world;            // poses in the host's world
   std::vector<std::uint32_t> order;            // by shape, as the GPU wants them; no meshes
   std::vector<gpu::Collider> colliders;        // of the frame at hand, in that order
+  std::vector<gpu::BodySize> from_sizes;       // where it begins
 };
 
 /// Skins: their joints, an entry each, and what the host has said, an entry a skinned mesh (SkinLists::meshes).
@@ -199,6 +202,7 @@ struct Simulation::State {
   const ColliderMesh* mesh_of(std::uint32_t collider) const;   // null: it is none
   Vec3 move_collider_on(std::uint32_t collider);
   void move_collider_meshes();
+  void move_carried(std::span<const Affine> pose);
   std::span<const SkinnedMesh> skinned_meshes() const { return fabric.own.of<SkinLists>().meshes; }
   Result<void> check_skins(const Snapshot& snapshot) const;
   Result<void> check_gases(const Snapshot& snapshot) const;

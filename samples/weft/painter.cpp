@@ -27,7 +27,10 @@ Exit Painter::create(compute::Device& device, const Simulation& simulation, VkEx
 }
 
 Result<Image> Painter::draw(const Simulation& simulation) {
-  return shading_->draw({simulation.positions(), simulation.normals(), simulation.colliders()});
+  return shading_->draw({.positions = simulation.positions(),
+                         .normals = simulation.normals(),
+                         .colliders = simulation.colliders(),
+                         .sizes = simulation.collider_sizes()});
 }
 
 Result<void> Painter::draw(const Simulation& simulation, const std::filesystem::path& file) {

@@ -76,6 +76,7 @@ void enlarge(Scene& scene, double factor) {
     collider.centre = s * collider.centre;
     collider.size = s * collider.size;
     for (double* length : {&collider.scale, &collider.thickness, &collider.radius, &collider.length}) *length *= factor;
+    if (collider.radius_end) *collider.radius_end *= factor;
     enlarge(collider.keys, s);
   }
 }

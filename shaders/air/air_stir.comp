@@ -7,10 +7,10 @@
 GATHER(positions)
 READ(AirWave, air_waves)
 READ(AirField, air_fields)
-READ(Collider, colliders)
 WRITE(vec4, air_stirred)
 
 #include "collide/collide.glsl"
+#include "collide/size.glsl"
 #include "air/wake.glsl"
 
 vec3 stirred_at(vec3 x, float fraction) {

@@ -2,7 +2,7 @@
 // that of any body, and keeps itself alike (Pope 2000, 5.4.3, the axisymmetric wake): s behind its middle the deficit falls as s^(-2/3)
 // and the width grows as s^(1/3), so that the momentum that the body has taken stays. Nearer than two radii the wake is as it is there:
 // all of the velocity is lost on its axis, half of it 0.6 radii off, the width of a body whose coefficient of drag is 1. The radius is that
-// of a disc as large as the body is, seen along the wind.
+// of a disc as large as the body is, seen along the wind; of a capsule with two radii by their mean.
 
 // The radius (m) of what a body shows to the wind, which goes along `way` (unit).
 float shown_radius(Collider body, uint shape, vec3 way) {
@@ -31,7 +31,7 @@ float lee_at(vec3 x, bool ends) {
   float left = 1;
   for (uint k = planes; k < planes + spheres + capsules + boxes; ++k) {
     const uint shape = k < planes + spheres ? 0 : k < planes + spheres + capsules ? 1 : 2;
-    const Collider body = colliders[k];
+    const Collider body = collider_at(k, ends ? 1 : 0);
     left *= 1 - deficit_at(x - (ends ? body.centre_to : body.centre_from), way, shown_radius(body, shape, way));
   }
   return left;

@@ -124,6 +124,8 @@ Hit capsule_entry(Collider c, vec3 a, vec3 segment) {
   return Hit((p - vec3(0, clamp(p.y, -half_length, half_length), 0)) / c.radius, t);
 }
 
+#include "collide/round_cone.glsl"
+
 Hit box_distance(Collider c, vec3 p) {
   const vec3 q = abs(p) - c.half_size, side = vec3(p.x < 0 ? -1 : 1, p.y < 0 ? -1 : 1, p.z < 0 ? -1 : 1);
   const vec3 outside = max(q, 0);
@@ -183,11 +185,17 @@ vec3 out_of_body(Relative r, Hit here, Hit entry, Particle v, vec3 p, float fric
 vec3 out_of_capsule(Collider collider, Particle v, vec3 p) {
   const Surface s = surface_at(collider, v);
   const Relative r = relative_to_body(collider, s, v, p);
+  if (has_tapered) {
+    const Hit here = round_cone_distance(collider.radius, collider.half_size, r.b);
+    return out_of_body(r, here, round_cone_entry(collider.radius, collider.half_size, r.a, r.b - r.a), v, p, s.friction);
+  }
   return out_of_body(r, capsule_distance(collider, r.b), capsule_entry(collider, r.a, r.b - r.a), v, p, s.friction);
 }
 
-vec3 out_of_box(Collider collider, Particle v, vec3 p) {
+// One that grows comes at the particle by all its faces: the particle keeps its place by them, and moves by what it lags behind.
+vec3 out_of_box(Collider collider, vec3 growth, Particle v, vec3 p) {
   const Surface s = surface_at(collider, v);
-  const Relative r = relative_to_body(collider, s, v, p);
+  Relative r = relative_to_body(collider, s, v, p);
+  if (resizes) r.a *= growth;
   return out_of_body(r, box_distance(collider, r.b), box_entry(collider, r.a, r.b - r.a), v, p, s.friction);
 }

@@ -25,6 +25,7 @@ struct Body {
   Vector centre_before = Vector::Zero(), centre_after = Vector::Zero();   // m; a point of the plane, or the middle
   Vector normal_before = Vector::UnitY(), normal_after = Vector::UnitY(); // unit; planes
   double radius = 0;                                                      // m; spheres and capsules
+  double taper = 0;                      // m; capsules: by how much the radius of the end along y is less than that of the other, `radius`
   Vector half_size = Vector::Zero();     // m: half a box's sides; y: half a capsule's length
   Eigen::Quaterniond rotation_before = Eigen::Quaterniond::Identity(), rotation_after = Eigen::Quaterniond::Identity();
   Vector turn = Vector::Zero();          // rad in this substep, about the centre: rotation_after = exp(turn) rotation_before
@@ -35,19 +36,44 @@ struct Body {
   Vector own_after(const Vector& p) const { return rotation_after.conjugate() * (p - centre_after); }
 };
 
+/// Whether one end of a capsule lies in the other.
+inline bool is_swallowed(const Body& body) { return std::abs(body.taper) >= 2 * body.half_size.y(); }
+
 /// The point of a capsule's core or of a box that is nearest to p, in the body's axes.
 inline Vector nearest_of_core(const Body& body, const Vector& p) {
+  if (body.taper != 0 && is_swallowed(body)) return {0, std::copysign(body.half_size.y(), -body.taper), 0};
   if (body.shape == Shape::capsule) return {0, std::clamp(p.y(), -body.half_size.y(), body.half_size.y()), 0};
   return p.cwiseMax(-body.half_size).cwiseMin(body.half_size);
 }
 
+/// A capsule with two radii, in its axes: its distance by cases (Quilez, "Round cone"), with the gradient. p is nearest to an end's sphere or
+/// to the side between, whose normals rise by the sine b.
+struct RoundCone {
+  double distance = 0;
+  Vector gradient = Vector::UnitX();
+};
+inline RoundCone round_cone(const Body& body, const Vector& p) {
+  const double half = body.half_size.y(), length = 2 * half;
+  const double b = is_swallowed(body) ? 0 : body.taper / length, a = std::sqrt(1 - b * b);
+  const double x = std::hypot(p.x(), p.z()), y = p.y() + half, along = a * y - b * x;
+  const auto to_end = [&](double height, double radius) {
+    const Vector d = p - Vector(0, height, 0);
+    return RoundCone{d.norm() - radius, d.norm() > 1e-9 ? Vector(d.normalized()) : Vector(a, b, 0)};
+  };
+  if (is_swallowed(body) ? body.taper > 0 : along < 0) return to_end(-half, body.radius);
+  if (is_swallowed(body) || along > a * length) return to_end(half, body.radius - body.taper);
+  return {a * x + b * y - body.radius, x > 1e-9 ? Vector(a * p.x() / x, b, a * p.z() / x) : Vector(a, b, 0)};
+}
+
 /// Signed distance in the axes of a capsule or box. A box's inside is as deep as its nearest face is far.
 inline double own_distance(const Body& body, const Vector& p) {
+  if (body.taper != 0) return round_cone(body, p).distance;
   const double outside = (p - nearest_of_core(body, p)).norm();
   if (body.shape == Shape::capsule) return outside - body.radius;
   return outside > 0 ? outside : -(body.half_size - p.cwiseAbs()).minCoeff();
 }
 inline Vector own_gradient(const Body& body, const Vector& p) {
+  if (body.taper != 0) return round_cone(body, p).gradient;
   const Vector outward = p - nearest_of_core(body, p);
   if (body.shape == Shape::capsule) return outward.norm() > 1e-9 ? Vector(outward.normalized()) : Vector::UnitX();
   if (outward.norm() > 0) return outward.normalized();

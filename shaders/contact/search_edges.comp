@@ -7,8 +7,10 @@
 READ_WRITE(Detection, detection)
 GATHER_UINT4(cluster_edges)
 WRITE(uvec2, near_edges)
+GATHER(velocities)
 
 #include "contact/search.glsl"
+#include "contact/mask.glsl"
 #include "untangle/crossing.glsl"
 
 uint edge, own_cluster;
@@ -31,7 +33,7 @@ uint outline_number(uint member) { return contact_settings.triangles + member; }
 bool can_be_pair(uint member, out uvec4 particles) {
   const uvec2 e = FETCH(cluster_edges, member).xy;
   particles = uvec4(ends, e);
-  return ends.x != e.x && ends.x != e.y && ends.y != e.x && ends.y != e.y;
+  return ends.x != e.x && ends.x != e.y && ends.y != e.x && ends.y != e.y && meets_other(ends.x, e.x);
 }
 
 void put_near(uint place, uint member) { near_edges[place] = uvec2(edge, member); }

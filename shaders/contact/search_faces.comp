@@ -8,8 +8,10 @@ GATHER_UINT2(cluster_searchers)
 GATHER_UINT4(cluster_faces)
 WRITE(uvec2, near_faces)
 WRITE(uint, tangled_pairs)
+GATHER(velocities)
 
 #include "contact/search.glsl"
+#include "contact/mask.glsl"
 
 uint vertex;
 
@@ -24,7 +26,7 @@ uint outline_number(uint member) { return member; }
 bool can_be_pair(uint member, out uvec4 particles) {
   const uvec3 t = FETCH(cluster_faces, member).xyz;
   particles = uvec4(vertex, t);
-  return !any(equal(t, uvec3(vertex)));
+  return !any(equal(t, uvec3(vertex))) && meets_other(vertex, t.x);
 }
 
 void put_near(uint place, uint member) { near_faces[place] = uvec2(vertex, member); }

@@ -21,16 +21,17 @@ vec4 without(vec4 directions, vec3 direction) {
 
 vec3 out_of_collider(uint k, Particle particle, vec3 p) {
   if (k < planes) return out_of_plane(colliders[k], particle, p);
-  if (k < planes + spheres) return out_of_sphere(colliders[k], particle, p);
-  if (k < planes + spheres + capsules) return out_of_capsule(colliders[k], particle, p);
-  return out_of_box(colliders[k], particle, p);
+  if (k < planes + spheres) return out_of_sphere(collider_at(k, particle.to), particle, p);
+  if (k < planes + spheres + capsules) return out_of_capsule(collider_at(k, particle.to), particle, p);
+  return out_of_box(collider_at(k, particle.to), growth_of(k, particle), particle, p);
 }
 
 // x, the velocity v of the free flight, and `pushed`, the change of v by the springs (m/s).
 ColliderFilter filter_at(vec3 x, vec3 v, vec4 material, vec3 pushed) {
   const Particle particle = Particle(push.fraction_from, push.fraction_to, x, material.z, 0);
   ColliderFilter result = ColliderFilter(vec4(0, 0, 0, 1), vec3(0));
-  for (uint k = 0; k < planes + spheres + capsules + boxes; ++k) {
+  for (uint k = 0; k < kBodies; ++k) {
+    if (!meets_body(material, k)) continue;
     const vec3 p = x + motion.h * (v + result.change), way_out = out_of_collider(k, particle, p) - p;
     const float depth = length(way_out), change = motion.inverse_h * depth;
     const vec3 normal = way_out / max(depth, 1e-20);

@@ -56,6 +56,7 @@ struct Solid {
   uint view;       // WEFT_VIEW_*
   float cell;      // m: the size of the floor's pattern; 0 for none
   float end;       // capsules: half the length over the radius
+  float end_radius;  // capsules: the radius at the end along y, over the other's
 };
 
 #define WEFT_SHAPE_PLANE 0
@@ -77,7 +78,7 @@ struct Cloth {
 
 #ifdef __cplusplus
 static_assert(sizeof(Frame) == 2 * 64 + 4 * 16 + 6 * 16 + 3 * 16);
-static_assert(sizeof(Solid) == 96);
+static_assert(sizeof(Solid) == 100);
 static_assert(sizeof(Cloth) == 36);
 }  // namespace weft::shading
 #endif

@@ -14,12 +14,22 @@ invariant gl_Position;
 const uvec2 kCorners[6] = {uvec2(0, 0), uvec2(1, 0), uvec2(1, 1), uvec2(0, 0), uvec2(1, 1), uvec2(0, 1)};
 
 // A quad of two triangles a cell: slices by stacks cells over longitude and latitude.
-vec3 sphere_point(uint vertex) {
+uvec2 lattice_of(uint vertex) {
   uint cell = vertex / 6;
-  uvec2 lattice = uvec2(cell % WEFT_SPHERE_SLICES, cell / WEFT_SPHERE_SLICES) + kCorners[vertex % 6];
+  return uvec2(cell % WEFT_SPHERE_SLICES, cell / WEFT_SPHERE_SLICES) + kCorners[vertex % 6];
+}
+
+float latitude_of(uvec2 lattice) { return kPi * (float(lattice.y) / float(WEFT_SPHERE_STACKS) - 0.5); }
+
+vec3 sphere_point(uvec2 lattice, float latitude) {
   float longitude = -2.0 * kPi * float(lattice.x % WEFT_SPHERE_SLICES) / float(WEFT_SPHERE_SLICES);
-  float latitude = kPi * (float(lattice.y) / float(WEFT_SPHERE_STACKS) - 0.5);
   return vec3(cos(latitude) * cos(longitude), sin(latitude), cos(latitude) * sin(longitude));
+}
+
+// Where the ends have two radii the sphere is cut where its normals are the side's, and its rows lie between that latitude and the poles.
+float cut_latitude(float latitude, bool upper) {
+  const float cut = asin(clamp((1.0 - solid.end_radius) / (2.0 * solid.end), -1.0, 1.0)), half_turn = 0.5 * kPi;
+  return upper ? cut + (half_turn - cut) * latitude / half_turn : (half_turn + cut) * (latitude / half_turn + 1.0) - half_turn;
 }
 
 // A face a sixth: the axis that it is square to, then its side. The corner's other two axes follow in cyclic order.
@@ -37,14 +47,15 @@ void box_point(uint vertex, out vec3 local, out vec3 normal) {
 void main() {
   vec3 local, normal;
   if (solid.shape == WEFT_SHAPE_SPHERE) {
-    local = sphere_point(gl_VertexIndex);
+    const uvec2 lattice = lattice_of(gl_VertexIndex);
+    local = sphere_point(lattice, latitude_of(lattice));
     normal = local;
   } else if (solid.shape == WEFT_SHAPE_CAPSULE) {
     // A sphere cut at its equator, the halves moved apart: the row of cells that is cut becomes the cylinder.
-    normal = sphere_point(gl_VertexIndex);
-    const uint cell = gl_VertexIndex / 6;
-    const bool upper = 2 * (cell / WEFT_SPHERE_SLICES + kCorners[gl_VertexIndex % 6].y) > WEFT_SPHERE_STACKS;
-    local = normal + vec3(0, upper ? solid.end : -solid.end, 0);
+    const uvec2 lattice = lattice_of(gl_VertexIndex);
+    const bool upper = 2 * lattice.y > WEFT_SPHERE_STACKS, tapered = solid.end_radius != 1.0;
+    normal = sphere_point(lattice, tapered ? cut_latitude(latitude_of(lattice), upper) : latitude_of(lattice));
+    local = (upper ? solid.end_radius : 1.0) * normal + vec3(0, upper ? solid.end : -solid.end, 0);
   } else if (solid.shape == WEFT_SHAPE_BOX) {
     box_point(gl_VertexIndex, local, normal);
   } else {

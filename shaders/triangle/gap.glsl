@@ -57,6 +57,8 @@ Gap gap_of_capsule(float half_length, float radius, mat3 x) {
   return nearest;
 }
 
+#include "triangle/round_cone_gap.glsl"
+
 // An axis must part a box and a triangle by so much more (m) than the axes before it, so that rounding does not choose.
 const float kBetter = 1e-6;
 
@@ -118,6 +120,7 @@ Gap gap_of_box(vec3 half_size, mat3 x) {
 }
 
 Gap gap_of(Body body, mat3 x) {
+  if (has_tapered && body.radius > 0) return gap_of_round_cone(body, x);
   if (body.radius > 0) return gap_of_capsule(body.half_size.y, body.radius, x);
   return gap_of_box(body.half_size, x);
 }

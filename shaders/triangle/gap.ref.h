@@ -24,7 +24,8 @@ inline Vector point_at(const Corners& x, const Vector& weights) { return weights
 /// How far a body extends in a direction (m).
 inline double support_of(const Body& body, const Vector& n) {
   if (body.shape == Shape::sphere) return body.radius * n.norm();
-  if (body.shape == Shape::capsule) return body.half_size.y() * std::abs(n.y()) + body.radius * n.norm();
+  if (body.shape == Shape::capsule)   // the farther of its ends' spheres
+    return std::max(body.radius * n.norm() - body.half_size.y() * n.y(), (body.radius - body.taper) * n.norm() + body.half_size.y() * n.y());
   return n.cwiseAbs().dot(body.half_size);
 }
 
@@ -48,15 +49,23 @@ Vector least_on(const Corners& x, const Function& f) {
   return {1 - u - v, u, v};
 }
 
-/// Round bodies: a sphere's centre or a capsule's axis is a core, and the distance from a core, which is convex, a convex function.
+/// Round bodies: a sphere's centre or a capsule's axis is a core, and the distance from a core, which is convex, a convex function; with two
+/// radii that from the surface is.
 inline Gap gap_to_core(const Body& body, const Corners& x) {
   const auto from_core = [&](const Vector& p) { return body.shape == Shape::sphere ? p : Vector(p - nearest_of_core(body, p)); };
   const Vector weights = least_on(x, [&](const Vector& p) { return from_core(p).norm(); });
   const Vector way = from_core(point_at(x, weights));
+  if (way.norm() > 1e-7 && body.taper != 0) {   // the length of the way less the radius where it begins
+    const Vector nearest = least_on(x, [&](const Vector& p) { return own_distance(body, p); }), point = point_at(x, nearest);
+    return {own_gradient(body, point), own_distance(body, point), nearest};
+  }
   if (way.norm() > 1e-7) return {way.normalized(), way.norm() - body.radius, weights};
-  Vector across = (x[1] - x[0]).cross(x[2] - x[0]).normalized();   // the core crosses the triangle
-  if (across.dot(x[0]) < 0) across = -across;
-  return {across, across.dot(x[0]) - support_of(body, across), weights};
+  const Vector across = (x[1] - x[0]).cross(x[2] - x[0]).normalized();   // the core crosses the triangle
+  const double above = across.dot(x[0]) - support_of(body, across), below = -across.dot(x[0]) - support_of(body, -across);
+  const Vector normal = above >= below ? across : Vector(-across);
+  const auto reach = [&](double end) { return end * body.half_size.y() * normal.y() + body.radius - (end > 0 ? body.taper : 0); };
+  const Vector deepest(0, body.shape == Shape::sphere ? 0 : std::copysign(body.half_size.y(), reach(1) - reach(-1)), 0);
+  return {normal, std::max(above, below), least_on(x, [&](const Vector& p) { return (p - deepest).norm(); })};
 }
 
 /// Boxes. The best of all directions that are normal to two edges, the box's or the triangle's: separating axes, or the shortest way out.

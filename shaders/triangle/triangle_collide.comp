@@ -66,7 +66,8 @@ void correct(Body body, uint particle, vec3 a, vec3 b, vec3 normal, float missin
 bool is_held_inside(Body body, bool is_anchor, vec3 p, float separation) { return is_anchor && distance_to(body, p) < separation; }
 
 void collide(Body body, uvec3 corner, mat3 x, mat3 p, bvec3 is_anchor, float separation) {
-  const mat3 a = mat3(at_start(body.pose, x[0]), at_start(body.pose, x[1]), at_start(body.pose, x[2]));
+  mat3 a = mat3(at_start(body.pose, x[0]), at_start(body.pose, x[1]), at_start(body.pose, x[2]));
+  if (resizes) a = mat3(body.growth * a[0], body.growth * a[1], body.growth * a[2]);
   const mat3 b = mat3(at_end(body.pose, p[0]), at_end(body.pose, p[1]), at_end(body.pose, p[2]));
   for (int k = 0; k < 3; ++k)
     if (is_held_inside(body, is_anchor[k], b[k], separation)) return;
@@ -87,6 +88,7 @@ void main() {
   const mat3 x = mat3(FETCH(positions, corner.x).xyz, FETCH(positions, corner.y).xyz, FETCH(positions, corner.z).xyz);
   const vec4 p = FETCH(predicted, corner.x), q = FETCH(predicted, corner.y), r = FETCH(predicted, corner.z);
   for (uint k = first_body; k < last_body; ++k)
-    collide(body_at(k, particle_of(material)), corner, x, mat3(p.xyz, q.xyz, r.xyz), equal(vec3(p.w, q.w, r.w), vec3(0)),
-            separation_of(material));
+    if (meets_body(material, planes + k))
+      collide(body_at(k, particle_of(material)), corner, x, mat3(p.xyz, q.xyz, r.xyz), equal(vec3(p.w, q.w, r.w), vec3(0)),
+              separation_of(material));
 }

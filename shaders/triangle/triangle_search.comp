@@ -40,6 +40,7 @@ void main() {
   const mat3 x = mat3(FETCH(positions, corner.x).xyz, FETCH(positions, corner.y).xyz, FETCH(positions, corner.z).xyz);
   const mat3 p = mat3(FETCH(predicted, corner.x).xyz, FETCH(predicted, corner.y).xyz, FETCH(predicted, corner.z).xyz);
   bool clear = true;
-  for (uint k = first_body; k < last_body; ++k) clear = clear && is_clear(body_at(k, particle_of(material)), x, p, separation_of(material));
+  for (uint k = first_body; k < last_body; ++k)
+    if (meets_body(material, planes + k)) clear = clear && is_clear(body_at(k, particle_of(material)), x, p, separation_of(material));
   if (!clear) list(i);
 }

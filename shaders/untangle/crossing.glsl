@@ -1,4 +1,4 @@
-// crossing: the triangles that an edge goes through, as the broad phase looks for them. Needs contact/search.glsl.
+// crossing: the triangles that an edge goes through, as the broad phase looks for them. Needs contact/search.glsl and contact/mask.glsl.
 //
 // Every test is a sign, and where two pairs ask for the same one they get the same answer, whatever the rounding: whether an edge passes
 // another on its left is asked in the order of particles. So an edge goes through one of two neighbouring triangles and never through both
@@ -59,7 +59,7 @@ void search_crossings(uint edge, uvec2 ends, uint cluster) {
       const vec3 sides = FETCH(outlines, 3 * face + 1).xyz + half_sides + rounding * abs(middle);
       if (any(greaterThan(abs(its_middle.xyz - middle), sides))) continue;
       const uvec3 t = FETCH(cluster_faces, face).xyz;
-      if (any(equal(t, uvec3(ends.x))) || any(equal(t, uvec3(ends.y)))) continue;
+      if (any(equal(t, uvec3(ends.x))) || any(equal(t, uvec3(ends.y))) || !meets_other(ends.x, t.x)) continue;
       const float along = crossing_of(a, b - a, t);
       if (along < 0 || !(moves || can_move(t.x) || can_move(t.y) || can_move(t.z))) continue;
       ++count;

@@ -147,6 +147,12 @@ Body capsule_of(double half_length, double radius) {
   body.rotation_before = body.rotation_after = Eigen::Quaterniond(0.3, -0.5, 0.7, 0.2).normalized();
   return body;
 }
+// Its radius is less by `taper` at the end along y.
+Body tapered_of(double half_length, double radius, double taper) {
+  Body body = capsule_of(half_length, radius);
+  body.taper = taper;
+  return body;
+}
 Body box_of(const Vector& half_size) {
   Body body{.shape = Shape::box, .half_size = half_size};
   body.rotation_before = body.rotation_after = Eigen::Quaterniond(0.6, 0.1, -0.4, 0.5).normalized();
@@ -159,7 +165,8 @@ Body floor_at(double height, double friction) {
 TEST(ColliderTwin, the_gradient_is_the_slope_of_the_distance) {
   Random random(8);
   for (int trial = 0; trial < 100; ++trial)
-    for (Body body : {ball(0.5, 0), floor_at(0.2, 0), capsule_of(0.4, 0.15), box_of({0.5, 0.4, 0.3})}) {
+    for (Body body : {ball(0.5, 0), floor_at(0.2, 0), capsule_of(0.4, 0.15), box_of({0.5, 0.4, 0.3}), tapered_of(0.4, 0.15, 0.1),
+                      tapered_of(0.2, 0.1, -0.3)}) {
       body.normal_after = anywhere(random, 1).normalized();
       const Vector p = anywhere(random, 1).normalized() * between(random, 0.2, 2);
       const Vector slope = difference([&](const Vector& q) { return signed_distance(body, q); }, p);
@@ -170,7 +177,8 @@ TEST(ColliderTwin, the_gradient_is_the_slope_of_the_distance) {
 TEST(ColliderTwin, whoever_is_inside_comes_out_by_the_shortest_way_and_whoever_is_outside_stays) {
   Random random(9);
   for (int trial = 0; trial < 500; ++trial)
-    for (const Body& body : {ball(0.5, 0), floor_at(0.2, 0), capsule_of(0.4, 0.3), box_of({0.5, 0.4, 0.3})}) {
+    for (const Body& body : {ball(0.5, 0), floor_at(0.2, 0), capsule_of(0.4, 0.3), box_of({0.5, 0.4, 0.3}), tapered_of(0.4, 0.1, -0.3),
+                             tapered_of(0.4, 0.4, 0.1), tapered_of(0.1, 0.4, 0.2), tapered_of(0.1, 0.1, -0.35)}) {
       const Vector p = anywhere(random, 1), x = p;
       const Vector q = out_of_body(body, x, p, 0.01);
       const double before = signed_distance(body, p);
@@ -178,6 +186,23 @@ TEST(ColliderTwin, whoever_is_inside_comes_out_by_the_shortest_way_and_whoever_i
       EXPECT_NEAR((q - p).norm(), std::max(0.01 - before, 0.0), 1e-14);
     }
   EXPECT_EQ(out_of_body(ball(0.5, 0), Vector::Zero(), Vector::Zero(), 0), Vector(0, 0.5, 0));
+}
+
+// The spheres along the core, each as large as the two ends have it there.
+TEST(ColliderTwin, a_capsule_with_two_radii_is_as_far_as_the_nearest_of_its_spheres) {
+  Random random(10);
+  for (const Body& body : {tapered_of(0.4, 0.3, 0.2), tapered_of(0.4, 0.05, -0.6), tapered_of(0.1, 0.4, 0.2), tapered_of(0.1, 0.1, -0.3)})
+    for (int trial = 0; trial < 200; ++trial) {
+      const Vector p = anywhere(random, 1);
+      double least = 1e9;
+      for (int k = 0; k <= 4000; ++k) {
+        const double t = k / 4000.0;
+        const Vector centre(0, (2 * t - 1) * body.half_size.y(), 0);
+        least = std::min(least, (p - centre).norm() - (body.radius - t * body.taper));
+      }
+      EXPECT_NEAR(own_distance(body, p), least, 1e-6);
+      EXPECT_LE(own_distance(body, p), least + 1e-12);
+    }
 }
 
 TEST(ColliderTwin, a_point_that_a_fast_sphere_ran_over_is_caught_on_the_way) {

@@ -206,6 +206,20 @@ TEST(BrokenScene, wrong_colliders_are_told_with_path_value_and_limit) {
       Broken{R"({"colliders": [{"shape": "box", "axis": [0, 0, 0]}]})", "colliders[0].axis: is a vector of length 0"},
       Broken{R"({"colliders": [{"friction": -1}]})", "colliders[0].friction: -1 is less than 0"},
       Broken{R"({"colliders": [{"keys": [{"time": 2}, {"time": 1}]}]})", "colliders[0].keys[1].time: 1 is not after 2 (s)"},
+      Broken{R"({"colliders": [{"shape": "capsule", "radius_end": 0}]})", "colliders[0].radius_end: 0 is not above 0 (m)"},
+      Broken{R"({"colliders": [{"shape": "sphere", "radius_end": 1}]})", "colliders[0].radius_end: a sphere has no radius_end"},
+      Broken{R"({"colliders": [{"shape": "plane", "resizes": true}]})", "colliders[0].resizes: a plane has no resizes"},
+      Broken{R"({"colliders": [{"shape": "mesh", "mesh": "sheet.glb", "bone": {}}]})", "colliders[0].bone: a mesh has no bone"},
+      Broken{R"({"colliders": [{"meets": "skirt"}]})", "colliders[0].meets: \"skirt\" is text, not a list"},
+      Broken{R"({"colliders": [{"meets": [3]}]})", "colliders[0].meets[0]: 3, not text"},
+      Broken{R"({"cloths": [{"grid": {}, "name": "skirt"}], "colliders": [{"meets": ["skirt", "skrit"]}]})",
+             "colliders[0].meets[1]: there is no cloth \"skrit\" (did you mean \"skirt\"?)"},
+      Broken{R"({"cloths": [{"grid": {}, "name": "skirt", "meets": ["cape"]}]})", "cloths[0].meets[0]: there is no cloth \"cape\""},
+      Broken{R"({"cloths": [{"grid": {}}], "colliders": [{"bone": {"cloth": "cape"}}]})", "colliders[0].bone.cloth: there is no cloth \"cape\""},
+      Broken{R"({"cloths": [{"grid": {}}], "colliders": [{"bone": {"cloth": "cloth"}}]})",
+             "colliders[0].bone.cloth: the cloth \"cloth\" has no skin"},
+      Broken{R"({"cloths": [{"grid": {}, "skin": {}}], "colliders": [{"bone": {"cloth": "cloth"}, "keys": [{"time": 0}]}]})",
+             "colliders[0].keys: move what a bone moves already"},
       Broken{"{\"colliders\": " + many("{}", 1025) + "}", "colliders: 1025 entries are more than 1024"}});
 }
 

@@ -74,6 +74,8 @@ TEST(Scene, every_key_arrives) {
   EXPECT_EQ(sheet.bend_rest, BendRest::mesh);
   EXPECT_FALSE(sheet.tethers);
   EXPECT_EQ(sheet.anchors.at(0).corners, (std::vector<Corner>{Corner::low_high, Corner::high_high}));
+  EXPECT_EQ(sheet.meets, (std::vector<std::string>{"curtain"}));
+  EXPECT_FALSE(curtain.meets);
 
   EXPECT_EQ(scene.colliders.at(0).shape, ColliderShape::sphere);
   EXPECT_EQ(scene.colliders.at(0).radius, 0.25);
@@ -82,9 +84,13 @@ TEST(Scene, every_key_arrives) {
   EXPECT_EQ(scene.colliders.at(2).shape, ColliderShape::capsule);
   EXPECT_EQ(scene.colliders.at(2).axis, (Vec3{1, 0, 0}));
   EXPECT_EQ(scene.colliders.at(2).length, 0.75);
+  EXPECT_EQ(scene.colliders.at(2).radius_end, 0.25);
+  EXPECT_EQ(scene.colliders.at(2).meets, (std::vector<std::string>{"cloth", "curtain"}));
   EXPECT_EQ(scene.colliders.at(3).shape, ColliderShape::box);
   EXPECT_EQ(scene.colliders.at(3).size, (Vec3{1, 2, 3}));
   EXPECT_EQ(scene.colliders.at(3).degrees, 45);
+  EXPECT_EQ(scene.colliders.at(3).bone, (Bone{"cloth", ""}));
+  EXPECT_TRUE(scene.colliders.at(3).resizes);
   EXPECT_EQ(scene.colliders.at(4).shape, ColliderShape::mesh);
   EXPECT_EQ(scene.colliders.at(4).mesh, "sheet.glb");
   EXPECT_EQ(scene.colliders.at(4).scale, 2);

@@ -72,6 +72,9 @@ struct Lister {
     else
       put(key, {{"type", "string"}, {"maxLength", 1000}, {"default", value}});
   }
+  void optional_texts(std::string_view key, std::optional<std::vector<std::string>>&, std::size_t most) {
+    put(key, {{"type", "array"}, {"maxItems", most}, {"items", {{"type", "string"}, {"maxLength", 1000}}}});
+  }
   void optional_flag(std::string_view key, std::optional<bool>&) { put(key, {{"type", "boolean"}}); }
   void flag(std::string_view key, bool& value) { put(key, {{"type", "boolean"}, {"default", value}}); }
   void number(std::string_view key, double& value, const Range& range) { put(key, with_default(number_of(range), value)); }

@@ -25,7 +25,8 @@ Snapshot example() {
   s.phase = 2;
   s.capacity = 4096;
   s.anchors = {{7, true, {1, 2, 3}}, {9, false, {}}};
-  s.colliders = {{true, true, {{1, 2, 3}, {0, 0, 1}, {0, 0, 1, 0}}, {{4, 5, 6}, {1, 0, 0}, {1, 0, 0, 0}}}};
+  s.colliders = {{true, true, {{1, 2, 3}, {0, 0, 1}, {0, 0, 1, 0}}, {{4, 5, 6}, {1, 0, 0}, {1, 0, 0, 0}}, true,
+                  {0.1, 0.2, 0.3, {1, 2, 3}}, {0.4, 0.6, 0.7, {4, 5, 6}}}};
   s.contents = {{"positions", std::vector<std::byte>(48, std::byte{42})}, {"candidates", {}}};
   s.note = {std::byte{'h'}, std::byte{'i'}};
   return s;
@@ -58,6 +59,9 @@ TEST(Snapshots, what_is_written_is_read_back) {
   EXPECT_EQ(read->capacity, s.capacity);
   EXPECT_EQ(read->anchors.at(0).target, s.anchors[0].target);
   EXPECT_EQ(read->colliders.at(0).pending.rotation, s.colliders[0].pending.rotation);
+  EXPECT_TRUE(read->colliders.at(0).is_resized);
+  EXPECT_EQ(read->colliders.at(0).size, s.colliders[0].size);
+  EXPECT_EQ(read->colliders.at(0).pending_size, s.colliders[0].pending_size);
   EXPECT_EQ(read->contents.at(0).bytes, s.contents[0].bytes);
   EXPECT_EQ(read->note, s.note);
   EXPECT_EQ(snapshot_bytes(*read), bytes) << "and everything else";

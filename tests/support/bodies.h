@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "engine/effects/collide/collide.h"
 #include "shaders/collide/collide.ref.h"
 #include "tests/support/single_pass.h"
 
@@ -10,8 +11,9 @@ namespace weft {
 
 inline constexpr int kBodySubstep = 2;   // of four
 
-// Random bodies of one shape that move, and spin or tilt.
-inline std::vector<gpu::Collider> bodies(Random& random, ColliderShape shape, double speed) {
+// Random bodies of one shape that move, and spin or tilt. Capsules `tapered`: with two radii, of which each third hides the smaller end in the
+// larger.
+inline std::vector<gpu::Collider> bodies(Random& random, ColliderShape shape, double speed, bool tapered = false) {
   std::vector<gpu::Collider> colliders;
   const auto one = [&](double low, double high) { return static_cast<float>(between(random, low, high)); };
   for (int k = 0; k < 3; ++k) {
@@ -38,9 +40,25 @@ inline std::vector<gpu::Collider> bodies(Random& random, ColliderShape shape, do
     c.spin = {spin.x, spin.y, spin.z};
     const Eigen::Quaternionf q = Eigen::Quaternionf(one(-1, 1), one(-1, 1), one(-1, 1), one(-1, 1)).normalized();
     c.rotation_from = {q.x(), q.y(), q.z(), q.w()};
+    if (shape == ColliderShape::capsule) c.half_size.x = c.half_size.z = 0;
+    if (tapered) {
+      const double large = between(random, 0.4, 0.6), length = k == 2 ? 0.1 : between(random, 0.6, 1.2);
+      const double small = between(random, 0.1, 0.25), low = k == 1 ? small : large;
+      const gpu::BodySize size = body_size(shape, {low, large + small - low, length, {}});
+      c.radius = size.radius;
+      c.half_size = size.half_size;
+    }
     colliders.push_back(c);
   }
   return colliders;
+}
+
+// The twin's radii of a capsule (body_size): one that hides an end in the other is a sphere off its middle.
+inline void put_taper(reference::Body& body, const gpu::Collider& c) {
+  const double middle = c.half_size.x, half = c.half_size.y, sine = c.half_size.z;
+  body.half_size = {0, middle != 0 ? std::abs(middle) : half, 0};
+  body.radius = middle > 0 ? 0 : c.radius + half * sine;
+  body.taper = middle != 0 ? std::copysign(double(c.radius), -middle) : 2 * half * sine;
 }
 
 inline reference::Body body_of(const gpu::Collider& c, ColliderShape shape, double from, double to, double cloth_friction) {
@@ -60,6 +78,7 @@ inline reference::Body body_of(const gpu::Collider& c, ColliderShape shape, doub
   body.normal_after = normal(to);
   body.radius = c.radius;
   body.half_size = vector(c.half_size);
+  if (shape == ColliderShape::capsule) put_taper(body, c);
   body.rotation_before = rotation(from);
   body.rotation_after = rotation(to);
   body.turn = (to - from) * vector(c.spin);

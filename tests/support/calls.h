@@ -39,6 +39,9 @@ inline Needs setup_for(const Calls& calls, bool texels) {
   setup.constants[constant::has_levels] = setup.constants[constant::has_wide_levels] = calls.has(Id::level);
   setup.constants[constant::tether_pairs] = calls.has(Id::tether);
   setup.constants[constant::has_colliders] = setup.constants[constant::spheres] = calls.has(Id::collide);
+  for (const auto bodies : {constant::capsules, constant::has_tapered, constant::has_body_masks, constant::resizes})
+    setup.constants[bodies] = calls.has(Id::collide) && calls.iterated;
+  setup.constants[constant::contact_mask_words] = calls.has(Id::contact) && calls.iterated;
   setup.constants[constant::triangles_collide] = setup.constants[constant::boxes] = calls.has(Id::triangle);
   setup.constants[constant::has_contacts] = calls.has(Id::contact);
   setup.constants[constant::untangles] = calls.has(Id::untangle);

@@ -15,11 +15,19 @@ struct ShapeKey {
 };
 inline constexpr ShapeKey kShapeKeys[] = {
     {"normal", {true, false, false, false, false}},    {"radius", {false, true, true, false, false}},
+    {"radius_end", {false, false, true, false, false}},
     {"length", {false, false, true, false, false}},    {"size", {false, false, false, true, false}},
     {"axis", {false, false, true, true, true}},        {"degrees", {false, false, false, true, true}},
     {"mesh", {false, false, false, false, true}},      {"scale", {false, false, false, false, true}},
     {"thickness", {false, false, false, false, true}}, {"skin", {false, false, false, false, true}},
+    {"bone", {true, true, true, true, false}},         {"resizes", {false, true, true, true, false}},
 };
+
+template <class V>
+void fields(V& v, Bone& bone) {
+  v.text("cloth", bone.cloth);
+  v.text("joint", bone.joint);
+}
 
 template <class V>
 void fields(V& v, Collider& collider) {
@@ -30,12 +38,16 @@ void fields(V& v, Collider& collider) {
   v.vector3("centre", collider.centre, kPlace);
   v.unit("normal", collider.normal);
   v.number("radius", collider.radius, above(0, kFarthest, "m"));
+  v.optional_number("radius_end", collider.radius_end, above(0, kFarthest, "m"));
   v.number("length", collider.length, above(0, kFarthest, "m"));
   v.vector3("size", collider.size, above(0, kFarthest, "m"));
   v.unit("axis", collider.axis);
   v.number("degrees", collider.degrees, kTurn);
   v.number("friction", collider.friction, kFriction);
   v.optional_object("skin", collider.skin);
+  v.optional_object("bone", collider.bone);
+  v.optional_texts("meets", collider.meets, kMostCloths);
+  v.flag("resizes", collider.resizes);
   v.list("keys", collider.keys, 0, kMostKeys);
   v.colour("colour", collider.colour, between(0, 1));
 }

@@ -59,7 +59,7 @@ constexpr const Buffer* kBuffers[] = {
     &buffers::candidates, &buffers::grid_counts, &buffers::grid_starts, &buffers::grid_entries, &buffers::contact_normals,
     &buffers::contact_weights, &buffers::near_edges, &buffers::near_faces, &buffers::contact_list, &buffers::touched_particles,
     &buffers::contact_counts, &buffers::contact_sums, &buffers::contact_penetrations, &buffers::slides, &buffers::kinematic_lags,
-    &buffers::step_fractions,
+    &buffers::step_fractions, &buffers::contact_masks,
 };
 
 // Indirect dispatches, in the order of the passes: a detection, where one is needed; the pairs of its broad phase; its
@@ -101,6 +101,25 @@ constexpr Pass kPasses[] = {
     {.name = "contact_finalize", .stage = Stage::substep_end, .threads = kPairedParticles},
 };
 
+// Nothing where all meet each other. Mesh colliders are kinematic, and meet none of their own kind.
+void make_masks(const Scene& scene, std::span<const std::uint32_t> meshes, CookedFabric& fabric) {
+  const auto cloths = static_cast<std::uint32_t>(scene.cloths.size()), all = cloths + static_cast<std::uint32_t>(meshes.size());
+  ContactMasks masks{.words = {}, .stride = (all + 31) / 32};
+  masks.words.resize(std::size_t{masks.stride} * all, ~gpu::uint{0});
+  bool any = false;
+  const auto part = [&](std::uint32_t a, std::uint32_t b) {
+    masks.words[std::size_t{a} * masks.stride + b / 32] &= ~(gpu::uint{1} << b % 32);
+    any = true;
+  };
+  for (std::uint32_t a = 0; a < cloths; ++a) {
+    for (std::uint32_t b = 0; b < cloths; ++b)
+      if (a != b && !meet(scene.cloths[a], scene.cloths[b])) part(a, b);
+    for (std::uint32_t m = 0; m < meshes.size(); ++m)
+      if (!meet(scene.cloths[a], scene.colliders[meshes[m]])) part(a, cloths + m), part(cloths + m, a);
+  }
+  if (any) fabric.own.of<ContactMasks>() = std::move(masks);
+}
+
 Result<void> cook_bodies(cooking::CookState& state, std::span<const Mesh> collider_meshes) {
   const Scene& scene = state.scene();
   if (!contacts_on(scene)) return {};
@@ -110,6 +129,7 @@ Result<void> cook_bodies(cooking::CookState& state, std::span<const Mesh> collid
     if (auto added = cooking::add_collider_mesh(scene, colliders[k], collider_meshes[k], state.fabric()); !added) return added;
   cooking::add_edges(state.fabric());
   state.fabric().own.of<ClusterLists>() = cooking::make_clusters(state.fabric());
+  make_masks(scene, colliders, state.fabric());
   return {};
 }
 
@@ -141,7 +161,11 @@ constinit const Effect contact{
     .called_for = [](const Scene&, const CookedFabric& fabric) { return !fabric.rest.empty(); },
     .buffers = kBuffers,
     .passes = kPasses,
-    .specialize = [](const Cooked&, Constants& constants) { constants[gpu::constant::has_contacts] = 1; },
+    .specialize =
+        [](const Cooked& s, Constants& constants) {
+          constants[gpu::constant::has_contacts] = 1;
+          constants[gpu::constant::contact_mask_words] = s.fabric.own.of<ContactMasks>().stride;
+        },
     .slice = {"contact_settings", [](const Cooked& s) { return made(std::vector{s.contacts}); }},
     .reference = Reference::absent,
     .figures = kFigures,

@@ -20,7 +20,15 @@ inline std::uint64_t outlined(const Cooked& s) { return particles(s) + primitive
 inline std::uint64_t buckets(const Cooked& s) { return s.contacts.buckets; }
 }  // namespace lengths
 
+/// Who meets whom, where it is not all: rows of bits, for each cloth and then each mesh collider (contact/mask.glsl).
+struct ContactMasks {
+  std::vector<gpu::uint> words;
+  gpu::uint stride = 0;   // words in a row; 0: all meet
+};
+
 namespace buffers {
+
+inline constexpr Buffer contact_masks = own<gpu::uint, &ContactMasks::words>("contact_masks");
 
 // ---- cooked
 

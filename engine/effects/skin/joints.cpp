@@ -1,4 +1,6 @@
 // Where joints are, for the passes and for the host.
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <cmath>
 
 #include "engine/effects/skin/skin.h"
@@ -17,6 +19,15 @@ std::vector<Affine> joints_at(const Scene& scene, const SkinnedMesh& skinned, co
 
 Affine affine(Vec3 centre, const Rotation& rotation) {
   return {rotated(rotation, {1, 0, 0}), rotated(rotation, {0, 1, 0}), rotated(rotation, {0, 0, 1}), centre};
+}
+
+ColliderPose carried_pose(const Collider& collider, const Affine& joint) {
+  Eigen::Affine3d map;
+  map.matrix() << joint.x.x, joint.y.x, joint.z.x, joint.origin.x, joint.x.y, joint.y.y, joint.z.y, joint.origin.y, joint.x.z, joint.y.z,
+      joint.z.z, joint.origin.z, 0, 0, 0, 1;
+  const Eigen::Quaterniond q = Eigen::Quaterniond(map.rotation()).normalized();
+  const Rotation turn{static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z()), static_cast<float>(q.w())};
+  return {joint * collider.centre, rotated(turn, collider.normal), turn * rest_rotation(collider)};
 }
 
 gpu::Joint joint_between(const Affine& from, const Affine& to) {

@@ -49,6 +49,29 @@ Result<SkinnedMesh> add_joints(SkinnedMesh skinned, const Scene& scene, const Sk
   return skinned;
 }
 
+// The colliders that joints of this cloth carry.
+Result<void> bind_colliders(const Scene& scene, const Cloth& cloth, const SkinnedMesh& skinned, const Mesh& mesh, SkinLists& lists) {
+  const auto first = std::ranges::find(scene.cloths, cloth.name, &Cloth::name);
+  if (&*first != &cloth) return {};
+  for (std::uint32_t k = 0; k < scene.colliders.size(); ++k) {
+    const Collider& collider = scene.colliders[k];
+    if (!collider.bone || collider.shape == ColliderShape::mesh || collider.bone->cloth != cloth.name) continue;
+    std::uint32_t joint = 0;
+    std::string names;
+    if (const std::string& wanted = collider.bone->joint; !wanted.empty()) {
+      for (joint = 0; joint < skinned.joints; ++joint) {
+        const std::string name = mesh.skin ? mesh.skin->joints[joint].name : "";
+        if (name == wanted) break;
+        names += (joint == 0 ? "" : ", ") + in_quotes(name);
+      }
+      if (joint == skinned.joints)
+        return fail("skin: it has no joint ", in_quotes(wanted), ", which colliders[", k, "].bone.joint asks for; its joints are: ", names);
+    }
+    lists.bones.push_back({k, skinned.first_joint + joint});
+  }
+  return {};
+}
+
 gpu::SkinPoint point_of(const Mesh& mesh, const SkinnedMesh& skinned, std::uint32_t p, std::uint32_t particle, Vec3 normal) {
   gpu::SkinPoint point{};
   point.particle = particle;
@@ -74,6 +97,7 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   auto& lists = fabric.own.of<SkinLists>();
   const auto skinned = add_joints({.index = index, .mesh = index}, state.scene(), input.cloth.skin.value_or(Skinning{}), mesh, lists);
   if (!skinned) return skinned.why();
+  if (auto bound = bind_colliders(state.scene(), input.cloth, *skinned, mesh, lists); !bound) return bound;
   const auto normals = smooth_normals(mesh.points, mesh.triangles);
   const ClothRange& range = fabric.cloths.back();
   std::vector<gpu::SkinPoint> points(range.particles);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/collider_pose.h"
 #include "engine/effects/buffer.h"
 #include "engine/mesh.h"
 
@@ -20,10 +21,16 @@ struct SkinnedMesh {
   std::uint32_t first_joint = 0, joints = 0;
 };
 
+/// A collider that a joint carries.
+struct BoundCollider {
+  std::uint32_t collider = 0, joint = 0;   // of Scene::colliders; of all joints
+};
+
 struct SkinLists {
   std::vector<gpu::SkinPoint> points;   // that it holds or keeps near, in the order of their particles
   std::vector<SkinnedMesh> meshes;
   std::vector<Affine> first_pose;       // of all joints: where they are when the scene begins
+  std::vector<BoundCollider> bones;
 };
 
 /// Whether the scene calls for the skin of a cloth: its targets, or what keeps to them.
@@ -34,6 +41,9 @@ std::vector<Affine> joints_at(const Scene& scene, const SkinnedMesh& skinned, co
 
 /// The map of what is turned by `rotation` and then put at `centre`.
 Affine affine(Vec3 centre, const Rotation& rotation);
+
+/// Where a joint has a collider that it carries: its turn is the rotation nearest to the joint's map, which may scale.
+ColliderPose carried_pose(const Collider& collider, const Affine& joint);
 
 /// Joints as the GPU has them, where the frame begins and where it ends.
 gpu::Joint joint_between(const Affine& from, const Affine& to);

@@ -30,8 +30,10 @@ bool may_show_through(const Collider& collider, double edge, double thickness) {
   switch (collider.shape) {
     case ColliderShape::sphere:
     case ColliderShape::capsule: {
+      if (collider.resizes) return true;   // to whatever size
+      const double radius = collider.shape == ColliderShape::capsule ? std::min(collider.radius, radius_at_end(collider)) : collider.radius;
       const double longest = (1 + kStretched) * edge;
-      return longest * longest > 3 * thickness * (2 * collider.radius + thickness);
+      return longest * longest > 3 * thickness * (2 * radius + thickness);
     }
     case ColliderShape::box: return true;
     case ColliderShape::plane:   // where no vertex passes no triangle does
@@ -70,7 +72,7 @@ void lay_out(cooking::CookState& state) {
   const std::vector<double> edges = longest_edges(fabric), thickness = least_thickness(fabric);
   for (const Collider& collider : state.scene().colliders)
     for (std::size_t k = 0; k < edges.size(); ++k)
-      if (edges[k] > 0 && may_show_through(collider, edges[k], thickness[k])) {
+      if (edges[k] > 0 && meet(state.scene().cloths[k], collider) && may_show_through(collider, edges[k], thickness[k])) {
         any = true;
         with_round = with_round || collider.shape != ColliderShape::box;
       }

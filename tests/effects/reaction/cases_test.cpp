@@ -82,6 +82,8 @@ TEST_F(ReactionCase, a_falling_sheet_gives_every_shape_what_it_loses) {
   expect_balance(device(), falling_sheet({plane(-0.1f)}));
   expect_balance(device(), falling_sheet({sphere({0, -0.4f, 0}, 0.3)}));
   expect_balance(device(), falling_sheet({capsule}));
+  capsule.radius_end = 0.35;
+  expect_balance(device(), falling_sheet({capsule}));
   expect_balance(device(), falling_sheet({block({0, -0.3f, 0}, {0.6f, 0.4f, 0.6f}), plane(-0.5f)}));   // by triangles too
   expect_balance(device(), falling_sheet({sphere({0, -0.4f, 0}, 0.1), plane(-0.5f)}, 6));            // a round one, cells coarse for it
 }

@@ -24,13 +24,14 @@ struct Struck {
 };
 
 // Loose particles and bodies of one shape. Those of which rounding decides whether they are met are held.
-Struck struck(ColliderShape shape, double speed, std::uint64_t seed) {
+Struck struck(ColliderShape shape, double speed, std::uint64_t seed, bool tapered = false) {
   Random random(seed);
   Struck s;
   s.scene.reactions = true;
-  s.colliders = bodies(random, shape, speed);
+  s.colliders = bodies(random, shape, speed, tapered);
   s.scene.colliders.resize(s.colliders.size());
   for (Collider& described : s.scene.colliders) described.shape = shape;
+  if (tapered) s.scene.colliders[0].radius_end = 0.1;
   s.fabric = loose_particles(random, 600, s.scene.solver);
   s.iterate = moved(random, s.fabric, 0.2);
   s.wanted.resize(s.colliders.size());
@@ -75,10 +76,13 @@ bool same_sums(const std::vector<gpu::Reaction>& a, const std::vector<gpu::React
 }
 
 TEST_F(ReactionKernel, every_shape_is_given_what_its_twin_is) {
-  for (const ColliderShape shape : {ColliderShape::plane, ColliderShape::sphere, ColliderShape::capsule, ColliderShape::box})
+  constexpr std::pair<ColliderShape, bool> kBodies[] = {{ColliderShape::plane, false}, {ColliderShape::sphere, false},
+                                                        {ColliderShape::capsule, false}, {ColliderShape::box, false},
+                                                        {ColliderShape::capsule, true}};
+  for (const auto& [shape, tapered] : kBodies)
     for (const double speed : {0.0, 0.2}) {
-      SCOPED_TRACE(std::to_string(static_cast<int>(shape)) + " at " + std::to_string(speed) + " m/s");
-      const Struck s = struck(shape, speed, 7 + static_cast<std::uint64_t>(shape));
+      SCOPED_TRACE(std::to_string(static_cast<int>(shape)) + (tapered ? ", tapered," : "") + " at " + std::to_string(speed) + " m/s");
+      const Struck s = struck(shape, speed, 7 + static_cast<std::uint64_t>(shape), tapered);
       const auto sums = sums_of(device(), s, speed > 0);
       EXPECT_GT(s.exchanged, 10) << "the scene tests nothing";
       // Each place is off by rounding, 4 gaps of a body that is met obliquely at most; levers are some metres long.

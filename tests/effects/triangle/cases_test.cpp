@@ -32,6 +32,12 @@ Collider capsule(Vec3 centre, double radius, double length, Vec3 axis) {
   return collider;
 }
 
+// Thick at one end, thin at the other.
+Collider tapered(Collider capsule, double radius_end) {
+  capsule.radius_end = radius_end;
+  return capsule;
+}
+
 // A sheet on a box, whose one hem is pulled off it by 2 m.
 Scene hem(std::uint32_t cells, double speed, double friction) {
   Scene scene;
@@ -84,6 +90,7 @@ reference::Body body_of(const Collider& collider, const ColliderPose& pose) {
   reference::Body body;
   body.shape = static_cast<reference::Shape>(collider.shape);
   body.radius = collider.radius;
+  if (collider.shape == ColliderShape::capsule) body.taper = collider.radius - radius_at_end(collider);
   body.half_size = collider.shape == ColliderShape::box ? Vector(0.5 * collider.size.x, 0.5 * collider.size.y, 0.5 * collider.size.z)
                                                         : Vector(0, 0.5 * collider.length, 0);
   body.centre_after = {pose.centre.x, pose.centre.y, pose.centre.z};
@@ -121,6 +128,9 @@ TEST_F(TriangleCollision, nothing_shows_through_a_draped_sheet_at_any_cell_size)
   turned.axis = {0.6f, 0.8f, 0};
   turned.degrees = 33;
   const Collider colliders[] = {sphere({0, 0.1f, 0}, 0.15), capsule({0, 0.2f, 0}, 0.04, 0.5, {0.8f, 0.6f, 0}),
+                                tapered(capsule({0, 0.1f, 0}, 0.15, 0.5, {0.8f, 0.6f, 0}), 0.04),
+                                tapered(capsule({0, 0.1f, 0}, 0.03, 0.4, {0.96f, -0.28f, 0}), 0.2),
+                                tapered(capsule({0, 0.1f, 0}, 0.2, 0.1, {0.96f, -0.28f, 0}), 0.05),
                                 box({0, 0, 0}, {0.4f, 0.5f, 0.3f}), turned};
   for (const Collider& collider : colliders)
     for (const std::uint32_t cells : {1u, 3u, 10u, 20u, 25u, 40u}) {
@@ -138,6 +148,8 @@ TEST_F(TriangleCollision, nothing_shows_through_a_draped_sheet_at_any_cell_size)
 // Small bodies through large cells, without a vertex near their way.
 TEST_F(TriangleCollision, no_body_passes_between_vertices_however_fast) {
   const Collider colliders[] = {sphere({0.13f, -0.5f, 0.09f}, 0.03), capsule({0.13f, -0.5f, 0.09f}, 0.02, 0.1, {0.8f, 0, 0.6f}),
+                                tapered(capsule({0.13f, -0.5f, 0.09f}, 0.02, 0.1, {0.8f, 0, 0.6f}), 0.05),
+                                tapered(capsule({0.13f, -0.5f, 0.09f}, 0.05, 0.1, {0, 1, 0}), 0.01),
                                 box({0.13f, -0.5f, 0.09f}, {0.05f, 0.03f, 0.04f})};
   for (const double speed : {5.0, 20.0, 60.0})
     for (Collider collider : colliders) {
@@ -177,6 +189,14 @@ TEST_F(TriangleCollision, are_looked_for_only_where_something_could_show_through
   const Collider ball = sphere({0, 0, 0}, 0.25), ground = plane(0);   // from edges of 50 mm on
   EXPECT_FALSE(searches(over(ball, 50)));
   EXPECT_TRUE(searches(over(ball, 10)));
+  Collider cone = capsule({0, 0, 0}, 0.25, 0.5, {1, 0, 0});
+  EXPECT_FALSE(searches(over(cone, 50)));
+  EXPECT_TRUE(searches(over(tapered(cone, 0.02), 50))) << "by the thinner end";
+  cone.resizes = true;
+  EXPECT_TRUE(searches(over(cone, 50))) << "whatever size it gets";
+  Scene apart = over(ball, 10);
+  apart.colliders[0].meets.emplace();
+  EXPECT_FALSE(searches(apart)) << "it meets no cloth";
   EXPECT_FALSE(searches(over(ground, 1)));
   EXPECT_TRUE(searches(over(box({0, 0, 0}, {1, 1, 1}), 50)));
 }

@@ -6,7 +6,7 @@
 
 #include "shaders/triangle/gap.ref.h"
 #include "engine/effects/triangle/triangle.h"
-#include "tests/support/single_pass.h"
+#include "tests/support/bodies.h"
 
 namespace weft {
 namespace {
@@ -21,8 +21,10 @@ struct Trial {
   gpu::Collider collider{};
   std::vector<gpu::vec4> p;
 
-  Trial(Random& random, ColliderShape shape, double size, double speed, double friction, std::uint32_t triangles = 1200) {
+  Trial(Random& random, ColliderShape shape, double size, double speed, double friction, std::uint32_t triangles = 1200,
+        bool tapered = false) {
     scene.colliders.emplace_back().shape = shape;
+    if (tapered) scene.colliders[0].radius_end = 0.1;
     fabric = loose_particles(random, 3 * triangles, scene.solver);
     fabric.own.of<TriangleLists>() = {1, shape != ColliderShape::box};
     fabric.cloth_triangles = triangles;
@@ -49,6 +51,13 @@ struct Trial {
     collider.normal_from = collider.normal_to = {0, 1, 0};
     const Eigen::Quaternionf q = Eigen::Quaternionf(one(-1, 1), one(-1, 1), one(-1, 1), one(-1, 1)).normalized();
     collider.rotation_from = {q.x(), q.y(), q.z(), q.w()};
+    if (shape == ColliderShape::capsule) collider.half_size.x = collider.half_size.z = 0;
+    if (tapered) {
+      const double length = one(0.2, 0.6), low = one(0.05, 0.3);
+      const gpu::BodySize of = body_size(shape, {low, low < 0.15 ? low + 0.15 : low - 0.1, length, {}});
+      collider.radius = of.radius;
+      collider.half_size = of.half_size;
+    }
   }
 
   reference::Body body() const {
@@ -58,6 +67,7 @@ struct Trial {
     made.centre_after = vector(collider.centre_to);
     made.radius = collider.radius;
     made.half_size = vector(collider.half_size);
+    if (made.shape == reference::Shape::capsule) put_taper(made, collider);
     const gpu::vec4& q = collider.rotation_from;
     made.rotation_before = Eigen::Quaterniond(q.w, q.x, q.y, q.z);
     const Vector spin = vector(collider.spin);
@@ -109,9 +119,9 @@ bool is_undecided(const reference::Body& body, const reference::Corners& x, doub
   return false;
 }
 
-void compare(const compute::Device& device, ColliderShape shape, double size, double speed, std::uint64_t seed) {
+void compare(const compute::Device& device, ColliderShape shape, double size, double speed, std::uint64_t seed, bool tapered = false) {
   Random random(seed);
-  Trial trial(random, shape, size, speed, 0);
+  Trial trial(random, shape, size, speed, 0, 1200, tapered);
   const auto asked = trial.run(device, seed % 2 == 0);
   const reference::Body body = trial.body();
   const double separation = 0.9 * 0.002;
@@ -178,6 +188,14 @@ TEST_F(TriangleKernel, do_what_their_twin_does_with_capsules) {
   compare(device(), ColliderShape::capsule, 0.05, 0.02, 4);
   compare(device(), ColliderShape::capsule, 0.5, 0.02, 5);
   compare(device(), ColliderShape::capsule, 0.5, 0.5, 6);
+}
+
+TEST_F(TriangleKernel, do_what_their_twin_does_with_capsules_of_two_radii) {
+  for (const std::uint64_t seed : {40, 50, 60}) {
+    compare(device(), ColliderShape::capsule, 0.05, 0.02, seed + 1, true);
+    compare(device(), ColliderShape::capsule, 0.5, 0.02, seed + 2, true);
+    compare(device(), ColliderShape::capsule, 0.5, 0.5, seed + 3, true);
+  }
 }
 
 TEST_F(TriangleKernel, do_what_their_twin_does_with_boxes) {

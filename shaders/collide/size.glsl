@@ -1,0 +1,17 @@
+// size: how large a collider is, where the host may resize it: it grows and shrinks evenly through a frame. Needs collide.glsl.
+
+READ(Collider, colliders)
+READ(BodySize, body_sizes)
+
+// As large as it is at that fraction of the frame.
+Collider collider_at(uint k, float fraction) {
+  Collider c = colliders[k];
+  if (resizes) {
+    c.radius = body_sizes[k].radius + fraction * (c.radius - body_sizes[k].radius);
+    c.half_size = between(body_sizes[k].half_size, c.half_size, fraction);
+  }
+  return c;
+}
+
+// Of a box: what a place of it at the substep's start is multiplied by to be the same place at its end, in its axes.
+vec3 growth_of(uint k, Particle v) { return resizes ? collider_at(k, v.to).half_size / collider_at(k, v.from).half_size : vec3(1); }

@@ -1,0 +1,17 @@
+// mask: which cloths and mesh colliders meet: a row of bits for each of them, cloths first, in rows of the same. Needs velocities.
+
+READ(uint, contact_masks)
+
+GATHER(materials)
+
+uint body_of(uint particle) {
+  const uint material = floatBitsToUint(FETCH(velocities, particle).w);
+  return has_maps ? uint(FETCH(materials, material).w) : material;
+}
+
+// Whether what two particles belong to meets.
+bool meets_other(uint a, uint b) {
+  if (contact_mask_words == 0) return true;
+  const uint other = body_of(b);
+  return (contact_masks[body_of(a) * contact_mask_words + other / 32] >> (other % 32) & 1) != 0;
+}
