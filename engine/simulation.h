@@ -249,8 +249,8 @@ class Simulation {
   /// Errors: a cloth without motion constraints; other values. Nothing has changed then.
   Result<void> limit_motion(std::uint32_t cloth, double scale, double stiffness);
 
-  /// From the next frame on: how much gas a cloth holds, as a multiple of the scene's amount (Cloth::pressure), 0 ... 1e3. 1 is what it starts
-  /// with; 0 leaves a vacuum, on which the ambient pressure closes. Errors: a cloth without gas; another amount. It is then as it was.
+  /// From the next frame on: how much gas a cloth holds, as a multiple of the scene's amount (Cloth::pressure), 0 ... 1e3; 1 is
+  /// what it starts with, 0 a vacuum, on which the ambient pressure closes. Errors: a cloth without gas; another amount. It is then as it was.
   Result<void> inflate(std::uint32_t cloth, double amount);
 
   /// The origin of the particles' positions, in world space (m); chosen at create.
