@@ -160,8 +160,8 @@ struct Inertia {
   bool operator==(const Inertia&) const = default;
 };
 
-/// A gas in a closed cloth: an ideal one whose temperature stays as it is, so that (Boyle 1662), with p its absolute pressure and V the cloth's
-/// volume, p V = (ambient + rest_pressure) volume. The cloth gets p - ambient.
+/// An ideal gas in a closed cloth, at constant temperature: with p its absolute pressure and V what the cloth encloses,
+/// p V = (ambient + rest_pressure) volume (Boyle 1662). The cloth gets p - ambient.
 struct Gas {
   double rest_pressure = 1000;  // Pa above the ambient, 0 ... 1e7: of the gas where it has its `volume`
   double ambient = 101325;      // Pa, 0 ... 1e7: of the air outside. The larger, the less the volume gives way

@@ -266,8 +266,8 @@ class Simulation {
   /// Errors: a cloth without motion constraints; other values. Nothing has changed then.
   Result<void> limit_motion(std::uint32_t cloth, double scale, double stiffness);
 
-  /// From the next frame on: how much gas a cloth holds, as a multiple of the scene's amount (Cloth::pressure), 0 ... 1e3. 1 is what it starts
-  /// with; 0 leaves a vacuum, on which the ambient pressure closes. Errors: a cloth without gas; another amount. It is then as it was.
+  /// How much gas a cloth holds from the next frame on, as a multiple of the scene's amount (Cloth::pressure), 0 ... 1e3: it starts
+  /// with 1; 0 is a vacuum, on which the ambient pressure closes. Errors: no gas in the cloth; another amount. Nothing has changed then.
   Result<void> inflate(std::uint32_t cloth, double amount);
 
   /// The origin of the particles' positions, in world space (m); chosen at create.

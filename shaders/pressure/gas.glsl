@@ -1,8 +1,8 @@
-// gas: an ideal gas at constant temperature, p V = c (Boyle 1662), in a cloth, against the ambient pressure a. As a pressure of soft bodies:
-// Matyka and Ollila 2003; as a constraint on the volume: Mueller et al. 2007, section 4.4.
+// gas: an ideal gas at constant temperature, p V = c (Boyle 1662), in a cloth, against the ambient pressure a. As a pressure of soft
+// bodies: Matyka and Ollila 2003; as a constraint on the volume: Mueller et al. 2007, section 4.4.
 //
-// The gas of a light balloon is far stiffer than a substep h resolves, so its pressure is that of the substep's end. An impulse l (Pa s) gives
-// the particles w l grad V, and the volume h W l, with W = sum w |grad V|^2. With V the predicted volume and y that at the end,
+// The gas of a light balloon is far stiffer than a substep h resolves, so its pressure is that of the substep's end. An impulse l (Pa s)
+// gives the particles w l grad V, and the volume h W l, with W = sum w |grad V|^2. With V the predicted volume and y that at the end,
 //     l / h = c / y - a,   y = V + h W l,
 // which is a quadratic equation for y with one root above 0, whatever V is: also for cloth that is crushed or turned inside out. The energy
 // a y - c log y is convex, so that this is stable at any step (an implicit step along the gradient: a compliant constraint as in Macklin et
@@ -33,7 +33,8 @@ GasStep gas_step(Gas gas, float amount, GasSum sum, float h) {
   const float undone = clamp(sum.volume - sum.before.left, -max(sum.before.gained, 0), -min(sum.before.gained, 0));
   const float relative = gas.pressure > 0 ? gas.ambient / gas.pressure : 0;
   const float mobility = h * sum.mobility;   // of the volume: m^3 / (Pa s)
-  const float gained = gas.volume * growth((sum.predicted + undone) / gas.volume, h * mobility * gas.pressure / gas.volume, amount, relative);
+  const float softness = h * mobility * gas.pressure / gas.volume;
+  const float gained = gas.volume * growth((sum.predicted + undone) / gas.volume, softness, amount, relative);
   const float most = gas.most / (h * sum.longest), impulse = clamp(gained / mobility, -most, most);
   const float moved = mobility * impulse;
   if (!(sum.longest > 0 && abs(impulse) < 1e30 && abs(sum.predicted + moved) < 1e30)) return GasStep(0, GasState(0, 0));

@@ -1,4 +1,5 @@
-// Twin of pressure_volume and pressure: volumes from triangles instead of rings, and the gas law's root by bisection instead of in closed form.
+// Twin of pressure_volume and pressure: volumes from triangles instead of rings, and the gas law's root by bisection instead of in
+// closed form.
 #pragma once
 
 #include <algorithm>

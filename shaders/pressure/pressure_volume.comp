@@ -1,10 +1,10 @@
 // pressure_volume: the volume of closed cloth, and by how much each particle changes it. A workgroup a part of a cloth.
 //
 // The volume within triangles (a, b, c) is that of the tetrahedra between them and any point, the sum of a . (b x c) / 6 (the divergence
-// theorem). Its gradient by a particle is the sum of b x c / 6 over the triangles about it, and since it is of the third degree, the volume is
-// a third of the sum of x . grad. So each particle gathers its ring once, and all is there: the sums of x . grad / 3, now and where the
-// substep would end, and of w |grad|^2. Places are relative to the cloth's first particle, and the ring's to the particle itself: what is far
-// from the origin is no less precise.
+// theorem). Its gradient by a particle is the sum of b x c / 6 over the triangles about it, and since it is of the third degree, the
+// volume is a third of the sum of x . grad. So each particle gathers its ring once, and all is there: the sums of x . grad / 3, now and
+// where the substep would end, and of w |grad|^2. Places are relative to the cloth's first particle, and the ring's to the particle
+// itself: what is far from the origin is no less precise.
 //
 // Sums are made in a fixed order: a thread's particles, a workgroup's threads, and in the pass `pressure` the parts.
 #version 460

@@ -61,9 +61,11 @@ Result<void> check_closed(const Mesh& mesh) {
   }
   if (open > 0)
     return fail("pressure: the mesh is not closed and would not hold a gas: it has a triangle on one side only at ", edges(open, all));
-  if (crowded > 0) return fail("pressure: the mesh has no inside that could hold a gas: three triangles or more meet at ", edges(crowded, all));
+  if (crowded > 0)
+    return fail("pressure: the mesh has no inside that could hold a gas: three triangles or more meet at ", edges(crowded, all));
   if (twisted > 0)
-    return fail("pressure: the mesh's triangles are not wound alike, so that it has no inside: they run the same way at ", edges(twisted, all));
+    return fail("pressure: the mesh's triangles are not wound alike, so that it has no inside: they run the same way at ",
+                edges(twisted, all));
   return {};
 }
 

@@ -5,9 +5,9 @@
 
 namespace weft {
 
-/// What the gases of a scene act on. Rings are closed walks: of each particle of a cloth with a gas the particles about it, in the winding
-/// order of its triangles, until the first again. Where the triangles about a particle are several fans that only meet in it, a walk goes from
-/// the first of one ring to the first of the next and back the same way, so that what lies between cancels.
+/// What the gases of a scene act on. Rings are closed walks: of each particle of a cloth with a gas the particles about it, in the
+/// winding order of its triangles, until the first again. Where the triangles about a particle are several fans that only meet in it, a
+/// walk goes from the first of one ring to the first of the next and back the same way, so that what lies between cancels.
 struct GasLists {
   std::vector<gpu::Gas> gases;        // `parts` are laid out when all particles are known
   std::vector<gpu::GasPart> parts;
@@ -19,6 +19,8 @@ struct GasLists {
 inline constexpr double kMostGas = 1e3;
 
 namespace lengths {
+inline std::uint64_t gases(const Cooked& s) { return s.fabric.own.of<GasLists>().gases.size(); }
+inline std::uint64_t gas_rows(const Cooked& s) { return s.fabric.own.of<GasLists>().rows.size(); }
 inline std::uint64_t gas_parts(const Cooked& s) { return s.fabric.own.of<GasLists>().parts.size(); }
 }  // namespace lengths
 
@@ -32,11 +34,9 @@ inline constexpr Buffer gas_amounts = buffer<float>("gas_amounts", Lifetime::upl
   return std::uint64_t(s.scene.cloths.size());
 });
 /// Of each gas; 0: it has done nothing yet.
-inline constexpr Buffer gas_states =
-    buffer<gpu::GasState>("gas_states", Lifetime::persistent, [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<GasLists>().gases.size()); });
+inline constexpr Buffer gas_states = buffer<gpu::GasState>("gas_states", Lifetime::persistent, lengths::gases);
 /// Of each row: xyz the gradient of the volume by the particle's predicted place (m^2).
-inline constexpr Buffer gas_gradients =
-    scratch<gpu::vec4>("gas_gradients", [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<GasLists>().rows.size()); });
+inline constexpr Buffer gas_gradients = scratch<gpu::vec4>("gas_gradients", lengths::gas_rows);
 inline constexpr Buffer gas_sums = scratch<gpu::GasSum>("gas_sums", lengths::gas_parts);
 }  // namespace buffers
 }  // namespace weft

@@ -73,7 +73,8 @@ TEST_F(PressureCase, nothing_blows_up) {
       for (const StartPose pose : {StartPose::rest, StartPose::collapsed, StartPose::scrambled, StartPose::flattened}) {
         if (rate == 60 && pose != StartPose::rest) continue;
         SCOPED_TRACE(testing::Message() << c.gas.rest_pressure << " Pa over " << c.gas.ambient << ", volume " << c.gas.volume.value_or(0)
-                                        << ", density " << c.density << ", amount " << c.amount << ", " << rate << " Hz, start " << int(pose));
+                                        << ", density " << c.density << ", amount " << c.amount << ", " << rate
+                                        << " Hz, start " << int(pose));
         Scene scene = gas_scene(c.gas);
         scene.solver.rate = rate;
         scene.cloths[0].fabric.area_density = c.density;

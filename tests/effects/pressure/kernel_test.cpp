@@ -120,7 +120,8 @@ TEST_F(KernelPressure, does_what_its_twin_does_on_any_shapes_gases_and_substeps)
       p = {p.x + off.x, static_cast<float>(height * p.y) + off.y, p.z + off.z, p.w};
     }
     for (gpu::GasState& state : s.states)
-      state = {static_cast<float>(between(random, 0, 1) * std::pow(size, 3)), static_cast<float>(between(random, -0.1, 0.1) * std::pow(size, 3))};
+      state = {static_cast<float>(between(random, 0, 1) * std::pow(size, 3)),
+               static_cast<float>(between(random, -0.1, 0.1) * std::pow(size, 3))};
     const auto p = moved(random, s.fabric, 0.02 * size);
     SinglePass passes(device(), s.scene, s.fabric, trial % 2 == 1);
     const auto change = given(passes, s, p);

@@ -1,8 +1,8 @@
 // The gas law, measured from outside: by the tension that holds it, and by what a press has to give.
 //
-// Scale a body in equilibrium about the origin: no work is done. A gas at the pressure p above the ambient does 3 p V, springs that pull with
-// f at the length l take the sum of f l, and whatever pushes with F in x the sum of -F . x (the virial theorem; for a thin sphere it is
-// Laplace's law p = 2 T / r). So p follows from lengths and forces, whatever the shape; the gas law says what it has to be.
+// Scale a body in equilibrium about the origin: no work is done. A gas at the pressure p above the ambient does 3 p V, springs that pull
+// with f at the length l take the sum of f l, and whatever pushes with F in x the sum of -F . x (the virial theorem; for a thin sphere
+// it is Laplace's law p = 2 T / r). So p follows from lengths and forces, whatever the shape; the gas law says what it has to be.
 #include <gtest/gtest.h>
 
 #include "tests/effects/pressure/inside.h"
