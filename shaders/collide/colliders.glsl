@@ -22,6 +22,6 @@ vec3 out_of_colliders(vec3 x, vec3 p, vec4 material, uint cloth, float inverse_m
   for (uint k = planes + spheres; k < planes + spheres + capsules; ++k)
     if (meets_body(cloth, k)) p = reacted(k, v, p, out_of_capsule(collider_at(k, v.to), v, p), inverse_mass);
   for (uint k = planes + spheres + capsules; k < planes + spheres + capsules + boxes; ++k)
-    if (meets_body(cloth, k)) p = reacted(k, v, p, out_of_box(collider_at(k, v.to), growth_of(k, v), v, p), inverse_mass);
+    if (meets_body(cloth, k)) p = reacted(k, v, p, out_of_box(collider_at(k, v.to), growth_of(k, v.from, v.to), v, p), inverse_mass);
   return p;
 }
