@@ -12,7 +12,6 @@ vec3 reacted(uint collider, Particle v, vec3 before, vec3 p, float inverse_mass)
   return p;
 }
 
-// `cloth`: the number of its material.
 vec3 out_of_colliders(vec3 x, vec3 p, vec4 material, float inverse_mass) {
   const Particle v = Particle(push.fraction_from, push.fraction_to, x, material.z, material.y);
   for (uint k = 0; k < planes; ++k)
@@ -22,6 +21,6 @@ vec3 out_of_colliders(vec3 x, vec3 p, vec4 material, float inverse_mass) {
   for (uint k = planes + spheres; k < planes + spheres + capsules; ++k)
     if (meets_body(material, k)) p = reacted(k, v, p, out_of_capsule(collider_at(k, v.to), v, p), inverse_mass);
   for (uint k = planes + spheres + capsules; k < planes + spheres + capsules + boxes; ++k)
-    if (meets_body(material, k)) p = reacted(k, v, p, out_of_box(collider_at(k, v.to), growth_of(k, v), v, p), inverse_mass);
+    if (meets_body(material, k)) p = reacted(k, v, p, out_of_box(collider_at(k, v.to), growth_of(k, v.from, v.to), v, p), inverse_mass);
   return p;
 }

@@ -14,4 +14,4 @@ Collider collider_at(uint k, float fraction) {
 }
 
 // Of a box: what a place of it at the substep's start is multiplied by to be the same place at its end, in its axes.
-vec3 growth_of(uint k, Particle v) { return resizes ? collider_at(k, v.to).half_size / collider_at(k, v.from).half_size : vec3(1); }
+vec3 growth_of(uint k, float from, float to) { return resizes ? collider_at(k, to).half_size / collider_at(k, from).half_size : vec3(1); }

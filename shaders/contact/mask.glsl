@@ -9,9 +9,8 @@ uint body_of(uint particle) {
   return has_maps ? uint(FETCH(materials, material).w) : material;
 }
 
-// Whether what two particles belong to meets.
+// Whether what two particles belong to meets; where contact_mask_words is not 0.
 bool meets_other(uint a, uint b) {
-  if (contact_mask_words == 0) return true;
   const uint other = body_of(b);
   return (contact_masks[body_of(a) * contact_mask_words + other / 32] >> (other % 32) & 1) != 0;
 }

@@ -33,7 +33,9 @@ uint outline_number(uint member) { return contact_settings.triangles + member; }
 bool can_be_pair(uint member, out uvec4 particles) {
   const uvec2 e = FETCH(cluster_edges, member).xy;
   particles = uvec4(ends, e);
-  return ends.x != e.x && ends.x != e.y && ends.y != e.x && ends.y != e.y && meets_other(ends.x, e.x);
+  bool can = ends.x != e.x && ends.x != e.y && ends.y != e.x && ends.y != e.y;
+  if (contact_mask_words > 0) can = can && meets_other(ends.x, e.x);
+  return can;
 }
 
 void put_near(uint place, uint member) { near_edges[place] = uvec2(edge, member); }

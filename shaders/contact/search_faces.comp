@@ -26,7 +26,9 @@ uint outline_number(uint member) { return member; }
 bool can_be_pair(uint member, out uvec4 particles) {
   const uvec3 t = FETCH(cluster_faces, member).xyz;
   particles = uvec4(vertex, t);
-  return !any(equal(t, uvec3(vertex))) && meets_other(vertex, t.x);
+  bool can = !any(equal(t, uvec3(vertex)));
+  if (contact_mask_words > 0) can = can && meets_other(vertex, t.x);
+  return can;
 }
 
 void put_near(uint place, uint member) { near_faces[place] = uvec2(vertex, member); }

@@ -23,7 +23,7 @@ vec3 out_of_collider(uint k, Particle particle, vec3 p) {
   if (k < planes) return out_of_plane(colliders[k], particle, p);
   if (k < planes + spheres) return out_of_sphere(collider_at(k, particle.to), particle, p);
   if (k < planes + spheres + capsules) return out_of_capsule(collider_at(k, particle.to), particle, p);
-  return out_of_box(collider_at(k, particle.to), growth_of(k, particle), particle, p);
+  return out_of_box(collider_at(k, particle.to), growth_of(k, particle.from, particle.to), particle, p);
 }
 
 // x, the velocity v of the free flight, and `pushed`, the change of v by the springs (m/s).

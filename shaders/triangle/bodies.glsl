@@ -8,7 +8,6 @@ struct Body {
   float radius;     // m; 0: a box
   float friction;   // of the pair
   uint number;      // counted from 1, without planes
-  vec3 growth;      // of a box that is resized (collide/size.glsl); of others 1
 };
 
 // Those that triangles collide with: boxes, and round ones where some are too small for the cells of cloth.
@@ -19,7 +18,7 @@ Body body_at(uint k, Particle v) {
   const Surface s = surface_at(collider, v);
   const bool is_sphere = k < spheres, is_box = k >= spheres + capsules;
   return Body(pose_of(collider, s, v.from, v.to), is_sphere ? vec3(0) : collider.half_size, is_box ? 0 : collider.radius, s.friction,
-              k + 1, resizes && is_box ? growth_of(planes + k, v) : vec3(1));
+              k + 1);
 }
 
 // Of cloth `material`, in this substep.
@@ -37,15 +36,17 @@ vec4 material_of_triangle(uvec3 corner) {
 float separation_of(vec4 material) { return 0.9 * material.z; }
 
 vec3 from_axis(Body body, vec3 p) {
-  if (has_tapered) return p - vec3(0, nearest_height(body.half_size, p), 0);
-  return p - vec3(0, clamp(p.y, -body.half_size.y, body.half_size.y), 0);
+  float height = clamp(p.y, -body.half_size.y, body.half_size.y);
+  if (has_tapered) height = nearest_height(body.half_size, p);
+  return p - vec3(0, height, 0);
 }
 
 // How far the body extends in the direction n (m).
 float support_of(Body body, vec3 n) {
-  if (has_tapered && body.radius > 0)
-    return body.half_size.x * n.y + body.half_size.y * abs(n.y - body.half_size.z) + body.radius;   // the farther of the ends' spheres
-  return body.radius > 0 ? body.half_size.y * abs(n.y) + body.radius : dot(abs(n), body.half_size);
+  float support = body.radius > 0 ? body.half_size.y * abs(n.y) + body.radius : dot(abs(n), body.half_size);
+  if (has_tapered && body.radius > 0)   // the farther of the ends' spheres
+    support = body.half_size.x * n.y + body.half_size.y * abs(n.y - body.half_size.z) + body.radius;
+  return support;
 }
 
 // Unit: from the body to p, or across the box's face that is nearest.
@@ -58,6 +59,7 @@ vec3 direction_to(Body body, vec3 p) {
 
 // Of a point outside (m); of one inside a box at most 0.
 float distance_to(Body body, vec3 p) {
-  if (has_tapered && body.radius > 0) return round_cone_distance(body.radius, body.half_size, p).at;
-  return body.radius > 0 ? length(from_axis(body, p)) - body.radius : length(max(abs(p) - body.half_size, 0));
+  float radius = body.radius;
+  if (has_tapered) radius = radius_at(body.radius, body.half_size, nearest_height(body.half_size, p));
+  return body.radius > 0 ? length(from_axis(body, p)) - radius : length(max(abs(p) - body.half_size, 0));
 }

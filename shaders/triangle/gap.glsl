@@ -120,7 +120,6 @@ Gap gap_of_box(vec3 half_size, mat3 x) {
 }
 
 Gap gap_of(Body body, mat3 x) {
-  if (has_tapered && body.radius > 0) return gap_of_round_cone(body, x);
-  if (body.radius > 0) return gap_of_capsule(body.half_size.y, body.radius, x);
+  if (body.radius > 0) return has_tapered ? gap_of_round_cone(body, x) : gap_of_capsule(body.half_size.y, body.radius, x);
   return gap_of_box(body.half_size, x);
 }

@@ -67,7 +67,10 @@ bool is_held_inside(Body body, bool is_anchor, vec3 p, float separation) { retur
 
 void collide(Body body, uvec3 corner, mat3 x, mat3 p, bvec3 is_anchor, float separation) {
   mat3 a = mat3(at_start(body.pose, x[0]), at_start(body.pose, x[1]), at_start(body.pose, x[2]));
-  if (resizes) a = mat3(body.growth * a[0], body.growth * a[1], body.growth * a[2]);
+  if (resizes && body.radius == 0) {   // as in out_of_box
+    const vec3 growth = growth_of(planes + body.number - 1, push.fraction_from, push.fraction_to);
+    a = mat3(growth * a[0], growth * a[1], growth * a[2]);
+  }
   const mat3 b = mat3(at_end(body.pose, p[0]), at_end(body.pose, p[1]), at_end(body.pose, p[2]));
   for (int k = 0; k < 3; ++k)
     if (is_held_inside(body, is_anchor[k], b[k], separation)) return;

@@ -59,7 +59,8 @@ void search_crossings(uint edge, uvec2 ends, uint cluster) {
       const vec3 sides = FETCH(outlines, 3 * face + 1).xyz + half_sides + rounding * abs(middle);
       if (any(greaterThan(abs(its_middle.xyz - middle), sides))) continue;
       const uvec3 t = FETCH(cluster_faces, face).xyz;
-      if (any(equal(t, uvec3(ends.x))) || any(equal(t, uvec3(ends.y))) || !meets_other(ends.x, t.x)) continue;
+      if (any(equal(t, uvec3(ends.x))) || any(equal(t, uvec3(ends.y)))) continue;
+      if (contact_mask_words > 0 && !meets_other(ends.x, t.x)) continue;
       const float along = crossing_of(a, b - a, t);
       if (along < 0 || !(moves || can_move(t.x) || can_move(t.y) || can_move(t.z))) continue;
       ++count;
