@@ -154,7 +154,7 @@ TEST(BrokenScene, wrong_cloths_are_told_with_path_value_and_limit) {
 
 TEST(BrokenScene, wrong_anchors_are_told_with_path_value_and_limit) {
   expect_refused({
-      Broken{cloth_with(R"("anchors": [{}])"), "cloths[0].anchors[0]: chooses no vertex: give vertices, corners, top or box"},
+      Broken{cloth_with(R"("anchors": [{}])"), "cloths[0].anchors[0]: chooses no vertex: give vertices, corners, top, box or map"},
       Broken{cloth_with(R"("anchors": [{"vertices": []}])"), "cloths[0].anchors[0]: chooses no vertex"},
       Broken{cloth_with(R"("anchors": [{"corners": []}])"), "cloths[0].anchors[0]: chooses no vertex"},
       Broken{cloth_with(R"("anchors": [{"every": 2}])"), "cloths[0].anchors[0]: chooses no vertex"},

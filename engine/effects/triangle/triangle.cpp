@@ -22,9 +22,10 @@ constexpr Pass kPasses[] = {
      .after_tethers = true},
 };
 
-// Fine cloth stays out of round bodies by its vertices alone. Of a triangle whose corners are r + t from a core no point is nearer to it than
-// the root of (r + t)^2 - l^2 / 3, l its longest edge: outside r while l^2 <= 3 ((r + t)^2 - r^2), l stretched by kStretched.
-constexpr double kStretched = 0.1;
+// Fine cloth stays out of round bodies by its vertices alone, but for a little. Of a triangle whose corners are r + t from a core no point
+// is nearer to it than the root of (r + t)^2 - l^2 / 3, l its longest edge: outside (1 - kSag) r while
+// l^2 <= 3 ((r + t)^2 - ((1 - kSag) r)^2). Not 0: triangles make coarse cloth on a ball shiver.
+constexpr double kSag = 0.02;
 
 bool may_show_through(const Collider& collider, double edge, double thickness) {
   switch (collider.shape) {
@@ -32,8 +33,8 @@ bool may_show_through(const Collider& collider, double edge, double thickness) {
     case ColliderShape::capsule: {
       if (collider.resizes) return true;   // to whatever size
       const double radius = collider.shape == ColliderShape::capsule ? std::min(collider.radius, radius_at_end(collider)) : collider.radius;
-      const double longest = (1 + kStretched) * edge;
-      return longest * longest > 3 * thickness * (2 * radius + thickness);
+      const double from = radius + thickness, to = (1 - kSag) * radius;
+      return edge * edge > 3 * (from * from - to * to);
     }
     case ColliderShape::box: return true;
     case ColliderShape::plane:   // where no vertex passes no triangle does

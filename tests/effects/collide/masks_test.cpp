@@ -122,6 +122,8 @@ TEST_F(Masks, cloth_passes_cloth_and_a_mesh_that_it_does_not_meet) {
     SCOPED_TRACE(std::to_string(&trial - kTrials));
     std::uint64_t hash = 0;
     for (const Way way : kWays) {
+      const std::ptrdiff_t which = &trial - kTrials;
+      if (which > 0 && way != kWays[which % 3]) continue;   // all ways once, then in turns
       const auto simulation = must(Simulation::create(device(), scene, meshes));
       for (int k = 0; k < 30; ++k) run_frame(device(), *simulation, way);
       EXPECT_EQ(lowest(*simulation, 0) > -0.01, trial.lower_rests) << lowest(*simulation, 0);

@@ -297,7 +297,7 @@ TEST(FabricContacts, a_mesh_collider_that_cannot_be_read_or_was_not_given_is_a_s
   auto meshes = make_meshes(scene);
   ASSERT_TRUE(meshes) << meshes.error();
   meshes->pop_back();
-  EXPECT_EQ(cook(scene, *meshes).error(), "the scene has 2 cloths and 1 mesh colliders but 2 meshes were given");
+  EXPECT_EQ(cook(scene, *meshes).error(), "the scene has 2 cloths, 1 mesh colliders and 0 render meshes but 2 meshes were given");
   folder.write("tetrahedron.obj", "no mesh at all");
   const auto broken = make_meshes(scene);
   ASSERT_FALSE(broken);

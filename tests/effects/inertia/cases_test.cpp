@@ -70,7 +70,7 @@ TEST_F(InertiaCase, with_none_cloth_hangs_as_if_its_frame_stood_still) {
     most = std::max(most, farthest(*goes, *stays, map));
     most_felt = std::max(most_felt, farthest(*felt, *stays, map));
   }
-  EXPECT_LT(most, 0.03);        // m: within frames a turning frame's anchors go along chords
+  EXPECT_LT(most, 0.06);        // m: within frames a turning frame's anchors go along chords, and nothing damps what that sets off
   EXPECT_GT(most_felt, 0.5);    // else nothing was shown
 }
 

@@ -71,7 +71,7 @@ TEST_F(PressureCase, nothing_blows_up) {
   for (const Case& c : cases)
     for (const double rate : {30.0, 60.0, 240.0})
       for (const StartPose pose : {StartPose::rest, StartPose::collapsed, StartPose::scrambled, StartPose::flattened}) {
-        if (rate == 60 && pose != StartPose::rest) continue;
+        if (rate > 30 && pose != StartPose::rest && !(rate == 240 && pose == StartPose::scrambled)) continue;
         SCOPED_TRACE(testing::Message() << c.gas.rest_pressure << " Pa over " << c.gas.ambient << ", volume " << c.gas.volume.value_or(0)
                                         << ", density " << c.density << ", amount " << c.amount << ", " << rate
                                         << " Hz, start " << int(pose));
