@@ -103,16 +103,21 @@ Result<void> Simulation::teleport(std::uint32_t cloth, const MovingFrame& from, 
     x = {place.x, place.y, place.z, x.w};
     v = {way.x, way.y, way.z, v.w};
   }
-  // put() makes written positions the targets, too. Anchors that cloth holds back keep theirs.
-  std::vector<gpu::Anchor> targets = s.kinematic.targets;
+  // put() makes written positions the targets, too. Anchors that cloth holds back keep theirs, and those that stay where they are, wherever that
+  // is, are there now.
+  const std::vector<gpu::Anchor> targets = s.kinematic.targets;
   if (auto done = s.put(*positions); !done) return done;
   if (auto done = write_velocities(*velocities); !done) return done;
   for (std::size_t k = 0; k < targets.size(); ++k) {
     if (targets[k].particle == WEFT_NONE) continue;
-    const Vec3 target{targets[k].to.x, targets[k].to.y, targets[k].to.z};
-    const bool goes = is_own(targets[k].particle & ~(WEFT_STAYS | WEFT_FROM_HERE));
-    const Vec3 there = goes ? carry.place(target) : target;
-    s.kinematic.targets[k].to = {there.x, there.y, there.z};
+    gpu::Anchor& anchor = s.kinematic.targets[k];
+    if (!is_own(targets[k].particle & ~(WEFT_STAYS | WEFT_FROM_HERE))) {
+      anchor.particle = targets[k].particle;
+      anchor.to = targets[k].to;
+    } else if ((targets[k].particle & WEFT_STAYS) == 0) {
+      const Vec3 there = carry.place({targets[k].to.x, targets[k].to.y, targets[k].to.z});
+      anchor.to = {there.x, there.y, there.z};
+    }
   }
   for (const SkinnedMesh& skinned : s.skinned_meshes()) {
     if (skinned.is_collider || skinned.index != cloth) continue;

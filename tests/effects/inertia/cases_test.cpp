@@ -177,6 +177,25 @@ TEST_F(InertiaCase, a_teleport_leaves_no_trace) {
   }
 }
 
+// Vertices that the host has pinned where they were, without knowing where, go with their cloth, and those of another stay.
+TEST_F(InertiaCase, a_teleport_takes_pins_along) {
+  Scene scene = sheet(8);
+  scene.cloths.push_back(scene.cloths[0]);
+  scene.cloths[1].transform.translate = {0, 0, 2};
+  scene.pins = 2;
+  const auto simulation = must(Simulation::create(device(), scene));
+  run(*simulation, 0.2);
+  const std::uint32_t pinned[] = {0, 81};   // the first vertex of each
+  must(simulation->pin(pinned));
+  run(*simulation, 0.1);
+  const auto before = must(simulation->read_vertex_positions());
+  must(simulation->teleport(0, {}, {{3, 1, 0}, {}}));
+  run(*simulation, 0.3);
+  const auto after = must(simulation->read_vertex_positions());
+  EXPECT_LT(length(after[0] - before[0] - Vec3{3, 1, 0}), 1e-5f);
+  EXPECT_LT(length(after[81] - before[81]), 1e-5f);
+}
+
 // A joint of the skin is the frame, without a word of the host's: the host moves only the skin.
 TEST_F(InertiaCase, follows_a_joint) {
   Scene scene = carried({0, 0, 0, "root"});
