@@ -115,9 +115,14 @@ inline std::vector<Id> others() {
   return found;
 }
 
-// Every combination without and with all of these.
+// Every combination without and with all of these. Under the sanitizers, where each takes six times as long, every third: what they look for
+// lies in what all of them share.
 inline std::vector<Calls> all_combinations() {
   std::vector<Calls> found = combinations();
+#ifdef __SANITIZE_ADDRESS__
+  for (std::size_t k = 0; 3 * k < found.size(); ++k) found[k] = found[3 * k];
+  found.resize((found.size() + 2) / 3);
+#endif
   const std::vector<Id> more = others();
   const std::size_t known = more.empty() ? 0 : found.size();
   for (std::size_t k = 0; k < known; ++k) {
