@@ -148,13 +148,14 @@ struct CookedFabric {
 std::uint32_t substeps_of(const SolverSettings& solver);
 
 /// Loads or generates every cloth's mesh and puts it where its transform says; after these, in the order of the scene, the meshes of
-/// its mesh colliders, scaled, in their own axes, and then the render meshes that cloths carry, in the order of these. Errors, which name the cloth or the collider: a grid and a mesh, or neither; a grid of
-/// no size or too many cells; what load_mesh refuses; more vertices than can be simulated.
+/// its mesh colliders, scaled, in their own axes, and then the render meshes that cloths carry, in the order of these. Errors, which name
+/// the cloth or the collider: a grid and a mesh, or neither; a grid of no size or too many cells; what load_mesh refuses; more vertices
+/// than can be simulated.
 Result<std::vector<Mesh>> make_meshes(const Scene& scene);
 
 /// Errors: no particle, more than WEFT_MAX_PARTICLES, an anchor that chooses nothing or a vertex the mesh does not have,
-/// mass or a coefficient that is not finite. `meshes` has one entry a cloth, one a mesh collider and one a render mesh, as make_meshes gives
-/// them.
+/// mass or a coefficient that is not finite. `meshes` has one entry a cloth, one a mesh collider and one a render mesh, as make_meshes
+/// gives them.
 Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes);
 
 /// The same cloth with other particles held, an entry each: all lists that depend on who is held, of the lengths that they had. Only of

@@ -59,9 +59,9 @@ struct Fabric {
 
 enum class Corner { low_low, high_low, low_high, high_high };  // of a mesh's bounding box in its grid's own axes, x then y
 
-/// Maps: figures of a cloth vary over it, multiplied, vertex by vertex (0 ... 1e6), by an attribute of its mesh, with a channel: vertex colours
-/// ("COLOR_0.r"), a custom attribute ("_NAME"), or a painted picture over the UVs, relative to the scene ("stiff.png.g"): a PNG or JPEG whose
-/// values count as they stand in the file, 0 ... 1. Without a channel: the first. Empty: 1 everywhere.
+/// Maps: figures of a cloth vary over it, multiplied, vertex by vertex (0 ... 1e6), by an attribute of its mesh, with a channel: vertex
+/// colours ("COLOR_0.r"), a custom attribute ("_NAME"), or a painted picture over the UVs, relative to the scene ("stiff.png.g"): a PNG or
+/// JPEG whose values count as they stand in the file, 0 ... 1. Without a channel: the first. Empty: 1 everywhere.
 struct Maps {
   std::string mass;             // of Fabric::area_density, or Springs::mass; never 0 all around a vertex
   std::string stretch;          // of Fabric::stretch and shear: along a link, as of two springs in series; not with `springs`
@@ -150,13 +150,13 @@ struct MotionConstraints {
   bool operator==(const MotionConstraints&) const = default;
 };
 
-/// How much a cloth feels of the motion of the frame that it goes with, a character's or a vehicle's: 1 all of it, as in the world; 0 nothing,
-/// as if the frame stood still.
+/// How much a cloth feels of the motion of the frame that it goes with, a character's or a vehicle's: 1 all of it, as in the world; 0
+/// nothing, as if the frame stood still.
 struct Inertia {
   double linear = 1;            // of its acceleration, 0 ... 1
   double angular = 1;           // of its angular acceleration, and of the Coriolis force, 0 ... 1
   double centrifugal = 1;       // of the centrifugal force, 0 ... 1
-  std::string joint;            // of the cloth's skin, by name, that is the frame; empty: the host says where it is (Simulation::move_frame)
+  std::string joint;            // of the cloth's skin, by name, that is the frame; empty: the host says (Simulation::move_frame)
   bool operator==(const Inertia&) const = default;
 };
 
@@ -340,7 +340,7 @@ struct Scene {
   std::optional<Air> air;             // none: cloth meets no resistance but its own damping
   std::uint32_t pins = 0;             // vertices that the host may pin at a time, besides anchors (Simulation::pin); 0: none, nor release any
   std::uint32_t grabs = 0;            // places of cloth that the host may pull at a time (Simulation::grab)
-  bool reactions = false;             // adds up what cloth does to colliders that are no meshes, and to grabs (Simulation::take_reactions, take_pulls)
+  bool reactions = false;             // adds up what cloth does to colliders that are no meshes, and to grabs (take_reactions, take_pulls)
   std::vector<Cloth> cloths;          // 1 ... 1024
   std::vector<Collider> colliders;    // at most 1024; each costs every particle
   Camera camera;

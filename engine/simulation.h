@@ -145,7 +145,8 @@ class Simulation {
   static Result<std::unique_ptr<Simulation>> create(const compute::Device& device, const Scene& scene,
                                                     const SimulationOptions& options = {});
   /// The same with meshes that the caller made: one a cloth, in its rest pose in world space, then one a mesh collider, in the
-  /// collider's own axes, then one for each cloth with a `render_mesh` (any text, then), where that cloth rests. Errors: also another number of meshes, or one that check(mesh) refuses.
+  /// collider's own axes, then one for each cloth with a `render_mesh` (any text, then), where that cloth rests. Errors: also another
+  /// number of meshes, or one that check(mesh) refuses.
   static Result<std::unique_ptr<Simulation>> create(const compute::Device& device, const Scene& scene, std::vector<Mesh> meshes,
                                                     const SimulationOptions& options = {});
   ~Simulation();
@@ -182,8 +183,8 @@ class Simulation {
   Result<void> reserve_contacts(std::uint32_t pairs);
 
   /// Positions (m, world space) and unit normals of every render vertex, cloth after cloth, then mesh collider after mesh
-  /// collider, then render mesh after render mesh (CookedFabric says where each begins): RGBA32F, 16 bytes apart. Valid until the simulation
-  /// is destroyed.
+  /// collider, then render mesh after render mesh (CookedFabric says where each begins): RGBA32F, 16 bytes apart. Valid until the
+  /// simulation is destroyed.
   FrameView positions() const;
   FrameView normals() const;
 
@@ -227,8 +228,8 @@ class Simulation {
   /// The same of several, in the scene's order from `first` on; all of them or, with an error, none.
   Result<void> move_colliders(std::uint32_t first, std::span<const ColliderPose> poses);
   /// Puts the collider there at once; it meets no cloth on the way. A pending pose of move_collider is dropped; keys, where they
-  /// drive the collider, move it on from there, and so does a bone. Together with write_positions, which does the same to cloth and its anchors,
-  /// this teleports a scene. Waits if it is a mesh collider. Errors: as move_collider; what Vulkan refuses.
+  /// drive the collider, move it on from there, and so does a bone. Together with write_positions, which does the same to cloth and its
+  /// anchors, this teleports a scene. Waits if it is a mesh collider. Errors: as move_collider; what Vulkan refuses.
   Result<void> place_collider(std::uint32_t collider, const ColliderPose& pose);
   /// The size for the end of the next frame, of a collider that the scene says may be resized (Collider::resizes): it grows or shrinks
   /// evenly through the frame about its centre, and pushes cloth no faster than its surface moves. Errors: no such collider, or one that
@@ -246,20 +247,20 @@ class Simulation {
   /// The pose of a cloth's skin (Cloth::skin) for the end of the next frame: for each joint the map from the cloth at rest, as make_meshes has
   /// it, to where the joint takes it (world space), the product of the joint's matrix and its inverse bind matrix in other words. The host
   /// drives the skin from now on, instead of an animation; a frame without a new pose holds still. Anchors without keys go there, colliders
-  /// with a bone go along, and motion constraints follow, evenly through the frame. Errors: no such cloth, or none with a skin; another number of joints than its mesh has
-  /// (1 without a skin of its own); a map that is not finite. Nothing has changed then.
+  /// with a bone go along, and motion constraints follow, evenly through the frame. Errors: no such cloth, or none with a skin; another
+  /// number of joints than its mesh has (1 without a skin of its own); a map that is not finite. Nothing has changed then.
   Result<void> set_pose(std::uint32_t cloth, std::span<const Affine> joints);
   /// The same of a mesh collider (Collider::skin): maps from its shape at rest to its shape, in its own axes; its pose comes on top.
   Result<void> set_body_pose(std::uint32_t collider, std::span<const Affine> joints);
-  /// Where the frame that a cloth goes with (Cloth::inertia) is at the end of the next frame (world space). The host drives it from now on, instead
-  /// of a joint; without a joint the first call says where it is. A frame of the simulation without a new place holds still. Turns by the
-  /// shorter arc. Errors: no such cloth, or one without `inertia`; a place or rotation that is not finite, or no rotation. Nothing has changed
-  /// then.
+  /// Where the frame that a cloth goes with (Cloth::inertia) is at the end of the next frame (world space). The host drives it from now on,
+  /// instead of a joint; without a joint the first call says where it is. A frame of the simulation without a new place holds still. Turns
+  /// by the shorter arc. Errors: no such cloth, or one without `inertia`; a place or rotation that is not finite, or no rotation. Nothing
+  /// has changed then.
   Result<void> move_frame(std::uint32_t cloth, const MovingFrame& frame);
-  /// Takes a cloth from one frame to another at once, without a trace: places, velocities and what contacts know turn along, anchors and their
-  /// targets too, the pose of its skin, and its frame. Keys and animations move anchors back where they have them; what the host has set for
-  /// the next frame stays set. Colliders are taken along by place_collider. Waits. Errors: no such cloth; a frame that move_frame refuses; cloth
-  /// that would be 1e10 m away or more (nothing has changed then); memory; what Vulkan refuses.
+  /// Takes a cloth from one frame to another at once, without a trace: places and velocities turn along, anchors and their targets too, the
+  /// pose of its skin with the colliders of its bones, and its frame. Keys and animations move anchors back where they have them; what the host has
+  /// set for the next frame stays set. Other colliders are taken along by place_collider. Waits. Errors: no such cloth; a frame that move_frame
+  /// refuses; cloth that would be 1e10 m away or more (nothing has changed then); memory; what Vulkan refuses.
   Result<void> teleport(std::uint32_t cloth, const MovingFrame& from, const MovingFrame& to);
 
   /// From the next frame on: what a cloth's max distances are multiplied by (0 ... 1e6), and the stiffness of its motion constraints (0 ... 1).
@@ -286,10 +287,10 @@ class Simulation {
   /// and come with the next call. Nothing is lost or told twice. Zero of mesh colliders; empty where the scene does not ask for reactions.
   /// Valid until the next call.
   std::span<const Reaction> take_reactions();
-  /// The same of the scene's grabs, an entry each: what cloth pulls hands by, so that a host can attach it to its rigid bodies: it moves a grab to
-  /// where the body has it, and gives the body this impulse there. What a substep gave is known when the next one begins. Exact as long as
-  /// nothing pushes a grabbed particle but what sees its mass in the solve (engine/README.md, "Hands"). Empty where the scene does not ask
-  /// for reactions. Valid until the next call.
+  /// The same of the scene's grabs, an entry each: what cloth pulls hands by, so that a host can attach it to its rigid bodies: it moves a
+  /// grab to where the body has it, and gives the body this impulse there. What a substep gave is known when the next one begins. Exact as
+  /// long as nothing pushes a grabbed particle but what sees its mass in the solve (engine/README.md, "Hands"). Empty where the scene does
+  /// not ask for reactions. Valid until the next call.
   std::span<const Reaction> take_pulls();
 
   /// Of the last frame of advance or submit; empty without SimulationOptions::timings. On devices without timestamps the CPU

@@ -1,8 +1,9 @@
 // A box on the floor, pulled by a sheet: cloth attached to a rigid body that the program itself steps.
 //
 // Two corners of the sheet are grabbed at two corners of the box. Every frame the program moves these grabs to where the box has them and
-// gives the box what they were pulled by (Simulation::take_pulls), each impulse where it acts. The far edge of the sheet walks away. Frames are
-// short, 240 a second, because the box learns of the cloth's pull a frame late: that takes damping from the hooks, which have some to spare.
+// gives the box what they were pulled by (Simulation::take_pulls), each impulse where it acts. The far edge of the sheet walks away. Frames
+// are short, 240 a second, because the box learns of the cloth's pull a frame late: that takes damping from the hooks, which have some to
+// spare.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -193,8 +193,8 @@ struct BodySize {
   vec3 half_size;
 };
 
-/// What cloth has given to a collider, or to a hand, since the start, in quanta of 64 bits, two's complement, low and high words apart: an impulse, x y z,
-/// and an angular impulse about its centre.
+/// What cloth has given to a collider, or to a hand, since the start, in quanta of 64 bits, two's complement, low and high words apart: an
+/// impulse, x y z, and an angular impulse about its centre.
 struct Reaction {
   uint low[6], high[6];
 };

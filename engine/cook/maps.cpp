@@ -1,5 +1,5 @@
-// Maps: what a cloth's figures are multiplied by, vertex by vertex. A map is an attribute of the mesh, and a painted picture becomes one: its
-// pixels at the UVs of each point, bilinear, linear from 0 to 1 as the file has them.
+// Maps: what a cloth's figures are multiplied by, vertex by vertex. A map is an attribute of the mesh, and a painted picture becomes one:
+// its pixels at the UVs of each point, bilinear, linear from 0 to 1 as the file has them.
 #include <array>
 #include <cmath>
 #include <string>
@@ -57,7 +57,8 @@ Vec4 pixel_at(const Image& image, Vec2 uv) {
   std::array<float, 4> mean{};
   for (std::size_t c = 0; c < 4; ++c) {
     const auto at = [&](std::size_t i, std::size_t j) { return image.rgba[4 * (j * image.width + i) + c] / 255.0; };
-    mean[c] = static_cast<float>((1 - v) * ((1 - u) * at(left, top) + u * at(right, top)) + v * ((1 - u) * at(left, below) + u * at(right, below)));
+    const auto row = [&](std::size_t j) { return (1 - u) * at(left, j) + u * at(right, j); };
+    mean[c] = static_cast<float>((1 - v) * row(top) + v * row(below));
   }
   return {mean[0], mean[1], mean[2], mean[3]};
 }

@@ -29,8 +29,11 @@ struct Factors {
   std::vector<float> mass, stretch, bend, friction, thickness;
 };
 inline double factor(const std::vector<float>& factors, std::size_t point) { return factors.empty() ? 1.0 : double(factors[point]); }
-/// Between two points: side by side, as of a fold along them; and one after the other, as of a link, which gives way as springs in series do.
-inline double factor(const std::vector<float>& factors, std::size_t a, std::size_t b) { return 0.5 * (factor(factors, a) + factor(factors, b)); }
+/// Between two points: side by side, as of a fold along them; and one after the other, as of a link, which gives way as springs in series
+/// do.
+inline double factor(const std::vector<float>& factors, std::size_t a, std::size_t b) {
+  return 0.5 * (factor(factors, a) + factor(factors, b));
+}
 inline double in_series(const std::vector<float>& factors, std::size_t a, std::size_t b) {
   const double first = factor(factors, a), second = factor(factors, b);
   return first > 0 && second > 0 ? 2 / (1 / first + 1 / second) : 0;

@@ -20,6 +20,10 @@ inline Eigen::Vector3d wide(Vec3 v) { return {v.x, v.y, v.z}; }
 inline Vec3 narrow(const Eigen::Vector3d& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
+inline Eigen::Quaterniond wide(const Rotation& r) { return Eigen::Quaterniond(r.w, r.x, r.y, r.z).normalized(); }
+inline Rotation narrow(const Eigen::Quaterniond& q) {
+  return {static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z()), static_cast<float>(q.w())};
+}
 inline Eigen::Affine3d wide(const Affine& m) {
   Eigen::Affine3d result = Eigen::Affine3d::Identity();
   result.linear() << wide(m.x), wide(m.y), wide(m.z);

@@ -4,7 +4,8 @@
 // key by key. A key that is not here does not exist. Internal: not part of the public API.
 //
 // A visitor has these members, each called with the key and the value it stands for:
-//   text, optional_texts, flag, optional_flag, number, optional_number, stiffness (a number or "rigid"), whole, choice, choices, vector2, vector3, direction,
+//   text, optional_texts, flag, optional_flag, number, optional_number, stiffness (a number or "rigid"), whole, choice, choices, vector2,
+// vector3, direction,
 //   unit (normalised), colour, file, cells, whole_list, object, optional_object, list, fabric, tethers, contacts, note (read by
 //   nobody)
 #pragma once

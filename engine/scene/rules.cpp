@@ -71,7 +71,8 @@ void check(const Read& read, const Anchor& anchor) {
     return read.has(key, !empty) && (read.json == nullptr || !(*read.json)[key].empty());
   };
   const bool chooses = read.has("top", anchor.top.has_value()) || read.has("box", anchor.box.has_value()) ||
-                       list("vertices", anchor.vertices.empty()) || list("corners", anchor.corners.empty()) || read.has("map", !anchor.map.empty());
+                       list("vertices", anchor.vertices.empty()) || list("corners", anchor.corners.empty()) ||
+                       read.has("map", !anchor.map.empty());
   if (!chooses) read.faults.add(read.path, "chooses no vertex: give vertices, corners, top, box or map");
   check_times(read.path + ".keys", anchor.keys, read.faults);
 }
@@ -90,7 +91,8 @@ void check(const Read& read, const Cloth& cloth) {
                     "\"mesh\" is the shape that a cloth bends about, and this one does not resist bending: leave one of the two away");
   if (cloth.springs)
     for (const auto& [key, map] : {std::pair("stretch", &cloth.maps.stretch), std::pair("bend", &cloth.maps.bend)})
-      if (!map->empty()) read.faults.add(join(read.path, ".maps.", key), "is of the fabric's stiffness, and this cloth has springs instead");
+      if (!map->empty())
+        read.faults.add(join(read.path, ".maps.", key), "is of the fabric's stiffness, and this cloth has springs instead");
   for (std::size_t i = 0; i < cloth.anchors.size(); ++i) {
     const Anchor& anchor = cloth.anchors[i];
     const std::string path = join(read.path, ".anchors[", i, "]");

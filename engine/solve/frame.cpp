@@ -128,8 +128,10 @@ void Simulation::State::move_anchors() {
 
 // Colliders with bones go where joints have them at the frame's end.
 void Simulation::State::move_carried(std::span<const Affine> pose) {
-  for (const auto& [collider, joint] : fabric.own.of<SkinLists>().bones)
-    if (const ColliderPose to = carried_pose(scene.colliders[collider], pose[joint]); !(to == bodies.poses[collider])) bodies.pending[collider] = to;
+  for (const auto& [collider, joint] : fabric.own.of<SkinLists>().bones) {
+    const ColliderPose to = carried_pose(scene.colliders[collider], pose[joint]);
+    if (!(to == bodies.poses[collider])) bodies.pending[collider] = to;
+  }
 }
 
 void Simulation::State::move_scene(double seconds, FrameInput& input) {

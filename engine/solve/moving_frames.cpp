@@ -1,10 +1,10 @@
 // The frames that cloths go with: where they are, and cloth that is set elsewhere with them.
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Geometry>
-
 #include "engine/finite.h"
+#include "engine/mesh/parts.h"
 #include "engine/solve/state.h"
 
 namespace weft {
@@ -12,19 +12,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-Eigen::Quaterniond wide(const Rotation& r) { return Eigen::Quaterniond(r.w, r.x, r.y, r.z).normalized(); }
-Vector3d wide(Vec3 v) { return {v.x, v.y, v.z}; }
-Vec3 narrow(const Vector3d& v) { return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())}; }
-Rotation narrow(const Eigen::Quaterniond& q) {
-  return {static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z()), static_cast<float>(q.w())};
-}
-
-// The rotation of a joint that may scale or shear.
-Rotation rotation_of(const Affine& m) {
-  Eigen::Affine3d map = Eigen::Affine3d::Identity();
-  map.linear() << m.x.x, m.y.x, m.z.x, m.x.y, m.y.y, m.z.y, m.x.z, m.y.z, m.z.z;
-  return narrow(Eigen::Quaterniond(map.rotation()));
-}
+using parts::narrow;
+using parts::wide;
 
 Result<MovingFrame> checked(const MovingFrame& frame) {
   const Rotation& r = frame.rotation;
@@ -103,8 +92,8 @@ Result<void> Simulation::teleport(std::uint32_t cloth, const MovingFrame& from, 
     x = {place.x, place.y, place.z, x.w};
     v = {way.x, way.y, way.z, v.w};
   }
-  // put() makes written positions the targets, too. Anchors that cloth holds back keep theirs, and those that stay where they are, wherever that
-  // is, are there now.
+  // put() makes written positions the targets, too. Anchors that cloth holds back keep theirs, and those that stay where they are, wherever
+  // that is, are there now.
   const std::vector<gpu::Anchor> targets = s.kinematic.targets;
   if (auto done = s.put(*positions); !done) return done;
   if (auto done = write_velocities(*velocities); !done) return done;
@@ -126,6 +115,8 @@ Result<void> Simulation::teleport(std::uint32_t cloth, const MovingFrame& from, 
       joint = {carry.way(joint.x), carry.way(joint.y), carry.way(joint.z), carry.place(joint.origin)};
     }
   }
+  for (const auto& [collider, joint] : s.fabric.own.of<SkinLists>().bones)   // those of other cloths are where they were
+    s.bodies.poses[collider] = carried_pose(s.scene.colliders[collider], s.skins.pose[joint]);
   if (s.scene.cloths[cloth].inertia) {
     MovingFrame& frame = s.frames.at[cloth];
     FrameMotion& motion = s.frames.motion[cloth];

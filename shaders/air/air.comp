@@ -6,12 +6,12 @@
 // is never below 0: no triangle gains from the air more than the wind gives. A is the rest area, so that cloth that is stretched is not
 // blown further, and stretched the more.
 //
-// Fetching what lies about a particle is what it costs, and the air is slow to change: it is looked at in every n-th substep, and pushes for a
-// time of t = n h. u is that of the velocity that cloth has in the mean over these if gravity alone goes on: before this substep's gravity
-// with n = 1. A sheet then falls at its terminal velocity to the second order of t. With S the sum of rho A |u| C / 6 over the triangles, C being the most that a part of u
-// can meet, the particle would lose b = t w S of its velocity against the air at most, and if b is above 1 that would be turned round,
-// and the more so the faster it is. So the change is divided by sqrt(1 + b^2), with which it cannot, whatever wind and rate are; that too
-// is 1 to the second order of t.
+// Fetching what lies about a particle is what it costs, and the air is slow to change: it is looked at in every n-th substep, and pushes
+// for a time of t = n h. u is that of the velocity that cloth has in the mean over these if gravity alone goes on: before this substep's
+// gravity with n = 1. A sheet then falls at its terminal velocity to the second order of t. With S the sum of rho A |u| C / 6 over the
+// triangles, C being the most that a part of u can meet, the particle would lose b = t w S of its velocity against the air at most, and if
+// b is above 1 that would be turned round, and the more so the faster it is. So the change is divided by sqrt(1 + b^2), with which it
+// cannot, whatever wind and rate are; that too is 1 to the second order of t.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"

@@ -46,8 +46,8 @@ inline Vector nearest_of_core(const Body& body, const Vector& p) {
   return p.cwiseMax(-body.half_size).cwiseMin(body.half_size);
 }
 
-/// A capsule with two radii, in its axes: its distance by cases (Quilez, "Round cone"), with the gradient. p is nearest to an end's sphere or
-/// to the side between, whose normals rise by the sine b.
+/// A capsule with two radii, in its axes: its distance by cases (Quilez, "Round cone"), with the gradient. p is nearest to an end's sphere
+/// or to the side between, whose normals rise by the sine b.
 struct RoundCone {
   double distance = 0;
   Vector gradient = Vector::UnitX();

@@ -1,8 +1,8 @@
-// round_cone: a capsule whose ends have two radii, the convex hull of two spheres. In its axes the spheres' centres lie at c - h and c + h on
-// the y axis, c = half_size.x and h = half_size.y. On the way up the radius falls evenly, by b = half_size.z a metre: at height y it is
+// round_cone: a capsule whose ends have two radii, the convex hull of two spheres. In its axes the spheres' centres lie at c - h and c + h
+// on the y axis, c = half_size.x and h = half_size.y. On the way up the radius falls evenly, by b = half_size.z a metre: at height y it is
 // R - b (y - c). All normals of the side rise by b, the sine of half the cone's angle, so a point's nearest place of the core is not beside
-// it but b / sqrt(1 - b^2) times its distance from the axis lower. From there on it is a capsule (Quilez, "Round cone", has the same distance
-// by cases). Where one sphere holds the other the host makes h and b 0, and c the height of the larger. Needs Hit and entry_root.
+// it but b / sqrt(1 - b^2) times its distance from the axis lower. From there on it is a capsule (Quilez, "Round cone", has the same
+// distance by cases). Where one sphere holds the other the host makes h and b 0, and c the height of the larger. Needs Hit and entry_root.
 //
 //        .--.        c + h, radius R - b h
 //       /    \

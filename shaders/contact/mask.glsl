@@ -3,11 +3,7 @@
 READ(uint, contact_masks)
 
 GATHER(materials)
-
-uint body_of(uint particle) {
-  const uint material = floatBitsToUint(FETCH(velocities, particle).w);
-  return has_maps ? uint(FETCH(materials, material).w) : material;
-}
+#include "motion/body.glsl"
 
 // Whether what two particles belong to meets; where contact_mask_words is not 0.
 bool meets_other(uint a, uint b) {

@@ -20,6 +20,7 @@
 GATHER(positions)
 GATHER(velocities)
 GATHER(materials)
+#include "motion/body.glsl"
 GATHER_UINT(tangled_pairs)
 
 float inverse_mass(uint i) { return FETCH(positions, i).w; }
@@ -61,10 +62,7 @@ bool may_meet(Track a, Track b, Track c, Track d, bool edges, float separation) 
   return gap < separation;
 }
 
-bool same_cloth(uint a, uint b) {
-  const uint m = floatBitsToUint(FETCH(velocities, a).w), n = floatBitsToUint(FETCH(velocities, b).w);
-  return m == n || (has_maps && FETCH(materials, m).w == FETCH(materials, n).w);
-}
+bool same_cloth(uint a, uint b) { return body_of(a) == body_of(b); }
 
 // Within a cloth the separation is less than the distance of the sides in the rest positions: a thick cloth must not push itself apart.
 const float share_of_rest = 0.9;

@@ -11,8 +11,8 @@
 //
 // One thread takes one corner after another: two hands may hold one particle, whose masses then add up.
 //
-// With reactions each hand is told what it gave: h times the force of the spring where the particle came to be, k (T - q) + c (u - (q - x) / h),
-// which is by the above what changed the cloth's momentum, whatever constraints did. It is known when the next substep begins.
+// With reactions each hand is told what it gave: h times the force of the spring where the particle came to be, k (T - q) + c (u - (q - x)
+// / h), which is by the above what changed the cloth's momentum, whatever constraints did. It is known when the next substep begins.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"

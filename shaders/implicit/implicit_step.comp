@@ -13,6 +13,7 @@ READ_WRITE(Counters, counters)
 #include "motion/finalize.glsl"
 
 #include "implicit/implicit_change.glsl"
+#include "motion/body.glsl"
 
 void report(Linear state) {
   const float left = state.first > 0 ? sqrt(state.squared / state.first) : 0;
@@ -21,17 +22,12 @@ void report(Linear state) {
   if (state.done == 2) counters[0].stopped += 1;
 }
 
-uint cloth_of(uint i) {
-  const uint material = floatBitsToUint(FETCH(velocities, i).w);
-  return has_maps ? uint(FETCH(materials, material).w) : material;
-}
-
 void main() {
   const uint i = gl_GlobalInvocationID.x;
   const Linear state = linear[0];
   if (i == 0) report(state);
   if (i >= push.count) return;
   vec4 p = FETCH(predicted, i);
-  if (p.w != 0) p.xyz += motion.h * (change_of(i, state, push.count) - free_cloths[cloth_of(i)].drift);
+  if (p.w != 0) p.xyz += motion.h * (change_of(i, state, push.count) - free_cloths[body_of(i)].drift);
   leave(i, p);
 }

@@ -1,5 +1,5 @@
-// How far a particle goes with the nodes of the finest level, by its shares in them; one that a hand makes heavier goes less far, as far as the
-// same impulse takes it. Needs predicted and positions.
+// How far a particle goes with the nodes of the finest level, by its shares in them; one that a hand makes heavier goes less far, as far as
+// the same impulse takes it. Needs predicted and positions.
 
 GATHER_UINT4(level_shares)
 GATHER(level_steps)

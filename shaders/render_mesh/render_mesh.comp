@@ -1,7 +1,8 @@
 // render_mesh: what a coarse cloth carries, once a frame: the position and the normal of every vertex of a finer mesh that is drawn in its
 // place. A vertex is bound to a triangle, by weights and an offset. The triangle is taken to be curved as its corners' normals say (Phong
-// tessellation: Boubekeur and Alexa 2008; half of the way to the tangent planes instead of their 3/4, with which round cloth bulges), so that the cells of the cloth do not show; the offset is in the axes of the place that the
-// weights choose, so that what stands off the cloth turns with it.
+// tessellation: Boubekeur and Alexa 2008; half of the way to the tangent planes instead of their 3/4, with which round cloth bulges), so
+// that the cells of the cloth do not show; the offset is in the axes of the place that the weights choose, so that what stands off the
+// cloth turns with it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"

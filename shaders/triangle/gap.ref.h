@@ -49,8 +49,8 @@ Vector least_on(const Corners& x, const Function& f) {
   return {1 - u - v, u, v};
 }
 
-/// Round bodies: a sphere's centre or a capsule's axis is a core, and the distance from a core, which is convex, a convex function; with two
-/// radii that from the surface is.
+/// Round bodies: a sphere's centre or a capsule's axis is a core, and the distance from a core, which is convex, a convex function; with
+/// two radii that from the surface is.
 inline Gap gap_to_core(const Body& body, const Corners& x) {
   const auto from_core = [&](const Vector& p) { return body.shape == Shape::sphere ? p : Vector(p - nearest_of_core(body, p)); };
   const Vector weights = least_on(x, [&](const Vector& p) { return from_core(p).norm(); });

@@ -1,7 +1,7 @@
-// round_cone_gap: how far a triangle is from a capsule with two radii (collide/round_cone.glsl). Its distance is a convex function, the length
-// of the way from the nearest place of the core less the radius there, and the gap is the least of it on the triangle. The least is at an
-// end's sphere, or on an edge: at the side normals have one slope, so inside the triangle it is no less than on the way to an edge. Needs
-// gap.glsl.
+// round_cone_gap: how far a triangle is from a capsule with two radii (collide/round_cone.glsl). Its distance is a convex function, the
+// length of the way from the nearest place of the core less the radius there, and the gap is the least of it on the triangle. The least is
+// at an end's sphere, or on an edge: at the side normals have one slope, so inside the triangle it is no less than on the way to an edge.
+// Needs gap.glsl.
 
 // The triangle's point with these weights, if it is nearer than `nearest`.
 void consider_point(inout Gap nearest, Body body, mat3 x, vec3 weights) {

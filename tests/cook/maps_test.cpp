@@ -105,7 +105,9 @@ TEST(Maps, a_map_of_ones_cooks_the_same_bits) {
   ones.maps() = {"_X", "_X.g", "_X.b", "_X.a", "_X"};
   const CookedFabric a = plain.cooked(), b = ones.cooked();
   EXPECT_EQ(a.materials.size(), b.materials.size());
-  const auto same = [](const auto& x, const auto& y) { return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof x[0]) == 0; };
+  const auto same = [](const auto& x, const auto& y) {
+    return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof x[0]) == 0;
+  };
   EXPECT_TRUE(same(a.positions, b.positions) && same(a.velocities, b.velocities) && same(a.stretch.pairs, b.stretch.pairs));
   EXPECT_TRUE(same(a.bend.pairs, b.bend.pairs) && same(a.materials, b.materials));
 }

@@ -11,8 +11,8 @@ namespace weft {
 
 inline constexpr int kBodySubstep = 2;   // of four
 
-// Random bodies of one shape that move, and spin or tilt. Capsules `tapered`: with two radii, of which each third hides the smaller end in the
-// larger.
+// Random bodies of one shape that move, and spin or tilt. Capsules `tapered`: with two radii, of which each third hides the smaller end in
+// the larger.
 inline std::vector<gpu::Collider> bodies(Random& random, ColliderShape shape, double speed, bool tapered = false) {
   std::vector<gpu::Collider> colliders;
   const auto one = [&](double low, double high) { return static_cast<float>(between(random, low, high)); };

@@ -46,6 +46,7 @@ inline Needs setup_for(const Calls& calls, bool texels) {
   setup.constants[constant::has_contacts] = calls.has(Id::contact);
   setup.constants[constant::untangles] = calls.has(Id::untangle);
   setup.constants[constant::air_wave_count] = setup.constants[constant::air_field_count] = calls.has(Id::air);
+  setup.constants[constant::has_maps] = calls.has(Id::render_mesh);
   setup.constants[constant::air_every] = calls.has(Id::air) ? 2 : 0;
   setup.constants[constant::has_lee] = calls.has(Id::air) && calls.has(Id::collide);
   setup.constants[constant::motion_constraints] = calls.has(Id::motion_constraint) ? 2 : 0;
@@ -115,8 +116,8 @@ inline std::vector<Id> others() {
   return found;
 }
 
-// Every combination without and with all of these. Under the sanitizers, where each takes six times as long, every third: what they look for
-// lies in what all of them share.
+// Every combination without and with all of these. Under the sanitizers, where each takes six times as long, every third: what they look
+// for lies in what all of them share.
 inline std::vector<Calls> all_combinations() {
   std::vector<Calls> found = combinations();
 #ifdef __SANITIZE_ADDRESS__

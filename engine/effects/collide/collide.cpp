@@ -22,7 +22,8 @@ gpu::BodySize body_size(ColliderShape shape, const ColliderSize& size) {
   if (shape == ColliderShape::box) return {static_cast<float>(size.radius), {0.5f * size.size.x, 0.5f * size.size.y, 0.5f * size.size.z}};
   if (shape != ColliderShape::capsule || size.radius == size.radius_end) return {static_cast<float>(size.radius), {0, half_length, 0}};
   const double taper = (size.radius - size.radius_end) / size.length;
-  if (std::abs(taper) >= kSteepest) return {static_cast<float>(std::max(size.radius, size.radius_end)), {taper > 0 ? -half_length : half_length, 0, 0}};
+  if (std::abs(taper) >= kSteepest)
+    return {static_cast<float>(std::max(size.radius, size.radius_end)), {taper > 0 ? -half_length : half_length, 0, 0}};
   return {static_cast<float>(0.5 * (size.radius + size.radius_end)), {0, half_length, static_cast<float>(taper)}};
 }
 

@@ -1,15 +1,15 @@
 // What is taken out of the motion that cloth feels.
 //
-// In a frame of t seconds a moving frame turns about its place by R, by the angle a about the axis k, and its place moves with the velocity V.
-// With S = sin a [k]x and Q = (1 - cos a) [k]x^2 it is R = 1 + S + Q (Rodrigues), so that what it carries at r from its place goes with
-// V + (S + Q) r / t, and what it carried there came with V + (S - Q) r / t. From one frame (0) to the next (1) velocities of what is carried
-// therefore change by
+// In a frame of t seconds a moving frame turns about its place by R, by the angle a about the axis k, and its place moves with the velocity
+// V. With S = sin a [k]x and Q = (1 - cos a) [k]x^2 it is R = 1 + S + Q (Rodrigues), so that what it carries at r from its place goes with
+// V + (S + Q) r / t, and what it carried there came with V + (S - Q) r / t. From one frame (0) to the next (1) velocities of what is
+// carried therefore change by
 //     V1 - V0            its acceleration:          what is felt is the linear part,
 //     (S1/t1 - S0/t0) r  its angular acceleration:  the angular part,
 //     (Q1/t1 + Q0/t0) r  towards the axis:          the centrifugal part;
-// and what moves relative to it turns along, by R0 (that it does not is felt as the Coriolis force, which goes with the angular part). Of each
-// a particle is given 1 - its factor: with 0 it moves relative to the frame as if that stood still, and with 1 as it does in the world.
-// (After NvCloth's linear, angular and centrifugal inertia, which scale fictitious forces in a cloth's own space.)
+// and what moves relative to it turns along, by R0 (that it does not is felt as the Coriolis force, which goes with the angular part). Of
+// each a particle is given 1 - its factor: with 0 it moves relative to the frame as if that stood still, and with 1 as it does in the
+// world. (After NvCloth's linear, angular and centrifugal inertia, which scale fictitious forces in a cloth's own space.)
 #include "engine/effects/inertia/inertia.h"
 
 #include <Eigen/Geometry>
@@ -18,6 +18,7 @@
 #include "engine/cook/cook_state.h"
 #include "engine/effects/effect.h"
 #include "engine/effects/skin/skin.h"
+#include "engine/mesh/parts.h"
 
 namespace weft {
 namespace {
@@ -25,7 +26,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-Eigen::Quaterniond wide(const Rotation& r) { return Eigen::Quaterniond(r.w, r.x, r.y, r.z).normalized(); }
+using parts::wide;
 Vector3d wide(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
 Matrix3d cross_with(const Vector3d& k) {
@@ -45,7 +46,7 @@ struct Turning {
   }
 };
 
-gpu::vec3 narrow(const Vector3d& v) { return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())}; }
+gpu::vec3 packed(const Vector3d& v) { return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())}; }
 
 }  // namespace
 
@@ -53,7 +54,7 @@ FrameMotion motion_between(const MovingFrame& from, const MovingFrame& to, doubl
   const Eigen::Quaterniond turn = wide(to.rotation) * wide(from.rotation).conjugate();
   const auto speed = [&](float a, float b) { return (double(b) - double(a)) / seconds; };
   return {{speed(from.place.x, to.place.x), speed(from.place.y, to.place.y), speed(from.place.z, to.place.z)},
-          {static_cast<float>(turn.x()), static_cast<float>(turn.y()), static_cast<float>(turn.z()), static_cast<float>(turn.w())},
+          parts::narrow(turn),
           seconds};
 }
 
@@ -64,10 +65,10 @@ gpu::FrameChange change_of(const Inertia& inertia, const MovingFrame& at, const 
   const Matrix3d n = angular * (b.across - a.across) + centrifugal * (b.inwards + a.inwards) - along * (a.across - a.inwards);
   gpu::FrameChange change{};
   change.centre = {at.place.x, at.place.y, at.place.z};
-  change.b = narrow(linear * (wide(next.velocity) - wide(before.velocity)) - along * wide(before.velocity));
+  change.b = packed(linear * (wide(next.velocity) - wide(before.velocity)) - along * wide(before.velocity));
   for (int k = 0; k < 3; ++k) {
-    change.m[k] = narrow(along.row(k));
-    change.n[k] = narrow(n.row(k));
+    change.m[k] = packed(along.row(k));
+    change.n[k] = packed(n.row(k));
   }
   return change;
 }
@@ -97,11 +98,9 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
     return fail("inertia.joint: the mesh has no joint \"", name, "\"; it has ", names);
   }
   const auto k = static_cast<std::size_t>(at - joints.begin());
-  const Affine& m = at->inverse_bind;
-  Matrix3d linear;
-  linear << m.x.x, m.y.x, m.z.x, m.x.y, m.y.y, m.z.y, m.x.z, m.y.z, m.z.z;
-  const Vector3d place = linear.fullPivLu().solve(-cooking::vector(m.origin));   // where the joint's axes have their origin
-  lists.places.back() = input.mesh.skin->place * Vec3{static_cast<float>(place.x()), static_cast<float>(place.y()), static_cast<float>(place.z())};
+  const Eigen::Affine3d to_joint = wide(at->inverse_bind);
+  const Vector3d place = to_joint.linear().fullPivLu().solve(-to_joint.translation());   // where the joint's axes have their origin
+  lists.places.back() = input.mesh.skin->place * parts::narrow(place);
   lists.joints.back() = static_cast<std::uint32_t>(k);   // until the skin has cooked: of its own
   return {};
 }

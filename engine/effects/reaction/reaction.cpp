@@ -40,8 +40,10 @@ Contents settings(const Cooked& s) {
 constinit const Effect reaction{
     .name = "reaction",
     .key = "reactions",
-    .called_for = [](const Scene& scene,
-                     const CookedFabric& fabric) { return scene.reactions && scene.colliders.size() + scene.grabs > fabric.collider_meshes.size(); },
+    .called_for =
+        [](const Scene& scene, const CookedFabric& fabric) {
+          return scene.reactions && scene.colliders.size() + scene.grabs > fabric.collider_meshes.size();
+        },
     .buffers = kBuffers,
     .part_of_finalize = "+reaction",
     .specialize = [](const Cooked&, Constants& constants) { constants[gpu::constant::reacts] = 1; },

@@ -1,5 +1,5 @@
-// Reactions: the impulses of cloth on colliders, and on hands. Sums of integers, so that they do not depend on the order of threads, and never emptied:
-// what happened between two frames is the difference of their sums, whichever frames in between the host has heard of.
+// Reactions: the impulses of cloth on colliders, and on hands. Sums of integers, so that they do not depend on the order of threads, and
+// never emptied: what happened between two frames is the difference of their sums, whichever frames in between the host has heard of.
 #pragma once
 
 #include "engine/effects/buffer.h"

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/effects/skin/skin.h"
+#include "engine/mesh/parts.h"
 
 namespace weft {
 
@@ -21,12 +22,12 @@ Affine affine(Vec3 centre, const Rotation& rotation) {
   return {rotated(rotation, {1, 0, 0}), rotated(rotation, {0, 1, 0}), rotated(rotation, {0, 0, 1}), centre};
 }
 
+Rotation rotation_of(const Affine& joint) {
+  return parts::narrow(Eigen::Quaterniond(parts::wide(joint).rotation()).normalized());
+}
+
 ColliderPose carried_pose(const Collider& collider, const Affine& joint) {
-  Eigen::Affine3d map;
-  map.matrix() << joint.x.x, joint.y.x, joint.z.x, joint.origin.x, joint.x.y, joint.y.y, joint.z.y, joint.origin.y, joint.x.z, joint.y.z,
-      joint.z.z, joint.origin.z, 0, 0, 0, 1;
-  const Eigen::Quaterniond q = Eigen::Quaterniond(map.rotation()).normalized();
-  const Rotation turn{static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z()), static_cast<float>(q.w())};
+  const Rotation turn = rotation_of(joint);
   return {joint * collider.centre, rotated(turn, collider.normal), turn * rest_rotation(collider)};
 }
 

@@ -42,7 +42,10 @@ std::vector<Affine> joints_at(const Scene& scene, const SkinnedMesh& skinned, co
 /// The map of what is turned by `rotation` and then put at `centre`.
 Affine affine(Vec3 centre, const Rotation& rotation);
 
-/// Where a joint has a collider that it carries: its turn is the rotation nearest to the joint's map, which may scale.
+/// The rotation nearest to a joint's map, which may scale.
+Rotation rotation_of(const Affine& joint);
+
+/// Where a joint has a collider that it carries.
 ColliderPose carried_pose(const Collider& collider, const Affine& joint);
 
 /// Joints as the GPU has them, where the frame begins and where it ends.

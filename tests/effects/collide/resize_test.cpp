@@ -107,7 +107,8 @@ TEST_F(Resize, a_body_that_grows_lifts_the_sheet_over_it_no_faster_than_its_surf
     }
 }
 
-// From far smaller to far larger than a cell in one frame, below an even sheet: nobody passes, and nobody leaves faster than the surface came.
+// From far smaller to far larger than a cell in one frame, below an even sheet: nobody passes, and nobody leaves faster than the surface
+// came.
 TEST_F(Resize, growth_within_a_frame_goes_through_no_sheet_and_gives_its_own_speed) {
   for (const ColliderShape shape : {ColliderShape::sphere, ColliderShape::capsule, ColliderShape::box}) {
     SCOPED_TRACE(static_cast<int>(shape));

@@ -15,10 +15,12 @@ MovingFrame any_frame(Random& random, double turn) {
   const Eigen::Vector3d axis(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1));
   const Eigen::Quaterniond q(Eigen::AngleAxisd(between(random, -turn, turn), axis.normalized()));
   const auto one = [&] { return static_cast<float>(between(random, -1, 1)); };
-  return {{one(), one(), one()}, {static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z()), static_cast<float>(q.w())}};
+  const Eigen::Vector4f r = q.coeffs().cast<float>();
+  return {{one(), one(), one()}, {r[0], r[1], r[2], r[3]}};
 }
 
 Eigen::Quaterniond wide(const Rotation& r) { return Eigen::Quaterniond(r.w, r.x, r.y, r.z).normalized(); }
+reference::Vector wide(Vec3 v) { return {v.x, v.y, v.z}; }
 
 // Three poses of a frame, in times that differ; the second cloth's stands still, and its factors are of no effect.
 TEST_F(KernelInertia, does_what_its_twin_does) {
@@ -40,7 +42,7 @@ TEST_F(KernelInertia, does_what_its_twin_does) {
       passes.begin(input);
       passes.run("inertia");
       const auto velocities = passes.particles(buffers::velocities);
-      const auto way = [](const MovingFrame& from, const MovingFrame& to) { return reference::Vector(vector(gpu::vec3{to.place.x, to.place.y, to.place.z}) - vector(gpu::vec3{from.place.x, from.place.y, from.place.z})); };
+      const auto way = [](const MovingFrame& from, const MovingFrame& to) { return reference::Vector(wide(to.place) - wide(from.place)); };
       const reference::FrameMotion before{way(a, b), wide(b.rotation) * wide(a.rotation).conjugate(), first};
       const reference::FrameMotion next{way(b, c), wide(c.rotation) * wide(b.rotation).conjugate(), second};
       for (std::size_t i = 0; i < velocities.size(); ++i) {
@@ -48,7 +50,7 @@ TEST_F(KernelInertia, does_what_its_twin_does) {
         const reference::Vector wanted =
             fabric.positions[i].w == 0 || i % 2 == 1
                 ? w
-                : reference::without_inertia(vector(fabric.positions[i]), w, vector(gpu::vec3{b.place.x, b.place.y, b.place.z}), before, next,
+                : reference::without_inertia(vector(fabric.positions[i]), w, wide(b.place), before, next,
                                              factors.linear, factors.angular, factors.centrifugal);
         // m/s; frames are placed to float precision, over a sixtieth of a second.
         EXPECT_LT((vector(velocities[i]) - wanted).norm(), 2e-4) << i;

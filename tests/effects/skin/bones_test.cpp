@@ -1,5 +1,5 @@
-// Colliders that joints carry: they go where an animation or the host's pose takes the joint, beside the cloth's own skin, wherever the world's
-// origin is.
+// Colliders that joints carry: they go where an animation or the host's pose takes the joint, beside the cloth's own skin, wherever the
+// world's origin is.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -20,7 +20,8 @@ Affine turned_by(float angle, Vec3 way) {
   return {{c, s, 0}, {-s, c, 0}, {0, 0, 1}, way};
 }
 
-// A sheet held at two corners, whose two joints turn and lift in a second; a capsule goes with the one, a box with the other, a plane with none.
+// A sheet held at two corners, whose two joints turn and lift in a second; a capsule goes with the one, a box with the other, a plane with
+// none.
 struct Limbs {
   Scene scene;
   std::vector<Mesh> meshes;
