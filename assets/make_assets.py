@@ -9,6 +9,7 @@
     cushion.glb      two square sheets, 0.5 m x 0.5 m, 33 x 33 places, sewn together all around and 2 cm apart in the middle; upright
     table_linen.glb  two panels, 1.5 m x 1.5 m, 61 x 61 places, sewn along a UV seam; flat, on y = 0
     quilt.glb        a padded quilt, 1.2 m x 1.2 m, closed, 2 x 97 x 97 places; flat, its middle on y = 0
+    sleeper.glb      a sleeper under a blanket as a mound, 0.9 m x 1.3 m; morph targets that breathe and turn, and an animation of their weights
     body.glb, skirt.glb, cape.glb
                      a character that walks on the spot, and what it wears: a skin over one skeleton, a walk cycle (character.py)
     plain_weave_*.png, twill_*.png
@@ -62,24 +63,38 @@ FLOAT, UINT16, UINT32 = 5126, 5123, 5125
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
 
 
-def glb(name, positions, normals, uvs, triangles, wide_indices, influences=None, colours=None):
-    """`influences`: of each vertex up to four (joint, weight) of the character's skeleton."""
+def glb(name, positions, normals, uvs, triangles, wide_indices, influences=None, colours=None, morphs=None, breath=None):
+    """`influences`: of each vertex up to four (joint, weight) of the character's skeleton. `morphs`: for each target its name and how far it
+    moves every vertex, and turns its normal. `breath`: times, and for each the weights of all of them, between which they go smoothly."""
     binary, views, accessors = b"", [], []
 
-    def add(rows, kind, code, component, target=None):
+    def store(rows, code, target=None):
         nonlocal binary
         packed = b"".join(struct.pack(f"<{len(row)}{code}", *row) for row in rows)
         views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(packed)})
         if target is not None:
             views[-1]["target"] = target
-        count = len(rows) * (len(rows[0]) if kind == "SCALAR" else 1)
-        accessor = {"bufferView": len(views) - 1, "componentType": component, "count": count, "type": kind}
-        if not accessors:   # positions come first, and they alone must state their bounds, in the precision they are stored in
-            stored = list(struct.iter_unpack("<3f", packed))
-            accessor["min"] = [min(axis) for axis in zip(*stored)]
-            accessor["max"] = [max(axis) for axis in zip(*stored)]
-        accessors.append(accessor)
         binary += packed + b"\0" * (-len(packed) % 4)
+        return len(views) - 1
+
+    def bounds(rows):   # in the precision they are stored in
+        stored = [struct.unpack(f"<{len(row)}f", struct.pack(f"<{len(row)}f", *row)) for row in rows]
+        return {"min": [min(axis) for axis in zip(*stored)], "max": [max(axis) for axis in zip(*stored)]}
+
+    def add(rows, kind, code, component, target=None):
+        count = len(rows) * (len(rows[0]) if kind == "SCALAR" else 1)
+        accessor = {"bufferView": store(rows, code, target), "componentType": component, "count": count, "type": kind}
+        if not accessors:   # positions come first, and they must state their bounds
+            accessor.update(bounds(rows))
+        accessors.append(accessor)
+        return len(accessors) - 1
+
+    def add_sparse(rows):   # what is not zero
+        places = [k for k, row in enumerate(rows) if any(row)]
+        accessors.append({"componentType": FLOAT, "count": len(rows), "type": "VEC3", **bounds(rows),
+                          "sparse": {"count": len(places),
+                                     "indices": {"bufferView": store([(k,) for k in places], "H"), "componentType": UINT16},
+                                     "values": {"bufferView": store([rows[k] for k in places], "f")}}})
         return len(accessors) - 1
 
     attributes = {"POSITION": add(positions, "VEC3", "f", FLOAT, ARRAY_BUFFER),
@@ -96,11 +111,22 @@ def glb(name, positions, normals, uvs, triangles, wide_indices, influences=None,
         nodes[0]["skin"] = 0
         nodes += joints
         more = {"skins": [skin], "animations": [animation]}
+    primitive, mesh = {"attributes": attributes}, {"name": name}
+    if morphs:
+        primitive["targets"] = [{"POSITION": add_sparse(moves), "NORMAL": add_sparse(turns)} for _, moves, turns in morphs]
+        mesh.update(weights=breath[1][0], extras={"targetNames": [target for target, _, _ in morphs]})
+        stamps = add([(t,) for t in breath[0]], "SCALAR", "f", FLOAT)
+        accessors[stamps].update(min=[breath[0][0]], max=[breath[0][-1]])
+        still = [(0.0,)] * len(morphs)   # no tangents
+        weights = add([row for values in breath[1] for row in still + [(w,) for w in values] + still], "SCALAR", "f", FLOAT)
+        more = {"animations": [{"name": "breath",
+                                "samplers": [{"input": stamps, "output": weights, "interpolation": "CUBICSPLINE"}],
+                                "channels": [{"sampler": 0, "target": {"node": 0, "path": "weights"}}]}]}
     indices = add(triangles, "SCALAR", "I" if wide_indices else "H", UINT32 if wide_indices else UINT16, ELEMENT_ARRAY_BUFFER)
     document = {
         "asset": {"version": "2.0", "generator": "Weft assets/make_assets.py"},
         "scene": 0, "scenes": [{"nodes": [0, 1] if influences else [0]}], "nodes": nodes, **more,
-        "meshes": [{"name": name, "primitives": [{"attributes": attributes, "indices": indices, "material": 0}]}],
+        "meshes": [{**mesh, "primitives": [{**primitive, "indices": indices, "material": 0}]}],
         "materials": [{"name": "cloth", "doubleSided": True,
                        "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0.9}}],
         "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": len(binary)}]}
@@ -300,6 +326,51 @@ def cushion():
                 cut = [(a, b, d), (a, d, c)] if (i < cells // 2) == (j < cells // 2) else [(a, b, c), (b, d, c)]
                 triangles += cut if side > 0 else [(x, z, y) for x, y, z in cut]
     return glb("cushion", positions, normals, uvs, triangles, wide_indices=False)
+
+
+def sleeper():
+    columns, rows, width, length = 24, 34, 0.9, 1.3
+
+    def hump(x, z, at, reach):   # 1 in the middle, 0 from `reach` on
+        distance = math.hypot((x - at[0]) / reach[0], (z - at[1]) / reach[1])
+        return 0.5 + 0.5 * math.cos(math.pi * distance) if distance < 1 else 0.0
+
+    def lying(x, z):
+        return (x, 0.19 * hump(x, z, (0, 0.05), (0.38, 0.62)), z)
+
+    def breathing_in(x, z):   # the chest rises and widens
+        _, y, _ = lying(x, z)
+        part = hump(x, z, (0, -0.12), (0.3, 0.28))
+        return (x + 0.1 * x * part, y + 0.05 * part, z)
+
+    def turning(x, z):        # the knees go to the side
+        _, y, _ = lying(x, z)
+        return (x + 0.08 * hump(x, z, (0, 0.35), (0.3, 0.25)), y, z)
+
+    def surface(place):
+        points, normals = [], []
+        for j in range(rows + 1):
+            for i in range(columns + 1):
+                x, z, step = width * (i / columns - 0.5), length * (j / rows - 0.5), 1e-4
+                points.append(place(x, z))
+                a, b = ([p - q for p, q in zip(place(x + dx, z + dz), place(x - dx, z - dz))] for dx, dz in ((step, 0), (0, step)))
+                n = (b[1] * a[2] - b[2] * a[1], b[2] * a[0] - b[0] * a[2], b[0] * a[1] - b[1] * a[0])
+                normals.append(tuple(c / math.hypot(*n) for c in n))
+        return points, normals
+
+    def between(rows_from, rows_to):
+        return [tuple(b - a if abs(b - a) > 1e-7 else 0.0 for a, b in zip(p, q)) for p, q in zip(rows_from, rows_to)]
+
+    positions, normals = surface(lying)
+    uvs = [(x + width / 2, z + length / 2) for x, _, z in positions]
+    triangles = [(a, c, b) for a, b, c in sheet_triangles(columns, rows, 0, 0)]
+    morphs = []
+    for name, place in (("breath", breathing_in), ("turn", turning)):
+        points, turned = surface(place)
+        morphs.append((name, between(positions, points), between(normals, turned)))
+    times = [0.0, 1.4, 3.2, 4.6, 6.4]
+    weights = [[0.0, 0.0], [1.0, 0.0], [0.0, 0.5], [1.0, 1.0], [0.0, 0.0]]
+    return glb("sleeper", positions, normals, uvs, triangles, wide_indices=False, morphs=morphs, breath=(times, weights))
 
 
 # ---- Fabric: a height field of yarns, and four maps taken from it
@@ -511,6 +582,7 @@ def main():
         save(folder / "table_linen.glb", table_linen())
         save(folder / "balloon.glb", balloon())
         save(folder / "cushion.glb", cushion())
+        save(folder / "sleeper.glb", sleeper())
         for part in (character.body, character.skirt, character.cape):
             save(folder / f"{part.__name__}.glb", on_skeleton(part.__name__, part()))
         save(folder / "banner.png", banner())

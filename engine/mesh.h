@@ -12,8 +12,8 @@
 // w cross(normal, tangent) points up in the picture, which is what glTF's normal maps (+Y up) expect.
 //
 // Limitations: welding goes by position alone, so two sheets that lie exactly on each other become one (their triangles are
-// duplicates then, and are counted as such). Morph targets are left out, and counted; materials of a file are not read. Of a vertex's
-// joints the four with the largest weights count.
+// duplicates then, and are counted as such). Materials of a file are not read. Of a vertex's joints the four with the largest weights
+// count. Of vertices that become one point the first says where morph targets and joints take it.
 #pragma once
 
 #include <array>
@@ -57,8 +57,9 @@ struct WingedEdge {
   std::array<std::uint32_t, 2> across;
 };
 
-/// Joints that carry the points of a mesh along, as glTF has them: a tree of nodes, of which joints are some, and animations that move the
-/// nodes. A point goes where its joints take it, in the mean of their weights (linear blend skinning: Magnenat-Thalmann et al. 1988).
+/// What moves the points of a mesh, as glTF has it: morph targets, a tree of nodes, of which joints are some, and animations that move
+/// weights and nodes. First each morph target moves a point by its delta times its weight. Then the point goes where its joints take it, in
+/// the mean of their weights (linear blend skinning: Magnenat-Thalmann et al. 1988).
 struct Skin {
   struct Node {
     std::uint32_t parent = kNone;   // comes before its children
@@ -71,15 +72,23 @@ struct Skin {
     std::uint32_t node = 0;
     Affine inverse_bind;            // from the mesh as the file stores it to the joint's axes
   };
-  enum class Moves { translation, rotation, scale };
+  /// A shape towards which points go by a weight: with 1 they are there. Weights below 0 and above 1 lead on along the same lines.
+  struct Morph {
+    std::string name;                   // empty where the file has none
+    float weight = 0;                   // unless an animation or the host says otherwise
+    std::vector<std::uint32_t> points;  // that it moves, growing
+    std::vector<Vec3> deltas;           // m, of each of these
+    std::vector<Vec3> normal_deltas;    // of their unit normals; empty: it does not turn them
+  };
+  enum class Moves { translation, rotation, scale, weight };
   enum class Interpolation { step, linear, cubic };
-  /// What happens to one figure of one node.
+  /// What happens to one figure of one node, or to the weight of one morph target.
   struct Channel {
-    std::uint32_t node = 0;
+    std::uint32_t node = 0;         // of `nodes`; with Moves::weight of `morphs`
     Moves moves = Moves::translation;
     Interpolation interpolation = Interpolation::linear;
     std::vector<float> times;       // s, growing
-    std::vector<Vec4> values;       // one a time (a rotation is a quaternion); cubic: in-tangent, value and out-tangent of each
+    std::vector<Vec4> values;       // one a time (a rotation is a quaternion, a weight is x); cubic: in-tangent, value and out-tangent of each
   };
   struct Animation {
     std::string name;
@@ -88,9 +97,10 @@ struct Skin {
   static constexpr std::size_t kInfluences = 4;
 
   std::vector<Node> nodes;
-  std::vector<Joint> joints;        // 1 ... 65535
+  std::vector<Joint> joints;        // up to 65535; none: nothing is carried, and the host sees one joint for all (only with morph targets)
+  std::vector<Morph> morphs;        // up to kMostMorphs
   std::vector<Animation> animations;
-  std::vector<std::array<std::uint16_t, kInfluences>> joints_of;   // of each point
+  std::vector<std::array<std::uint16_t, kInfluences>> joints_of;   // of each point; these two are empty without joints
   std::vector<std::array<float, kInfluences>> weights;             // of each point: not below 0, their sum is 1
   Affine place;                     // from the file's space to the mesh's: what transform_mesh has done
 };
@@ -128,16 +138,18 @@ Mesh make_grid(const Grid& grid);
 // Of a file: 2000 x 2000, far above what can be simulated. Stops nonsense files early.
 inline constexpr std::uint32_t kMostVertices = 4'000'000;
 
+inline constexpr std::uint32_t kMostMorphs = 1024;   // of a mesh: a face for films has some 800
+
 inline constexpr std::uint32_t kMostCorners = 1000;   // of a face: the time that it takes to cut it grows with the square
 
 /// Reads glTF, GLB or OBJ: all triangle primitives of the default scene, node transforms applied (a mirroring one turns the
-/// winding back outwards; a skinned mesh has none, as glTF says), missing normals and UVs made; with skins, their animations and vertex
-/// colours. Faces of an OBJ are cut into
-/// triangles, concave ones too. Lines, points, morph targets, and skins or attributes that are not as they must be, are left
+/// winding back outwards; a skinned mesh has none, as glTF says), missing normals and UVs made; with skins, morph targets, their
+/// animations and vertex colours. The mesh has its base shape: that of morph targets with weights of 0. Faces of an OBJ are cut into
+/// triangles, concave ones too. Lines, points, and skins (with the morph targets) or attributes that are not as they must be, are left
 /// out, with a sentence in `mended`. Where triangles share no vertices, those that agree in everything are joined. A glTF's
 /// buffers are read only below its own folder, links followed, or anywhere; nothing that an OBJ names is.
 /// Errors: missing, unreadable, cut short or foreign file, or one of more than 1 GiB; a buffer that is missing or not allowed;
-/// a glTF that needs an extension, or uses sparse, quantised or compressed accessors;
+/// a glTF that needs an extension, or uses sparse (but for morph targets), quantised or compressed accessors;
 /// indices that make no whole triangles; no triangle; a vertex that is not finite, or 1e10 m or more away; more than kMostVertices
 /// vertices; a scene of more than 100,000 nodes, or as many primitives that share no accessors; a face of more than kMostCorners corners.
 Result<Mesh> load_mesh(const std::filesystem::path& file, BufferFiles buffer_files = BufferFiles::below_its_folder);
@@ -149,6 +161,9 @@ double duration_of(const Skin::Animation& animation);
 /// mesh at rest to where the joint takes it, both in the mesh's space. kNone instead of an animation: as the nodes stand in the file.
 /// Asserts that check(mesh) finds no fault.
 std::vector<Affine> joints_at(const Skin& skin, std::uint32_t animation, double time);
+
+/// Where it has the weights of the morph targets. kNone instead of an animation: what the file says without one.
+std::vector<float> weights_at(const Skin& skin, std::uint32_t animation, double time);
 
 /// Applies a transform (scale, then rotation, then translation) to positions, normals and tangents.
 void transform_mesh(Mesh& mesh, const Transform& transform);

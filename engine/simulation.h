@@ -252,6 +252,14 @@ class Simulation {
   Result<void> set_pose(std::uint32_t cloth, std::span<const Affine> joints);
   /// The same of a mesh collider (Collider::skin): maps from its shape at rest to its shape, in its own axes; its pose comes on top.
   Result<void> set_body_pose(std::uint32_t collider, std::span<const Affine> joints);
+  /// The weights of the morph targets of a cloth's skin (Skin::morphs) for the end of the next frame: each moves points by its deltas times
+  /// its weight, before joints carry them. The host sets the weights from now on, instead of an animation, which goes on moving the joints
+  /// unless set_pose does; a frame without new ones holds still. What follows the pose follows them, evenly through the frame. Errors: no such
+  /// cloth, or none with a skin; another number of weights than its mesh has morph targets; one below -1e6, above 1e6 or not a number.
+  /// Nothing has changed then.
+  Result<void> set_morphs(std::uint32_t cloth, std::span<const float> weights);
+  /// The same of a mesh collider.
+  Result<void> set_body_morphs(std::uint32_t collider, std::span<const float> weights);
   /// Where the frame that a cloth goes with (Cloth::inertia) is at the end of the next frame (world space). The host drives it from now on,
   /// instead of a joint; without a joint the first call says where it is. A frame of the simulation without a new place holds still. Turns
   /// by the shorter arc. Errors: no such cloth, or one without `inertia`; a place or rotation that is not finite, or no rotation. Nothing

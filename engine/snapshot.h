@@ -48,6 +48,8 @@ struct Snapshot {
   struct SkinState {
     bool is_host_driven = false;
     std::vector<Affine> pose, pending;   // joints; pending: for the next frame, or empty
+    bool has_host_weights = false;
+    std::vector<float> weights, pending_weights;   // of morph targets; pending: as above
   };
   /// The frame that a cloth goes with.
   struct FrameState {

@@ -45,7 +45,8 @@
   X(30, bool, has_tapered)      /* 1: some capsule's ends have two radii (collide/round_cone.glsl) */ \
   X(31, bool, has_body_masks)   /* 1: some collider does not meet every cloth (collide/mask.glsl) */ \
   X(32, uint, contact_mask_words)   /* in a row of contact_masks; 0: every cloth meets every other and every mesh (contact/mask.glsl) */ \
-  X(33, bool, resizes)          /* 1: the host may resize some collider (collide/colliders.glsl) */
+  X(33, bool, resizes)          /* 1: the host may resize some collider (collide/colliders.glsl) */ \
+  X(34, uint, morphs)           /* 1: morph targets move points of skins, 2: and turn their normals (skin/skin.comp) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
@@ -316,6 +317,12 @@ struct SkinPoint {
   vec3 normal;        // unit, at rest
 };
 
+/// By what a morph target moves a point (skin.comp).
+struct MorphDelta {
+  uint morph;         // of all of the scene
+  vec3 position;      // m
+};
+
 /// How a cloth's velocities change where its moving frame does not move on evenly: w + m w + n (x - centre) + b (inertia.comp).
 struct FrameChange {
   vec3 centre, b;     // m, m/s
@@ -498,7 +505,7 @@ SLICE(Air, air)
 static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28);
 static_assert(sizeof(Grab) == 44 && sizeof(Collider) == 96 && sizeof(BodySize) == 16);
 static_assert(sizeof(SkinPoint) == 76 && sizeof(Joint) == 96 && sizeof(MotionLimits) == 8 && sizeof(Reaction) == 48);
-static_assert(sizeof(Carried) == 48 && sizeof(FrameChange) == 96);
+static_assert(sizeof(MorphDelta) == 16 && sizeof(Carried) == 48 && sizeof(FrameChange) == 96);
 static_assert(sizeof(Gas) == 32 && sizeof(GasPart) == 16 && sizeof(GasState) == 8 && sizeof(GasSum) == 24);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 40);
 static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 316 && sizeof(Acceleration) == 48);

@@ -142,9 +142,14 @@ void transform_mesh(Mesh& mesh, const Transform& transform) {
     const Vec3 moved = narrow((turn * Vector3d(t.x, t.y, t.z)).normalized());
     t = {moved.x, moved.y, moved.z, t.w};
   }
-  if (mesh.skin)
+  if (mesh.skin) {
+    for (Skin::Morph& morph : mesh.skin->morphs) {
+      for (Vec3& d : morph.deltas) d = narrow(turn * (transform.scale * wide(d)));
+      for (Vec3& d : morph.normal_deltas) d = narrow(turn * wide(d));
+    }
     mesh.skin->place = narrow(Eigen::Affine3d(Eigen::Translation3d(shift) * Eigen::Affine3d(turn) * Eigen::Scaling(transform.scale)) *
                               wide(mesh.skin->place));
+  }
   mesh.weld_tolerance *= transform.scale;
 }
 

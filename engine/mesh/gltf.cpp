@@ -2,8 +2,8 @@
 //
 // assimp decodes well, but it trusts lengths and references, follows materials and animations that a cloth does not need, and has a
 // mesh for every primitive, with all vertices of its accessors. So every range is checked here, and what passed is written into a
-// new GLB in memory, where primitives that share their accessors are one. Skins and vertex colours are read beside it (gltf_skin.cpp);
-// morph targets are counted. What is copied is bounded by kMostVertices, kMostIndices and kMostPieces, however often a document shows it.
+// new GLB in memory, where primitives that share their accessors are one. Skins and vertex colours (gltf_skin.cpp) and morph targets
+// (gltf_morph.cpp) are read beside it. What is copied is bounded by kMostVertices, kMostIndices and kMostPieces, however often a document shows it.
 #include "engine/mesh/gltf.h"
 
 #include <algorithm>
@@ -25,9 +25,9 @@ enum Mode : std::uint64_t { points, lines, line_loop, line_strip, triangles, tri
 /// The accessors that primitives share, or do not.
 struct Vertices {
   Accessor position, normal, tangent, uv;
-  const json* attributes;
+  const json *attributes, *targets;
 };
-using AccessorNumbers = std::array<std::uint64_t, 6>;
+using AccessorNumbers = std::pair<std::array<std::uint64_t, 6>, std::string>;   // the text: of morph targets
 
 struct Primitive {
   std::size_t vertices;   // of its mesh's
@@ -44,6 +44,7 @@ struct Primitive {
 };
 
 struct Part {
+  const json* mesh = nullptr;          // the document's
   std::vector<Vertices> vertices;
   std::vector<Primitive> primitives;   // of triangles; each has one at least
   std::size_t points = 0, lines = 0, morph_targets = 0;
@@ -54,8 +55,6 @@ bool harmless(const std::string& extension) {
   return extension.starts_with("KHR_materials_") || extension == "KHR_texture_transform" || extension == "KHR_texture_basisu" ||
          extension == "KHR_lights_punctual" || extension == "EXT_texture_webp";
 }
-
-bool has(const json& object, const char* key) { return object.is_object() && object.contains(key); }
 
 class GltfStripper {
  public:
@@ -72,7 +71,7 @@ class GltfStripper {
     // A file is read without what is wrong in these.
     out_.attributes = read_attributes(document_, shown_);
     out_.attribute_fault = std::exchange(document_.fault, {});
-    if (out_.skins > 0) out_.skin = read_skin(document_, shown_);
+    if (out_.skins > 0 || out_.morph_targets > 0) out_.skin = read_skin(document_, shown_);
     out_.skin_fault = std::exchange(document_.fault, {});
     out_.glb = glb_.finish();
     return std::move(out_);
@@ -91,6 +90,7 @@ class GltfStripper {
 
   void read_part(const json& mesh) {
     Part& part = parts_.emplace_back();
+    part.mesh = &mesh;
     std::map<AccessorNumbers, std::size_t> known;   // by the numbers of their accessors
     for (const json& primitive : document_.list(mesh, "primitives")) {
       read_primitive(primitive, part, known);
@@ -127,8 +127,10 @@ class GltfStripper {
     if (mode == triangles && read.count % 3 != 0) return say("a primitive has ", read.count, " corners, which is no multiple of 3");
     if (read.count < 3) return say("a strip or fan has ", read.count, " corners; 3 are needed");
 
-    AccessorNumbers numbers{};
-    Vertices vertices{position, {}, {}, {}, &attributes};
+    const json& targets = document_.list(primitive, "targets");
+    AccessorNumbers all{{}, targets.empty() ? std::string() : targets.dump()};
+    std::array<std::uint64_t, 6>& numbers = all.first;
+    Vertices vertices{position, {}, {}, {}, &attributes, &targets};
     std::size_t k = 0;
     numbers[k++] = document_.natural(attributes, "POSITION", kNone);
     for (const auto& [name, type, into] : {std::tuple{"NORMAL", "VEC3", &vertices.normal}, {"TANGENT", "VEC4", &vertices.tangent},
@@ -140,7 +142,7 @@ class GltfStripper {
     }
     for (const char* name : {"JOINTS_0", "WEIGHTS_0"})
       numbers[k++] = attributes.contains(name) && attributes[name].is_number_unsigned() ? attributes[name].get<std::uint64_t>() : kNone;
-    const auto [which, added] = known.try_emplace(numbers, part.vertices.size());
+    const auto [which, added] = known.try_emplace(std::move(all), part.vertices.size());
     read.vertices = which->second;
     part.primitives.push_back(read);
     if (added) part.vertices.push_back(vertices);
@@ -239,7 +241,7 @@ class GltfStripper {
     if (part.primitives.empty()) return;
     for (const Vertices& vertices : part.vertices) {
       out_.vertices += vertices.position.count;
-      shown_.push_back({from, skin, vertices.attributes, vertices.position.count});
+      shown_.push_back({from, skin, vertices.attributes, vertices.targets, part.mesh, vertices.position.count});
     }
     if (out_.vertices > kMostVertices) return say("it has more than ", kMostVertices, " vertices");
     for (const Primitive& primitive : part.primitives) out_.triangles += primitive.triangle_count();

@@ -2,6 +2,7 @@
 // glTF.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -11,6 +12,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "compute/result.h"
@@ -21,6 +23,8 @@
 namespace weft::parts {
 
 using json = nlohmann::json;
+
+inline bool has(const json& object, const char* key) { return object.is_object() && object.contains(key); }
 
 /// A document and the first fault that was found in it. After a fault its numbers are 0 and its lists empty, so callers need to look
 /// only once, at the end.
@@ -74,6 +78,9 @@ enum class Components { indices, floats, numbers };   // numbers: floats, and in
 /// reaches beyond its buffer.
 Accessor accessor(GltfDocument& document, const json& object, const char* key, std::string_view type, Components components);
 
+/// The same of three floats each, sparse or not, as values: none, and a fault, where it is not that.
+std::vector<Vec3> vectors(GltfDocument& document, const json& object, const char* key);
+
 /// The parent of each node, kNone at the top; a fault unless nodes are a forest.
 std::vector<std::size_t> parents_of(GltfDocument& document, const json& nodes);
 
@@ -82,11 +89,35 @@ struct ShownVertices {
   std::size_t node = 0;               // the document's; kNone: none
   std::size_t skin = kNone;           // the document's
   const json* attributes = nullptr;   // of the primitive that they are of
+  const json* targets = nullptr;      // of that, too: its morph targets
+  const json* mesh = nullptr;         // that has this primitive
   std::size_t count = 0;
 };
 
-/// The skins of all that is shown, as one: over its vertices, in their order. What has no skin goes with its node. A fault where there is
-/// something wrong.
+/// The morph targets of all that is shown. Those of a mesh that two nodes show are there twice: each node has its own weights.
+class MorphReader {
+ public:
+  explicit MorphReader(GltfDocument& document) : document_(document) {}
+
+  /// For one set of vertices after another. `place`: where their node has them, in the space of the mesh.
+  void read(const ShownVertices& vertices, const Eigen::Affine3d& place);
+  std::vector<Skin::Morph>& morphs() { return morphs_; }
+  /// Those of a node of the document: the first, and how many.
+  std::pair<std::size_t, std::size_t> of_node(std::size_t node) const;
+
+ private:
+  std::size_t first_of(const ShownVertices& vertices);
+
+  GltfDocument& document_;
+  std::vector<Skin::Morph> morphs_;
+  std::map<std::pair<std::size_t, const json*>, std::size_t> first_;   // by node and mesh
+  std::map<std::size_t, std::pair<std::size_t, std::size_t>> of_node_;
+  std::size_t vertices_ = 0;      // so far
+  std::uint64_t moved_ = 0;       // these times morph targets
+};
+
+/// The skins and morph targets of all that is shown, as one: over its vertices, in their order. What has no skin goes with its node. A
+/// fault where there is something wrong.
 std::optional<Skin> read_skin(GltfDocument& document, std::span<const ShownVertices> shown);
 
 /// Vertex colours and attributes of the file's own, over all vertices that are shown; 1 where there is none.
@@ -119,7 +150,7 @@ inline std::size_t triangles_that_name(std::size_t vertices) { return (vertices 
 struct GltfGeometry {
   std::string glb;
   std::size_t vertices = 0, triangles = 0, points = 0, lines = 0, skins = 0, morph_targets = 0;
-  std::optional<Skin> skin;   // over these vertices
+  std::optional<Skin> skin;   // over these vertices, where there are skins or morph targets
   std::map<std::string, std::vector<Vec4>> attributes;
   std::string skin_fault, attribute_fault;   // why there is none
 };

@@ -1,5 +1,5 @@
 // Skins, animations and vertex attributes of a glTF (glTF 2.0, 3.7.3 and 3.11). The skins of all that a scene shows become one, over all of
-// its vertices: joints lie one after another, and what has no skin is carried by its node.
+// its vertices: joints lie one after another, and what has no skin is carried by its node. Morph targets are the same skin's.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -23,12 +23,13 @@ Affine narrow_columns(const std::array<double, 16>& m) {   // column after colum
 class SkinReader {
  public:
   SkinReader(GltfDocument& document, std::span<const ShownVertices> shown)
-      : document_(document), root_(document.tree.root), shown_(shown) {}
+      : document_(document), root_(document.tree.root), shown_(shown), morphs_(document) {}
 
   std::optional<Skin> read() {
     read_nodes();
     for (const ShownVertices& vertices : shown_)
-      if (is_sound()) read_vertices(vertices);
+      if (is_sound()) morphs_.read(vertices, read_vertices(vertices));
+    skin_.morphs = std::move(morphs_.morphs());
     const json& animations = document_.list(root_, "animations");
     for (std::size_t a = 0; a < animations.size() && is_sound(); ++a) read_animation(animations[a], a);
     if (is_sound())
@@ -125,20 +126,24 @@ class SkinReader {
   std::uint32_t joint_of_node(std::size_t node) {
     const auto [known, added] = node_joint_.try_emplace(node, static_cast<std::uint32_t>(skin_.joints.size()));
     if (!added) return known->second;
+    const bool is_shown = node != kNone;   // a file of meshes without nodes shows all
+    if (!is_shown) skin_.nodes.emplace_back();
+    const std::uint32_t at = is_shown ? place_of_[node] : static_cast<std::uint32_t>(skin_.nodes.size() - 1);
     Skin alone;
     alone.nodes = skin_.nodes;
-    alone.joints.push_back({.name = {}, .node = place_of_[node], .inverse_bind = {}});
+    alone.joints.push_back({.name = {}, .node = at, .inverse_bind = {}});
     const Affine place = joints_at(alone, kNone, 0)[0];
-    skin_.joints.push_back({.name = {}, .node = place_of_[node], .inverse_bind = narrow(wide(place).inverse())});
+    skin_.joints.push_back({.name = {}, .node = at, .inverse_bind = narrow(wide(place).inverse())});
     return known->second;
   }
 
-  void read_vertices(const ShownVertices& vertices) {
+  // Returns where their node has them. A skinned mesh is placed by its joints instead.
+  Eigen::Affine3d read_vertices(const ShownVertices& vertices) {
     if (vertices.skin == kNone) {
       const auto joint = static_cast<std::uint16_t>(joint_of_node(vertices.node));
       skin_.joints_of.insert(skin_.joints_of.end(), vertices.count, {joint, joint, joint, joint});
       skin_.weights.insert(skin_.weights.end(), vertices.count, {1, 0, 0, 0});
-      return;
+      return wide(skin_.joints[joint].inverse_bind).inverse();
     }
     const std::uint32_t first = joints_of_skin(vertices.skin), joints = static_cast<std::uint32_t>(skin_.joints.size()) - first;
     std::vector<std::array<Accessor, 2>> sets;
@@ -151,8 +156,8 @@ class SkinReader {
         if (read.count != vertices.count)
           say("a primitive has ", vertices.count, " positions but ", read.count, " of ", joint, " or ", weight);
     }
-    if (!is_sound()) return;
-    for (std::size_t v = 0; v < vertices.count; ++v) add_influences(sets, v, first, joints);
+    for (std::size_t v = 0; v < vertices.count && is_sound(); ++v) add_influences(sets, v, first, joints);
+    return Eigen::Affine3d::Identity();
   }
 
   // The four largest of a vertex, which share the weight of all.
@@ -189,29 +194,59 @@ class SkinReader {
       if (!is_sound()) return;
       const json target = channel.is_object() && channel.contains("target") ? channel["target"] : json::object();
       const std::string path = target.is_object() && target.contains("path") && target["path"].is_string() ? target["path"] : json("");
-      if (path == "weights" || !target.contains("node")) continue;   // morph targets, and what an extension moves
+      if (!target.contains("node")) continue;   // what an extension moves
       const json* sampler = document_.entry(samplers, channel, "sampler");
       const std::uint64_t node = document_.natural(target, "node", kNone);
       if (node >= place_of_.size()) say("animation ", number, " moves node ", node, " of ", place_of_.size());
-      if (path != "translation" && path != "rotation" && path != "scale")
+      if (path != "translation" && path != "rotation" && path != "scale" && path != "weights")
         say("animation ", number, " moves the \"", path.substr(0, 40), "\" of a node");
       if (!is_sound()) return;
-      animation.channels.push_back(channel_of(*sampler, place_of_[node], path, number));
+      if (path == "weights") add_weights(*sampler, node, animation, number);
+      else animation.channels.push_back(channel_of(*sampler, place_of_[node], path, number));
     }
     if (!animation.channels.empty()) skin_.animations.push_back(std::move(animation));
+  }
+
+  Skin::Interpolation interpolation_of(const json& sampler, std::size_t number) {
+    const std::string between =
+        sampler.contains("interpolation") && sampler["interpolation"].is_string() ? sampler["interpolation"] : json("LINEAR");
+    if (between == "STEP") return Skin::Interpolation::step;
+    if (between == "CUBICSPLINE") return Skin::Interpolation::cubic;
+    if (between != "LINEAR") say("animation ", number, " has the interpolation \"", between.substr(0, 40), "\"");
+    return Skin::Interpolation::linear;
+  }
+
+  // A channel for each morph target of the node. At each time the file has the weights of all of them; with cubic interpolation all
+  // in-tangents, then all weights, then all out-tangents. None for what is not shown.
+  void add_weights(const json& sampler, std::size_t node, Skin::Animation& animation, std::size_t number) {
+    const auto [first, count] = morphs_.of_node(node);
+    if (count == 0) return;
+    const Skin::Interpolation between = interpolation_of(sampler, number);
+    const Accessor times = accessor(document_, sampler, "input", "SCALAR", Components::floats);
+    const Accessor values = accessor(document_, sampler, "output", "SCALAR", Components::numbers);
+    const std::size_t each = between == Skin::Interpolation::cubic ? 3 : 1;
+    const std::uint64_t wanted = times.count * count * each;
+    keyed_ += times.count * count + values.count;
+    if (keyed_ > kMostKeyed) say("its animations have more than ", kMostKeyed, " values");
+    if (values.count != wanted)
+      say("animation ", number, " has ", values.count, " weights, and ", times.count, " times of ", count, " morph targets need ", wanted);
+    if (!is_sound()) return;
+    for (std::size_t m = 0; m < count; ++m) {
+      Skin::Channel& channel = animation.channels.emplace_back();
+      channel.node = static_cast<std::uint32_t>(first + m);
+      channel.moves = Skin::Moves::weight;
+      channel.interpolation = between;
+      for (std::size_t k = 0; k < times.count; ++k) channel.times.push_back(times.at<float>(k));
+      for (std::size_t k = 0; k < times.count * each; ++k)
+        channel.values.push_back({static_cast<float>(values.number(k * count + m, 0)), 0, 0, 0});
+    }
   }
 
   Skin::Channel channel_of(const json& sampler, std::uint32_t node, const std::string& path, std::size_t number) {
     Skin::Channel channel;
     channel.node = node;
     channel.moves = path == "translation" ? Skin::Moves::translation : path == "rotation" ? Skin::Moves::rotation : Skin::Moves::scale;
-    const std::string between =
-        sampler.contains("interpolation") && sampler["interpolation"].is_string() ? sampler["interpolation"] : json("LINEAR");
-    channel.interpolation = between == "STEP"   ? Skin::Interpolation::step
-                            : between == "CUBICSPLINE" ? Skin::Interpolation::cubic
-                                                       : Skin::Interpolation::linear;
-    if (between != "STEP" && between != "CUBICSPLINE" && between != "LINEAR")
-      say("animation ", number, " has the interpolation \"", between.substr(0, 40), "\"");
+    channel.interpolation = interpolation_of(sampler, number);
     const bool turns = channel.moves == Skin::Moves::rotation;
     const Accessor times = accessor(document_, sampler, "input", "SCALAR", Components::floats);
     const Accessor values = accessor(document_, sampler, "output", turns ? "VEC4" : "VEC3", Components::numbers);
@@ -230,6 +265,7 @@ class SkinReader {
   const json& root_;
   std::span<const ShownVertices> shown_;
   Skin skin_;
+  MorphReader morphs_;
   std::vector<std::uint32_t> place_of_;
   std::map<std::size_t, std::uint32_t> first_joint_, node_joint_;
   std::uint64_t keyed_ = 0;

@@ -89,6 +89,20 @@ Result<parts::Harvest> harvest_of(const std::filesystem::path& file, BufferFiles
   return harvest;
 }
 
+// A morph target's vertices become points.
+void take_over(Skin::Morph& morph, std::span<const std::uint32_t> point_of, std::span<const std::uint32_t> vertex_of) {
+  std::vector<std::pair<std::uint32_t, std::size_t>> kept;   // point, place in the file's list
+  for (std::size_t k = 0; k < morph.points.size(); ++k)
+    if (const std::uint32_t v = morph.points[k], point = point_of[v]; point != kNone && vertex_of[point] == v) kept.emplace_back(point, k);
+  std::ranges::sort(kept);
+  const Skin::Morph all = std::exchange(morph, {.name = morph.name, .weight = morph.weight, .points = {}, .deltas = {}, .normal_deltas = {}});
+  for (const auto& [point, k] : kept) {
+    morph.points.push_back(point);
+    morph.deltas.push_back(all.deltas[k]);
+    if (!all.normal_deltas.empty()) morph.normal_deltas.push_back(all.normal_deltas[k]);
+  }
+}
+
 // What belongs to vertices of the file becomes that of points: the first vertex of each decides.
 void take_over(parts::Harvest& harvest, Mesh& mesh) {
   std::vector<std::uint32_t> vertex_of(mesh.points.size(), kNone);
@@ -101,6 +115,7 @@ void take_over(parts::Harvest& harvest, Mesh& mesh) {
   const auto joints_of = std::exchange(skin.joints_of, {});
   const auto weights = std::exchange(skin.weights, {});
   for (const std::uint32_t v : vertex_of) skin.joints_of.push_back(joints_of[v]), skin.weights.push_back(weights[v]);
+  for (Skin::Morph& morph : skin.morphs) take_over(morph, mesh.point_of_source, vertex_of);
 }
 
 Result<Mesh> load(const std::filesystem::path& file, BufferFiles buffer_files) {
@@ -124,7 +139,7 @@ Result<Mesh> load(const std::filesystem::path& file, BufferFiles buffer_files) {
   note(harvest->crossed_faces, "face crosses", "faces cross", " over itself; triangles of it lie on each other or face different ways");
   note(harvest->bad_uvs, "texture coordinate was", "texture coordinates were", " not finite; projected instead");
   note(harvest->bad_normals, "normal was", "normals were", " not finite or had no direction; made anew");
-  note(harvest->morph_targets, "morph target was", "morph targets were", " left out: the mesh has its base shape");
+  note(mesh->skin ? 0 : harvest->morph_targets, "morph target was", "morph targets were", " left out: the mesh has its base shape");
   if (!harvest->skin_fault.empty()) mesh->mended.insert(mesh->mended.begin(), "its skin was left out: " + harvest->skin_fault);
   if (!harvest->attribute_fault.empty())
     mesh->mended.insert(mesh->mended.begin(), "its vertex attributes were left out: " + harvest->attribute_fault);

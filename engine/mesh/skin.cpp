@@ -1,4 +1,4 @@
-// Skins: where an animation has their joints, and what a skin must be like.
+// Skins: where an animation has their joints and the weights of their morph targets, and what a skin must be like.
 //
 // Between the times of a channel its value stays (step), goes in a straight line (linear; a rotation along the shorter arc, by spherical
 // interpolation), or along a cubic Hermite spline with the tangents that the file has (glTF 2.0, appendix C).
@@ -49,7 +49,7 @@ Result<void> check_tree(const Skin& skin) {
   for (std::size_t n = 0; n < skin.nodes.size(); ++n)
     if (const std::uint32_t parent = skin.nodes[n].parent; parent != kNone && parent >= n)
       return fail("skin.nodes[", n, "]: its parent, ", parent, ", does not come before it");
-  if (skin.joints.empty() || skin.joints.size() > 65535) return fail("skin.joints: ", skin.joints.size(), " are not 1 to 65535");
+  if ((skin.joints.empty() && skin.morphs.empty()) || skin.joints.size() > 65535) return fail("skin.joints: ", skin.joints.size(), " are not 1 to 65535");
   for (std::size_t k = 0; k < skin.joints.size(); ++k)
     if (skin.joints[k].node >= skin.nodes.size())
       return fail("skin.joints[", k, "]: node ", skin.joints[k].node, " is not one of the ", skin.nodes.size());
@@ -57,6 +57,7 @@ Result<void> check_tree(const Skin& skin) {
 }
 
 Result<void> check_weights(const Skin& skin, std::size_t points) {
+  if (skin.joints.empty()) points = 0;
   if (skin.weights.size() != points || skin.joints_of.size() != points)
     return fail("skin: has weights of ", skin.weights.size(), " and joints of ", skin.joints_of.size(), " points, and there are ", points);
   constexpr double kOff = 1e-3;   // of the sum of rounded weights
@@ -73,12 +74,33 @@ Result<void> check_weights(const Skin& skin, std::size_t points) {
   return {};
 }
 
+Result<void> check_morphs(const Skin& skin, std::size_t points) {
+  if (skin.morphs.size() > kMostMorphs) return fail("skin.morphs: ", skin.morphs.size(), " are more than ", kMostMorphs);
+  for (std::size_t m = 0; m < skin.morphs.size(); ++m) {
+    const Skin::Morph& morph = skin.morphs[m];
+    const auto fault = [&](const auto&... what) { return fail("skin.morphs[", m, "]: ", what...); };
+    if (!std::isfinite(morph.weight)) return fault("its weight is not finite");
+    if (morph.deltas.size() != morph.points.size() || (!morph.normal_deltas.empty() && morph.normal_deltas.size() != morph.points.size()))
+      return fault("moves ", morph.points.size(), " points, and has ", morph.deltas.size(), " deltas and ", morph.normal_deltas.size(),
+                   " of normals");
+    for (std::size_t k = 0; k < morph.points.size(); ++k) {
+      if (morph.points[k] >= points || (k > 0 && morph.points[k] <= morph.points[k - 1]))
+        return fault("point ", morph.points[k], " is not one of the ", points, ", or not after the one before");
+      if (!is_finite(morph.deltas[k]) || (!morph.normal_deltas.empty() && !is_finite(morph.normal_deltas[k])))
+        return fault("the delta of point ", morph.points[k], " is not finite, or of ", kTooLarge, " m or more");
+    }
+  }
+  return {};
+}
+
 Result<void> check_animations(const Skin& skin) {
   for (std::size_t a = 0; a < skin.animations.size(); ++a)
     for (std::size_t c = 0; c < skin.animations[a].channels.size(); ++c) {
       const Skin::Channel& channel = skin.animations[a].channels[c];
       const auto fault = [&](const auto&... what) { return fail("skin.animations[", a, "].channels[", c, "]: ", what...); };
-      if (channel.node >= skin.nodes.size()) return fault("node ", channel.node, " is not one of the ", skin.nodes.size());
+      const bool is_weight = channel.moves == Skin::Moves::weight;
+      if (const std::size_t count = is_weight ? skin.morphs.size() : skin.nodes.size(); channel.node >= count)
+        return fault(is_weight ? "morph target " : "node ", channel.node, " is not one of the ", count);
       if (channel.times.empty()) return fault("has no times");
       const std::size_t wanted = channel.times.size() * (channel.interpolation == Skin::Interpolation::cubic ? 3 : 1);
       if (channel.values.size() != wanted) return fault("has ", channel.values.size(), " values, and its times need ", wanted);
@@ -103,10 +125,12 @@ std::vector<Affine> joints_at(const Skin& skin, std::uint32_t animation, double 
   std::vector<Skin::Node> nodes = skin.nodes;
   if (animation != kNone)
     for (const Skin::Channel& channel : skin.animations[animation].channels) {
+      if (channel.moves == Skin::Moves::weight) continue;
       const Vector4d value = value_at(channel, time);
       Skin::Node& node = nodes[channel.node];
       node.matrix.reset();   // glTF has none where a channel moves the node
       switch (channel.moves) {
+        case Skin::Moves::weight: break;
         case Skin::Moves::translation: node.translation = narrow(Eigen::Vector3d(value.head<3>())); break;
         case Skin::Moves::scale: node.scale = narrow(Eigen::Vector3d(value.head<3>())); break;
         case Skin::Moves::rotation: {
@@ -130,9 +154,19 @@ std::vector<Affine> joints_at(const Skin& skin, std::uint32_t animation, double 
   return joints;
 }
 
+std::vector<float> weights_at(const Skin& skin, std::uint32_t animation, double time) {
+  std::vector<float> weights;
+  for (const Skin::Morph& morph : skin.morphs) weights.push_back(morph.weight);
+  if (animation != kNone)
+    for (const Skin::Channel& channel : skin.animations[animation].channels)
+      if (channel.moves == Skin::Moves::weight) weights[channel.node] = static_cast<float>(value_at(channel, time).x());
+  return weights;
+}
+
 Result<void> parts::check_skin(const Skin& skin, std::size_t points) {
   if (auto good = check_tree(skin); !good) return good;
   if (auto good = check_weights(skin, points); !good) return good;
+  if (auto good = check_morphs(skin, points); !good) return good;
   return check_animations(skin);
 }
 

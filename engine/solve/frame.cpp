@@ -136,13 +136,14 @@ void Simulation::State::move_carried(std::span<const Affine> pose) {
 
 void Simulation::State::move_scene(double seconds, FrameInput& input) {
   const std::vector<Affine> pose = next_pose();
+  const std::vector<float> weights = next_weights();
   const std::vector<ColliderPose> before = pose.empty() ? std::vector<ColliderPose>() : bodies.poses;
   input.anchors_move = kinematic.are_dirty || scene.pins > 0;   // pins always: the anchor pass tells their velocities
   move_anchors();
   move_carried(pose);
   move_collider_meshes();
   move_frames(pose, seconds, input);
-  move_skins(pose, before, input);
+  move_skins(pose, weights, before, input);
   move_grabs();
   for (const gpu::Anchor& anchor : kinematic.targets) input.anchors_move |= !same(anchor.from, anchor.to);
   bodies.colliders.clear();

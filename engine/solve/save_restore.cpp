@@ -127,7 +127,9 @@ Result<Snapshot> Simulation::save() const try {
   for (std::size_t k = 0; k < s.skinned_meshes().size(); ++k) {
     const SkinnedMesh& skinned = s.skinned_meshes()[k];
     const auto joints = s.skins.pose.begin() + skinned.first_joint;
-    snapshot.skins.push_back({s.skins.is_host_driven[k], {joints, joints + skinned.joints}, s.skins.pending[k]});
+    const auto weights = s.skins.weights.begin() + skinned.first_morph;
+    snapshot.skins.push_back({s.skins.is_host_driven[k], {joints, joints + skinned.joints}, s.skins.pending[k],
+                              s.skins.has_host_weights[k], {weights, weights + skinned.morphs}, s.skins.pending_weights[k]});
   }
   for (const gpu::MotionLimits& limits : s.skins.limits) snapshot.motion_limits.push_back({limits.scale, limits.stiffness});
   snapshot.frames = s.saved_frames();

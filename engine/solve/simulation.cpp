@@ -156,6 +156,10 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   state->skins.pending.resize(state->skinned_meshes().size());
   state->skins.is_host_driven.resize(state->skinned_meshes().size());
   state->skins.joints.reserve(state->skins.pose.size());   // a frame that has begun to move them needs no memory
+  state->skins.weights = std::as_const(state->fabric.own).of<SkinLists>().first_weights;
+  state->skins.pending_weights.resize(state->skinned_meshes().size());
+  state->skins.has_host_weights.resize(state->skinned_meshes().size());
+  state->skins.morph_weights.reserve(state->skins.weights.size());
   state->skins.limits = motion_limits_of(scene);
   if (state->solver->has(buffers::frame_changes)) {
     state->frames.at.resize(scene.cloths.size());

@@ -1,4 +1,4 @@
-// Skins in a frame: where their joints go, and what the host says of them.
+// Skins in a frame: where their joints and the weights of their morph targets go, and what the host says of them.
 #include <algorithm>
 #include <cmath>
 
@@ -9,6 +9,9 @@ namespace weft {
 namespace {
 
 constexpr double kMostScale = 1e6;   // of max distances
+constexpr double kMostWeight = 1e6;  // of a morph target
+
+bool is_weight(float weight) { return std::abs(double(weight)) <= kMostWeight; }
 
 bool is_sound(const Affine& m) {
   return is_finite(m.x) && is_finite(m.y) && is_finite(m.z) && is_finite(m.origin);
@@ -43,19 +46,36 @@ std::vector<Affine> Simulation::State::next_pose() const {
   return pose;
 }
 
+// The same of morph targets' weights.
+std::vector<float> Simulation::State::next_weights() const {
+  std::vector<float> all = skins.weights;
+  for (std::size_t k = 0; k < skinned_meshes().size(); ++k) {
+    const SkinnedMesh& skinned = skinned_meshes()[k];
+    const auto weights = all.begin() + skinned.first_morph;
+    if (!skins.pending_weights[k].empty())
+      std::ranges::copy(skins.pending_weights[k], weights);
+    else if (!skins.has_host_weights[k] && skinned.animation != kNone)
+      std::ranges::copy(weights_at(scene, skinned, meshes[skinned.mesh], now()), weights);
+  }
+  return all;
+}
+
 // Of a mesh collider in its own axes (m), as its skin has it, if there is one.
 std::vector<Vec3> Simulation::State::body_shape(const ColliderMesh& mesh) const {
   std::vector<Vec3> shape = collider_points(fabric, mesh, {}, {});
   if (find(skinned_meshes(), true, mesh.collider) == nullptr) return shape;
-  for (const gpu::SkinPoint& point : fabric.own.of<SkinLists>().points)
-    if (point.particle >= mesh.first_particle && point.particle - mesh.first_particle < mesh.particles)
-      shape[point.particle - mesh.first_particle] = skinned_point(point, skins.pose);
+  const auto& lists = fabric.own.of<SkinLists>();
+  for (std::size_t k = 0; k < lists.points.size(); ++k)
+    if (const std::uint32_t own = lists.points[k].particle - mesh.first_particle; own < mesh.particles)
+      shape[own] = skinned_point(morphed(lists, k, skins.weights), skins.pose);
   return shape;
 }
 
-// `before`: the colliders' poses where the frame begins; they have moved on. The GPU makes targets of joints (skin.comp).
-void Simulation::State::move_skins(std::span<const Affine> pose, std::span<const ColliderPose> before, FrameInput& input) {
+// `before`: the colliders' poses where the frame begins; they have moved on. The GPU makes targets of joints and weights (skin.comp).
+void Simulation::State::move_skins(std::span<const Affine> pose, std::span<const float> weights, std::span<const ColliderPose> before,
+                                   FrameInput& input) {
   skins.joints.clear();
+  skins.morph_weights.clear();
   for (std::size_t m = 0; m < skinned_meshes().size(); ++m) {
     const SkinnedMesh& skinned = skinned_meshes()[m];
     const auto place = [&](std::span<const ColliderPose> poses) {
@@ -67,8 +87,15 @@ void Simulation::State::move_skins(std::span<const Affine> pose, std::span<const
       input.anchors_move |= !(from == to) || !(skins.pose[k] == pose[k]);
     }
     skins.pending[m].clear();
+    skins.pending_weights[m].clear();
+  }
+  for (std::size_t k = 0; k < weights.size(); ++k) {
+    skins.morph_weights.push_back({skins.weights[k], weights[k]});
+    input.anchors_move |= skins.weights[k] != weights[k];
   }
   std::ranges::copy(pose, skins.pose.begin());
+  std::ranges::copy(weights, skins.weights.begin());
+  input.morph_weights = skins.morph_weights;
   input.joints = skins.joints;
   input.motion_limits = skins.limits;
 }
@@ -91,16 +118,36 @@ Result<void> Simulation::State::set_joints(bool is_collider, std::uint32_t index
   return {};
 }
 
+Result<void> Simulation::State::set_weights(bool is_collider, std::uint32_t index, std::span<const float> weights) {
+  const std::string name = fail(is_collider ? "collider " : "cloth ", index).message;
+  const SkinnedMesh* skinned = find(skinned_meshes(), is_collider, index);
+  if (skinned == nullptr)
+    return fail(name, " has no skin whose morph targets could have weights: there is none, or the scene does not ask for one (its key \"skin\")");
+  if (weights.size() != skinned->morphs)
+    return fail(weights.size(), " weights were given for the ", skinned->morphs, " morph targets of ", name);
+  for (std::size_t k = 0; k < weights.size(); ++k)
+    if (!is_weight(weights[k])) return fail("weight ", k, " of ", name, "'s morph targets is ", weights[k], ", not from -", kMostWeight, " to ", kMostWeight);
+  const auto m = static_cast<std::size_t>(skinned - skinned_meshes().data());
+  skins.pending_weights[m].assign(weights.begin(), weights.end());
+  skins.has_host_weights[m] = true;
+  return {};
+}
+
 // Errors: what is damaged.
 Result<void> Simulation::State::check_skins(const Snapshot& snapshot) const {
   if (snapshot.skins.size() != skinned_meshes().size())
     return fail("it has ", snapshot.skins.size(), " skins instead of ", skinned_meshes().size());
   for (std::size_t k = 0; k < snapshot.skins.size(); ++k) {
-    const auto& [is_host_driven, pose, pending] = snapshot.skins[k];
-    const std::size_t joints = skinned_meshes()[k].joints;
-    if (pose.size() != joints || (!pending.empty() && pending.size() != joints) || !std::ranges::all_of(pose, is_sound) ||
-        !std::ranges::all_of(pending, is_sound))
+    const Snapshot::SkinState& state = snapshot.skins[k];
+    const std::size_t joints = skinned_meshes()[k].joints, morphs = skinned_meshes()[k].morphs;
+    const auto fits = [](const auto& values, const auto& pending, std::size_t count, const auto& is_good) {
+      return values.size() == count && (pending.empty() || pending.size() == count) && std::ranges::all_of(values, is_good) &&
+             std::ranges::all_of(pending, is_good);
+    };
+    if (!fits(state.pose, state.pending, joints, is_sound))
       return fail("skin ", k, " has another number of joints than ", joints, ", or one that is not finite");
+    if (!fits(state.weights, state.pending_weights, morphs, is_weight))
+      return fail("skin ", k, " has another number of weights than ", morphs, ", or one that is not finite");
   }
   if (snapshot.motion_limits.size() != skins.limits.size())
     return fail("it has motion constraints of ", snapshot.motion_limits.size(), " cloths instead of ", skins.limits.size());
@@ -117,10 +164,14 @@ Skins Simulation::State::skins_of(const Snapshot& snapshot) const {
     std::ranges::copy(snapshot.skins[k].pose, there.pose.begin() + skinned_meshes()[k].first_joint);
     there.pending[k] = snapshot.skins[k].pending;
     there.is_host_driven[k] = snapshot.skins[k].is_host_driven;
+    std::ranges::copy(snapshot.skins[k].weights, there.weights.begin() + skinned_meshes()[k].first_morph);
+    there.pending_weights[k] = snapshot.skins[k].pending_weights;
+    there.has_host_weights[k] = snapshot.skins[k].has_host_weights;
   }
   for (std::size_t k = 0; k < there.limits.size(); ++k)
     there.limits[k] = {snapshot.motion_limits[k].scale, snapshot.motion_limits[k].stiffness};
   there.joints.reserve(there.pose.size());
+  there.morph_weights.reserve(there.weights.size());
   return there;
 }
 
@@ -134,6 +185,18 @@ Result<void> Simulation::set_body_pose(std::uint32_t collider, std::span<const A
   return state_->set_joints(true, collider, joints);
 } catch (...) {
   return caught("the pose");
+}
+
+Result<void> Simulation::set_morphs(std::uint32_t cloth, std::span<const float> weights) try {
+  return state_->set_weights(false, cloth, weights);
+} catch (...) {
+  return caught("the weights");
+}
+
+Result<void> Simulation::set_body_morphs(std::uint32_t collider, std::span<const float> weights) try {
+  return state_->set_weights(true, collider, weights);
+} catch (...) {
+  return caught("the weights");
 }
 
 Result<void> Simulation::limit_motion(std::uint32_t cloth, double scale, double stiffness) try {

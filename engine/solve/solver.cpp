@@ -363,6 +363,7 @@ void Solver::record_input(compute::Recorder& recorder, const FrameInput& input) 
   if (has(buffers::colliders)) copy(buffer(buffers::colliders), std::as_bytes(input.colliders));
   if (has(buffers::body_sizes)) copy(buffer(buffers::body_sizes), std::as_bytes(input.body_sizes));
   if (has(buffers::skin_joints)) copy(buffer(buffers::skin_joints), std::as_bytes(input.joints));
+  if (has(buffers::morph_weights)) copy(buffer(buffers::morph_weights), std::as_bytes(input.morph_weights));
   if (has(buffers::frame_changes)) copy(buffer(buffers::frame_changes), std::as_bytes(input.frame_changes));
   if (has(buffers::motion_limits)) copy(buffer(buffers::motion_limits), std::as_bytes(input.motion_limits));
   if (has(buffers::gas_amounts)) copy(buffer(buffers::gas_amounts), std::as_bytes(input.gas_amounts));

@@ -44,6 +44,7 @@ struct FrameInput {
   std::span<const gpu::Collider> colliders;   // by shape, as the buffer has them
   std::span<const gpu::BodySize> body_sizes;  // of these, where the frame begins
   std::span<const gpu::Joint> joints;         // of all skins
+  std::span<const gpu::vec2> morph_weights;   // of all skins
   std::span<const gpu::MotionLimits> motion_limits;   // of all cloths
   std::span<const gpu::Grab> grabs;
   std::span<const gpu::FrameChange> frame_changes;    // of all cloths

@@ -84,6 +84,10 @@ struct Skins {
   std::vector<std::vector<Affine>> pending;    // poses that the host has set since the last frame; empty: none
   std::vector<bool> is_host_driven;
   std::vector<gpu::Joint> joints;              // of the frame at hand, in the particles' space
+  std::vector<float> weights;                  // of all morph targets, at the last frame's end
+  std::vector<std::vector<float>> pending_weights;   // as `pending`
+  std::vector<bool> has_host_weights;          // from the host's first ones on, instead of by an animation
+  std::vector<gpu::vec2> morph_weights;        // of the frame at hand
   std::vector<gpu::MotionLimits> limits;       // of each cloth
 };
 
@@ -208,14 +212,16 @@ struct Simulation::State {
   Result<void> check_gases(const Snapshot& snapshot) const;
   Skins skins_of(const Snapshot& snapshot) const;
   std::vector<Affine> next_pose() const;
+  std::vector<float> next_weights() const;
   std::vector<Vec3> body_shape(const ColliderMesh& mesh) const;
-  void move_skins(std::span<const Affine> pose, std::span<const ColliderPose> before, FrameInput& input);
+  void move_skins(std::span<const Affine> pose, std::span<const float> weights, std::span<const ColliderPose> before, FrameInput& input);
   MovingFrame frame_of_joint(std::size_t cloth, std::span<const Affine> pose) const;
   void move_frames(std::span<const Affine> pose, double seconds, FrameInput& input);
   Result<void> check_frames(const Snapshot& snapshot) const;
   std::vector<Snapshot::FrameState> saved_frames() const;
   void put_frames_back(const Snapshot& snapshot);
   Result<void> set_joints(bool is_collider, std::uint32_t index, std::span<const Affine> joints);
+  Result<void> set_weights(bool is_collider, std::uint32_t index, std::span<const float> weights);
   void record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool save, std::size_t place);
   Result<void> submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits, bool save);
   Result<void> run_pass_by_pass(const FrameInput& input, bool save);

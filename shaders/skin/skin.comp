@@ -1,8 +1,9 @@
-// skin: where joints carry particles, at the frame's start and at its end. Linear blend skinning: a point goes where the mean of its joints'
-// maps, by its weights, takes it (Magnenat-Thalmann, Laperriere, Thalmann 1988). An anchor, or a corner of a mesh collider, gets it as its
+// skin: where morph targets and joints carry particles, at the frame's start and at its end. First each morph target moves a point by its
+// delta, times its weight. Then, by linear blend skinning, the point goes where the mean of its joints' maps, by its weights, takes it
+// (Magnenat-Thalmann, Laperriere, Thalmann 1988). An anchor, or a corner of a mesh collider, gets it as its
 // target; a free particle as its animated place, with the centre of its backstop (motion_constraint.glsl).
 //
-// A frame begins to the bit where the one before has ended, since both are made from the same joints by the same sums.
+// A frame begins to the bit where the one before has ended, since both are made from the same weights and joints by the same sums.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -10,8 +11,32 @@
 READ(SkinPoint, skin_points)
 READ(Joint, skin_joints)
 READ(MotionLimits, motion_limits)
+READ(uvec2, morph_rows)
+READ(MorphDelta, morph_deltas)
+READ(vec3, morph_normals)
+READ(vec2, morph_weights)
 WRITE(Anchor, anchors)
 WRITE(vec4, motion_targets)
+
+struct Shape {
+  vec3 x, normal;   // of a point, before joints carry it
+};
+
+// Where morph targets have the k-th point when the frame begins and when it ends.
+void morph(uint k, inout Shape from, inout Shape to) {
+  const uvec2 row = morph_rows[k];
+  for (uint at = row.x; at < row.x + row.y; ++at) {
+    const MorphDelta delta = morph_deltas[at];
+    const vec2 w = morph_weights[delta.morph];
+    precise const vec3 x_from = from.x + w.x * delta.position, x_to = to.x + w.y * delta.position;
+    from.x = x_from;
+    to.x = x_to;
+    if (morphs < 2) continue;
+    precise const vec3 n_from = from.normal + w.x * morph_normals[at], n_to = to.normal + w.y * morph_normals[at];
+    from.normal = n_from;
+    to.normal = n_to;
+  }
+}
 
 struct Blend {
   vec4 row[3];   // of an affine matrix
@@ -42,15 +67,15 @@ vec3 turned(Blend m, vec3 normal) {
   return size > 1e-12 ? n / size : vec3(0, 1, 0);
 }
 
-void constrain(SkinPoint point, Blend from, Blend to, vec3 x_from, vec3 x_to) {
+void constrain(SkinPoint point, vec3 x_from, vec3 x_to, vec3 normal_from, vec3 normal_to) {
   const MotionLimits limits = motion_limits[point.cloth];
   const uint at = 4 * point.particle;
   motion_targets[at] = vec4(x_from, limits.scale * point.max_distance);
   motion_targets[at + 1] = vec4(x_to, limits.stiffness * point.stiffness);
   if (motion_constraints < 2) return;
   const float behind = point.backstop_distance + point.backstop_radius;
-  motion_targets[at + 2] = vec4(x_from - behind * turned(from, point.normal), point.backstop_radius);
-  motion_targets[at + 3] = vec4(x_to - behind * turned(to, point.normal), 0);
+  motion_targets[at + 2] = vec4(x_from - behind * normal_from, point.backstop_radius);
+  motion_targets[at + 3] = vec4(x_to - behind * normal_to, 0);
 }
 
 void main() {
@@ -59,10 +84,13 @@ void main() {
   const SkinPoint point = skin_points[k];
   const uvec4 joint = uvec4(point.joints.x & 0xffffu, point.joints.x >> 16, point.joints.y & 0xffffu, point.joints.y >> 16);
   const Blend from = blend_from(joint, point.weights), to = blend_to(joint, point.weights);
-  const vec3 x_from = applied(from, vec4(point.rest, 1)), x_to = applied(to, vec4(point.rest, 1));
+  Shape start = Shape(point.rest, point.normal), end = start;
+  if (morphs > 0) morph(k, start, end);
+  const vec3 x_from = applied(from, vec4(start.x, 1)), x_to = applied(to, vec4(end.x, 1));
   if (skins_move_anchors && point.anchor != WEFT_NONE) {   // whether it is held is the host's business
     anchors[point.anchor].from = x_from;
     anchors[point.anchor].to = x_to;
   }
-  if (motion_constraints > 0 && point.cloth != WEFT_NONE) constrain(point, from, to, x_from, x_to);
+  if (motion_constraints > 0 && point.cloth != WEFT_NONE)
+    constrain(point, x_from, x_to, turned(from, start.normal), turned(to, end.normal));
 }

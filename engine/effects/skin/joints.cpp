@@ -8,14 +8,27 @@
 
 namespace weft {
 
-std::vector<Affine> joints_at(const Scene& scene, const SkinnedMesh& skinned, const Mesh& mesh, double time) {
-  if (skinned.animation == kNone) return std::vector<Affine>(skinned.joints);
+namespace {
+
+// s: how far into its animation a mesh is.
+double into_animation(const Scene& scene, const SkinnedMesh& skinned, const Mesh& mesh, double time) {
   const auto& described = skinned.is_collider ? scene.colliders[skinned.index].skin : scene.cloths[skinned.index].skin;
   const Skinning skinning = described.value_or(Skinning{});
-  const double length = duration_of(mesh.skin->animations[skinned.animation]);
-  double into = skinning.start + skinning.speed * time;
-  if (skinning.loops && length > 0) into = std::fmod(into, length);
-  return joints_at(*mesh.skin, skinned.animation, into);
+  const double length = duration_of(mesh.skin->animations[skinned.animation]), into = skinning.start + skinning.speed * time;
+  return skinning.loops && length > 0 ? std::fmod(into, length) : into;
+}
+
+}  // namespace
+
+std::vector<Affine> joints_at(const Scene& scene, const SkinnedMesh& skinned, const Mesh& mesh, double time) {
+  if (skinned.animation == kNone || mesh.skin->joints.empty()) return std::vector<Affine>(skinned.joints);
+  return joints_at(*mesh.skin, skinned.animation, into_animation(scene, skinned, mesh, time));
+}
+
+std::vector<float> weights_at(const Scene& scene, const SkinnedMesh& skinned, const Mesh& mesh, double time) {
+  if (skinned.morphs == 0) return {};
+  const double into = skinned.animation == kNone ? 0 : into_animation(scene, skinned, mesh, time);
+  return weights_at(*mesh.skin, skinned.animation, into);
 }
 
 Affine affine(Vec3 centre, const Rotation& rotation) {

@@ -12,13 +12,16 @@
 namespace weft::effects {
 namespace {
 
-constexpr const Buffer* kBuffers[] = {&buffers::skin_points, &buffers::skin_joints};
+constexpr const Buffer* kBuffers[] = {&buffers::skin_points,  &buffers::skin_joints,   &buffers::morph_rows,
+                                      &buffers::morph_deltas, &buffers::morph_normals, &buffers::morph_weights};
 
 constexpr Pass kPasses[] = {
     {.name = "skin", .stage = Stage::frame_begin, .threads = {lengths::skin_points}},
 };
 
 constexpr std::size_t kMostJoints = 65536;   // of a scene: a point has 16 bits for each
+
+bool has_joints(const Mesh& mesh) { return mesh.skin && !mesh.skin->joints.empty(); }
 
 std::string in_quotes(std::string_view name) { return '"' + std::string(name) + '"'; }
 
@@ -33,18 +36,22 @@ Result<std::uint32_t> chosen_animation(const Skinning& skinning, const Mesh& mes
   return fail("skin.animation: the mesh has no ", in_quotes(skinning.animation), "; its animations are: ", names.empty() ? "none" : names);
 }
 
-// Adds the joints of a mesh. Errors: an animation that it does not have; more joints than a scene may have.
+// Adds the joints and morph targets of a mesh. Errors: an animation that it does not have; more joints than a scene may have.
 Result<SkinnedMesh> add_joints(SkinnedMesh skinned, const Scene& scene, const Skinning& skinning, const Mesh& mesh, SkinLists& lists) {
   if (!mesh.skin_fault.empty()) return fail("skin: that of the mesh was left out: ", mesh.skin_fault);
   auto animation = chosen_animation(skinning, mesh);
   if (!animation) return animation.take_error();
   skinned.animation = *animation;
   skinned.first_joint = static_cast<std::uint32_t>(lists.first_pose.size());
-  skinned.joints = mesh.skin ? static_cast<std::uint32_t>(mesh.skin->joints.size()) : 1;
+  skinned.joints = has_joints(mesh) ? static_cast<std::uint32_t>(mesh.skin->joints.size()) : 1;
+  skinned.first_morph = static_cast<std::uint32_t>(lists.first_weights.size());
+  skinned.morphs = mesh.skin ? static_cast<std::uint32_t>(mesh.skin->morphs.size()) : 0;
   if (lists.first_pose.size() + skinned.joints > kMostJoints)
     return fail("skin: the scene's ", lists.first_pose.size() + skinned.joints, " joints up to here are more than ", kMostJoints);
   const std::vector<Affine> pose = joints_at(scene, skinned, mesh, 0);
   lists.first_pose.insert(lists.first_pose.end(), pose.begin(), pose.end());
+  const std::vector<float> weights = weights_at(scene, skinned, mesh, 0);
+  lists.first_weights.insert(lists.first_weights.end(), weights.begin(), weights.end());
   lists.meshes.push_back(skinned);
   return skinned;
 }
@@ -60,7 +67,7 @@ Result<void> bind_colliders(const Scene& scene, const Cloth& cloth, const Skinne
     std::string names;
     if (const std::string& wanted = collider.bone->joint; !wanted.empty()) {
       for (joint = 0; joint < skinned.joints; ++joint) {
-        const std::string name = mesh.skin ? mesh.skin->joints[joint].name : "";
+        const std::string name = has_joints(mesh) ? mesh.skin->joints[joint].name : "";
         if (name == wanted) break;
         names += (joint == 0 ? "" : ", ") + in_quotes(name);
       }
@@ -78,7 +85,7 @@ gpu::SkinPoint point_of(const Mesh& mesh, const SkinnedMesh& skinned, std::uint3
   point.anchor = point.cloth = WEFT_NONE;
   std::uint32_t joints[Skin::kInfluences] = {};
   float weights[Skin::kInfluences] = {1};
-  if (mesh.skin)
+  if (has_joints(mesh))
     for (std::size_t k = 0; k < Skin::kInfluences; ++k) joints[k] = mesh.skin->joints_of[p][k], weights[k] = mesh.skin->weights[p][k];
   for (std::uint32_t& joint : joints) joint += skinned.first_joint;
   point.joints = {joints[0] | joints[1] << 16, joints[2] | joints[3] << 16};
@@ -102,8 +109,13 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   const ClothRange& range = fabric.cloths.back();
   std::vector<gpu::SkinPoint> points(range.particles);
   const auto place = [&](std::uint32_t p) { return state.particle_of()[p] - range.first_particle; };
-  for (std::uint32_t p = 0; p < mesh.points.size(); ++p)
+  std::vector<std::uint32_t> order(range.particles);
+  for (std::uint32_t p = 0; p < mesh.points.size(); ++p) {
     points[place(p)] = point_of(mesh, *skinned, p, state.particle_of()[p], normals[p]);
+    order[place(p)] = p;
+  }
+  const bool has_backstops = input.cloth.motion_constraints && input.cloth.motion_constraints->backstop_radius > 0;
+  add_deltas(mesh, *skinned, order, has_backstops, lists);
   if (const auto& constraints = input.cloth.motion_constraints) {
     const auto distances = cooking::mapped("motion_constraints.max_distance_map", constraints->max_distance_map, mesh);
     if (!distances) return distances.why();
@@ -141,6 +153,7 @@ Result<void> cook_bodies(cooking::CookState& state, std::span<const Mesh> collid
       const auto skinned = add_joints(described, scene, *skinning, mesh, lists);
       if (!skinned) return fail("colliders[", body.collider, "].", skinned.why());
       const std::vector<std::uint32_t> order = cooking::locality_order(mesh);
+      add_deltas(mesh, *skinned, order, false, lists);
       for (std::uint32_t k = 0; k < body.particles; ++k) {
         lists.points.push_back(point_of(mesh, *skinned, order[k], body.first_particle + k, {0, 1, 0}));
         lists.points.back().anchor = anchor + k;
@@ -164,14 +177,15 @@ void lay_out(cooking::CookState& state) {
     const Affine place = affine(collider.centre + key.translate, rotation_about(key.axis, key.degrees) * rest_rotation(collider));
     for (std::uint32_t k = 0; k < skinned.joints; ++k) joints[skinned.first_joint + k] = place * joints[skinned.first_joint + k];
   }
-  for (const gpu::SkinPoint& point : lists.points) {
-    const Vec3 x = skinned_point(point, joints);
+  for (std::size_t k = 0; k < lists.points.size(); ++k) {
+    const gpu::SkinPoint& point = lists.points[k];
+    const Vec3 x = skinned_point(morphed(lists, k, lists.first_weights), joints);
     gpu::vec4& position = fabric.positions[point.particle];
     if (position.w == 0 && point.anchor == WEFT_NONE) continue;   // keys drive it
     position = {x.x, x.y, x.z, position.w};
     if (point.anchor < fabric.anchors.size()) fabric.anchors[point.anchor].rest = x;
   }
-  std::erase_if(lists.points, [](const gpu::SkinPoint& point) { return point.anchor == WEFT_NONE && point.cloth == WEFT_NONE; });
+  keep(lists, [](const gpu::SkinPoint& point) { return point.anchor != WEFT_NONE || point.cloth != WEFT_NONE; });
 }
 
 }  // namespace
@@ -184,8 +198,10 @@ constinit const Effect skin{
     .passes = kPasses,
     .specialize =
         [](const Cooked& s, Constants& constants) {
+          const auto& lists = s.fabric.own.of<SkinLists>();
           constants[gpu::constant::skins_move_anchors] =
-              std::ranges::any_of(s.fabric.own.of<SkinLists>().points, [](const gpu::SkinPoint& p) { return p.anchor != WEFT_NONE; });
+              std::ranges::any_of(lists.points, [](const gpu::SkinPoint& p) { return p.anchor != WEFT_NONE; });
+          constants[gpu::constant::morphs] = lists.morph_deltas.empty() ? 0 : lists.morph_normals.empty() ? 1 : 2;
         },
     .reference = Reference::absent,
     .cook = cook,

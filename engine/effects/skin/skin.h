@@ -1,4 +1,4 @@
-// Skins: joints carry particles along (linear blend skinning). They move anchors and mesh colliders, and the animated places that motion
+// Skins: morph targets and joints carry particles along (linear blend skinning). They move anchors and mesh colliders, and the animated places that motion
 // constraints keep to.
 #pragma once
 
@@ -19,6 +19,7 @@ struct SkinnedMesh {
   std::uint32_t mesh = 0;           // of the list of meshes
   std::uint32_t animation = kNone;  // of the mesh's skin; kNone: none
   std::uint32_t first_joint = 0, joints = 0;
+  std::uint32_t first_morph = 0, morphs = 0;   // of all morph targets
 };
 
 /// A collider that a joint carries.
@@ -31,6 +32,10 @@ struct SkinLists {
   std::vector<SkinnedMesh> meshes;
   std::vector<Affine> first_pose;       // of all joints: where they are when the scene begins
   std::vector<BoundCollider> bones;
+  std::vector<float> first_weights;     // of all morph targets, when the scene begins
+  std::vector<gpu::uvec2> morph_rows;   // of each point: its first delta, and how many; none where no point has any
+  std::vector<gpu::MorphDelta> morph_deltas;
+  std::vector<gpu::vec3> morph_normals; // of each delta: by which it changes the normal; none where no backstop asks for them
 };
 
 /// Whether the scene calls for the skin of a cloth: its targets, or what keeps to them.
@@ -38,6 +43,9 @@ inline bool is_skinned(const Cloth& cloth) { return cloth.skin || cloth.motion_c
 
 /// Where a skinned mesh's joints are at `time` (s), by its animation: with none, and of a mesh without a skin, where they are at rest.
 std::vector<Affine> joints_at(const Scene& scene, const SkinnedMesh& skinned, const Mesh& mesh, double time);
+
+/// The same of the weights of its morph targets.
+std::vector<float> weights_at(const Scene& scene, const SkinnedMesh& skinned, const Mesh& mesh, double time);
 
 /// The map of what is turned by `rotation` and then put at `centre`.
 Affine affine(Vec3 centre, const Rotation& rotation);
@@ -51,11 +59,21 @@ ColliderPose carried_pose(const Collider& collider, const Affine& joint);
 /// Joints as the GPU has them, where the frame begins and where it ends.
 gpu::Joint joint_between(const Affine& from, const Affine& to);
 
+/// A point of the list as morph targets have it, before joints carry it. `weights`: of all morph targets of the scene.
+gpu::SkinPoint morphed(const SkinLists& lists, std::size_t point, std::span<const float> weights);
+
 /// m: where joints take a point of a skin, of all joints of the scene.
 Vec3 skinned_point(const gpu::SkinPoint& point, std::span<const Affine> joints);
 
+/// Adds the deltas of a mesh, whose points are those of the list from `first` on, in this order (point_order[k]: the mesh's point).
+void add_deltas(const Mesh& mesh, const SkinnedMesh& skinned, std::span<const std::uint32_t> point_order, bool with_normals, SkinLists& lists);
+
+/// Leaves out points that `is_kept` refuses, with their deltas; and all that nothing reads then.
+void keep(SkinLists& lists, bool (*is_kept)(const gpu::SkinPoint&));
+
 namespace lengths {
 inline std::uint64_t joints(const Cooked& s) { return s.fabric.own.of<SkinLists>().first_pose.size(); }
+inline std::uint64_t morphs(const Cooked& s) { return s.fabric.own.of<SkinLists>().first_weights.size(); }
 inline std::uint64_t skin_points(const Cooked& s) { return s.fabric.own.of<SkinLists>().points.size(); }
 }  // namespace lengths
 
@@ -63,6 +81,11 @@ namespace buffers {
 inline constexpr Buffer skin_points = own<gpu::SkinPoint, &SkinLists::points>("skin_points");
 /// Of the frame.
 inline constexpr Buffer skin_joints = buffer<gpu::Joint>("skin_joints", Lifetime::uploaded, lengths::joints);
+inline constexpr Buffer morph_rows = own<gpu::uvec2, &SkinLists::morph_rows>("morph_rows");
+inline constexpr Buffer morph_deltas = own<gpu::MorphDelta, &SkinLists::morph_deltas>("morph_deltas");
+inline constexpr Buffer morph_normals = own<gpu::vec3, &SkinLists::morph_normals>("morph_normals");
+/// Of the frame: where it begins, and where it ends.
+inline constexpr Buffer morph_weights = buffer<gpu::vec2>("morph_weights", Lifetime::uploaded, lengths::morphs);
 }  // namespace buffers
 
 }  // namespace weft
