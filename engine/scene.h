@@ -123,13 +123,14 @@ struct Start {
   double imperfection = 0.02;
 };
 
-/// What moves the skin of a cloth's or a mesh collider's file: an animation of it, or the host (Simulation::set_pose). A mesh without
-/// a skin has a single joint, which carries all of it. A cloth's anchors without keys go where the skin goes; so does all of a collider.
+/// What moves the skin of a cloth's or a mesh collider's file, its morph targets and joints: an animation of it, or the host
+/// (Simulation::set_pose, set_morphs, set_targets). A mesh without a skin has a single joint, which carries all of it. A cloth's anchors without keys go where the skin goes; so does all of a collider.
 struct Skinning {
   std::string animation;        // its name in the file; empty: the file's first, if there is one
   double speed = 1;             // times as fast as the file has it, >= 0
   double start = 0;             // s: how far it is at the scene's start, >= 0
   bool loops = true;            // begins anew after its end; else it stays as it ends
+  bool takes_targets = false;   // whether the host may have a buffer say where it is (Simulation::set_targets)
   bool operator==(const Skinning&) const = default;
 };
 

@@ -54,9 +54,9 @@
 #include "engine/metrics.h"
 #include "engine/moving_frame.h"
 #include "engine/reaction.h"
-#include "engine/reaction.h"
 #include "engine/scene.h"
 #include "engine/snapshot.h"
+#include "engine/target_buffer.h"
 
 namespace weft {
 
@@ -260,6 +260,18 @@ class Simulation {
   Result<void> set_morphs(std::uint32_t cloth, std::span<const float> weights);
   /// The same of a mesh collider.
   Result<void> set_body_morphs(std::uint32_t collider, std::span<const float> weights);
+  /// Where the points of a cloth's skin are at the end of the next frame (world space), by the host's own skinning on the GPU, in place of
+  /// joints and weights; of a skin that says so in the scene (Skinning::takes_targets). Anchors without keys go there and motion constraints
+  /// follow, evenly through the frame, which begins where the one before ended. A frame without a new buffer holds still; one with a new
+  /// pose or new weights alone goes from there to where these have the points. The animation stands still from now on; colliders with a bone
+  /// and a joint for `inertia` go with set_pose, which may be called in the same frame. The same positions give the same bits as set_pose,
+  /// with an origin of 0; else they are rounded once more, relative to origin(). A place that is not finite, or 1e10 m away or more, is
+  /// counted in Counts::non_finite; the point then holds still. A snapshot has where points are, but no buffer that waits for the next frame.
+  /// Errors: a cloth that takes none; no buffer; another number of vertices. Nothing has changed then.
+  Result<void> set_targets(std::uint32_t cloth, const TargetBuffer& targets);
+  /// The same of a mesh collider: its whole shape in world space, on which its pose then has no influence. place_collider takes it along as
+  /// it takes the pose.
+  Result<void> set_body_targets(std::uint32_t collider, const TargetBuffer& targets);
   /// Where the frame that a cloth goes with (Cloth::inertia) is at the end of the next frame (world space). The host drives it from now on,
   /// instead of a joint; without a joint the first call says where it is. A frame of the simulation without a new place holds still. Turns
   /// by the shorter arc. Errors: no such cloth, or one without `inertia`; a place or rotation that is not finite, or no rotation. Nothing

@@ -50,6 +50,7 @@ struct Snapshot {
     std::vector<Affine> pose, pending;   // joints; pending: for the next frame, or empty
     bool has_host_weights = false;
     std::vector<float> weights, pending_weights;   // of morph targets; pending: as above
+    bool is_kept = false;                // its points are where a buffer of the host's had them: `skin_ends` of `contents`
   };
   /// The frame that a cloth goes with.
   struct FrameState {

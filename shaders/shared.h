@@ -46,7 +46,8 @@
   X(31, bool, has_body_masks)   /* 1: some collider does not meet every cloth (collide/mask.glsl) */ \
   X(32, uint, contact_mask_words)   /* in a row of contact_masks; 0: every cloth meets every other and every mesh (contact/mask.glsl) */ \
   X(33, bool, resizes)          /* 1: the host may resize some collider (collide/colliders.glsl) */ \
-  X(34, uint, morphs)           /* 1: morph targets move points of skins, 2: and turn their normals (skin/skin.comp) */
+  X(34, uint, morphs)           /* 1: morph targets move points of skins, 2: and turn their normals (skin/skin.comp) */ \
+  X(35, bool, takes_targets)    /* 1: the host may say in a buffer where points of skins are (skin/host_targets.glsl) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
@@ -322,6 +323,12 @@ struct MorphDelta {
   uint morph;         // of all of the scene
   vec3 position;      // m
 };
+
+/// Where the points of a skinned mesh are when a frame begins and when it ends, unless joints say so (host_targets.glsl).
+#define WEFT_FROM_KEPT 1u        // it begins where the last frame ended
+#define WEFT_TO_KEPT 2u          // it ends where it begins
+#define WEFT_TO_HOST 4u          // it ends where the host's buffer has them
+#define WEFT_HOST_NORMALS 8u     // which has their normals, too
 
 /// How a cloth's velocities change where its moving frame does not move on evenly: w + m w + n (x - centre) + b (inertia.comp).
 struct FrameChange {

@@ -59,9 +59,10 @@ Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPo
   if (const ColliderMesh* mesh = state_->mesh_of(collider)) {
     auto positions = read_positions();
     if (!positions) return positions.take_error();
-    const std::vector<Vec3> shape = state_->body_shape(*mesh);
+    const auto shape = state_->body_shape(*mesh);
+    if (!shape) return shape.why();
     for (std::uint32_t k = 0; k < mesh->particles; ++k) {
-      const Vec3 at = there->centre + rotated(there->rotation, shape[k]);
+      const Vec3 at = there->centre + rotated(there->rotation, (*shape)[k]);
       (*positions)[mesh->first_particle + k] = {at.x, at.y, at.z, 0};
     }
     // put() makes written positions the targets, too. Anchors that cloth holds back must keep theirs.
@@ -71,6 +72,9 @@ Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPo
       const bool own = before[k].particle >= mesh->first_particle && before[k].particle - mesh->first_particle < mesh->particles;
       if (!own) state_->kinematic.targets[k].particle = before[k].particle, state_->kinematic.targets[k].to = before[k].to;
     }
+    const ColliderPose& from = state_->bodies.poses[collider];
+    const RigidMap way{parts::wide(there->rotation) * parts::wide(from.rotation).conjugate(), parts::wide(from.centre), parts::wide(there->centre)};
+    if (auto done = state_->carry_kept(true, collider, way); !done) return done;
   }
   state_->bodies.poses[collider] = *there;
   state_->bodies.pending[collider].reset();

@@ -334,6 +334,7 @@ Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) try
 void Simulation::State::frame_is_sent(const Advance& advance) {
   if (advance.substeps == 0) return;
   kinematic.are_dirty = holds.are_new = false;
+  for (std::size_t m = 0; m < skins.sources.size(); ++m) skins.are_kept[m] = (skins.sources[m] & (WEFT_TO_HOST | WEFT_TO_KEPT)) != 0;
   holds.edits.clear();
 }
 

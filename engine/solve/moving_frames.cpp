@@ -23,14 +23,6 @@ Result<MovingFrame> checked(const MovingFrame& frame) {
   return MovingFrame{frame.place, narrow(wide(r))};
 }
 
-// What a rigid map does.
-struct Carry {
-  Eigen::Quaterniond turn;
-  Vector3d from, to;
-  Vec3 place(Vec3 p) const { return narrow(to + turn * (wide(p) - from)); }
-  Vec3 way(Vec3 v) const { return narrow(turn * wide(v)); }
-};
-
 }  // namespace
 
 MovingFrame Simulation::State::frame_of_joint(std::size_t cloth, std::span<const Affine> pose) const {
@@ -78,7 +70,7 @@ Result<void> Simulation::teleport(std::uint32_t cloth, const MovingFrame& from, 
   const auto old_frame = checked(from), new_frame = checked(to);
   if (!old_frame) return fail("the frame that cloth ", cloth, " leaves: ", old_frame.why());
   if (!new_frame) return fail("the frame that cloth ", cloth, " is taken to: ", new_frame.why());
-  const Carry carry{wide(new_frame->rotation) * wide(old_frame->rotation).conjugate(), wide(old_frame->place) - wide(s.origin),
+  const RigidMap carry{wide(new_frame->rotation) * wide(old_frame->rotation).conjugate(), wide(old_frame->place) - wide(s.origin),
                     wide(new_frame->place) - wide(s.origin)};
   const ClothRange& range = s.fabric.cloths[cloth];
   const auto is_own = [&](std::uint32_t particle) { return particle - range.first_particle < range.particles; };
@@ -115,6 +107,7 @@ Result<void> Simulation::teleport(std::uint32_t cloth, const MovingFrame& from, 
       joint = {carry.way(joint.x), carry.way(joint.y), carry.way(joint.z), carry.place(joint.origin)};
     }
   }
+  if (auto done = s.carry_kept(false, cloth, carry); !done) return done;
   for (const auto& [collider, joint] : s.fabric.own.of<SkinLists>().bones)   // those of other cloths are where they were
     s.bodies.poses[collider] = carried_pose(s.scene.colliders[collider], s.skins.pose[joint]);
   if (s.scene.cloths[cloth].inertia) {

@@ -129,7 +129,8 @@ Result<Snapshot> Simulation::save() const try {
     const auto joints = s.skins.pose.begin() + skinned.first_joint;
     const auto weights = s.skins.weights.begin() + skinned.first_morph;
     snapshot.skins.push_back({s.skins.is_host_driven[k], {joints, joints + skinned.joints}, s.skins.pending[k],
-                              s.skins.has_host_weights[k], {weights, weights + skinned.morphs}, s.skins.pending_weights[k]});
+                              s.skins.has_host_weights[k], {weights, weights + skinned.morphs}, s.skins.pending_weights[k],
+                              s.skins.are_kept[k]});
   }
   for (const gpu::MotionLimits& limits : s.skins.limits) snapshot.motion_limits.push_back({limits.scale, limits.stiffness});
   snapshot.frames = s.saved_frames();
@@ -244,7 +245,7 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
       if (auto good = check_values("positions", elements<gpu::vec4>(*bytes), positions_of(are_held(targets))); !good) return good;
     if (row == &buffers::velocities)
       if (auto good = check_values("velocities", elements<gpu::vec4>(*bytes), fabric.velocities); !good) return good;
-    if (row == &buffers::detected_positions || row == &buffers::trajectories)
+    if (row == &buffers::detected_positions || row == &buffers::trajectories || row == &buffers::skin_ends)
       for (const gpu::vec4& at : elements<gpu::vec4>(*bytes))
         if (!is_finite(at)) return unfit("its buffer ", buffer.name, " has a vector that is not finite");
     if (row == &buffers::displacement_bounds)

@@ -160,6 +160,10 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   state->skins.pending_weights.resize(state->skinned_meshes().size());
   state->skins.has_host_weights.resize(state->skinned_meshes().size());
   state->skins.morph_weights.reserve(state->skins.weights.size());
+  state->skins.pending_targets.resize(state->skinned_meshes().size());
+  state->skins.are_kept.resize(state->skinned_meshes().size());
+  state->skins.sources.reserve(state->skinned_meshes().size());
+  state->skins.copies.reserve(2 * state->skinned_meshes().size());
   state->skins.limits = motion_limits_of(scene);
   if (state->solver->has(buffers::frame_changes)) {
     state->frames.at.resize(scene.cloths.size());

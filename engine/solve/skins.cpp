@@ -61,19 +61,82 @@ std::vector<float> Simulation::State::next_weights() const {
 }
 
 // Of a mesh collider in its own axes (m), as its skin has it, if there is one.
-std::vector<Vec3> Simulation::State::body_shape(const ColliderMesh& mesh) const {
+Result<std::vector<Vec3>> Simulation::State::body_shape(const ColliderMesh& mesh) {
   std::vector<Vec3> shape = collider_points(fabric, mesh, {}, {});
-  if (find(skinned_meshes(), true, mesh.collider) == nullptr) return shape;
+  const SkinnedMesh* skinned = find(skinned_meshes(), true, mesh.collider);
+  if (skinned == nullptr) return shape;
   const auto& lists = fabric.own.of<SkinLists>();
+  if (skins.are_kept[static_cast<std::size_t>(skinned - skinned_meshes().data())]) {
+    const ColliderPose& pose = bodies.poses[mesh.collider];
+    const RigidMap back{parts::wide(pose.rotation).conjugate(), parts::wide(pose.centre), Eigen::Vector3d::Zero()};
+    const std::size_t each = has_backstops(scene) ? 2 : 1;
+    const auto ends = read(buffers::skin_ends, each * lists.points.size());
+    if (!ends) return ends.why();
+    for (std::size_t k = 0; k < lists.points.size(); ++k)
+      if (const std::uint32_t own = lists.points[k].particle - mesh.first_particle; own < mesh.particles) {
+        const gpu::vec4& end = (*ends)[each * k];
+        shape[own] = back.place({end.x, end.y, end.z});
+      }
+    return shape;
+  }
   for (std::size_t k = 0; k < lists.points.size(); ++k)
     if (const std::uint32_t own = lists.points[k].particle - mesh.first_particle; own < mesh.particles)
       shape[own] = skinned_point(morphed(lists, k, skins.weights), skins.pose);
   return shape;
 }
 
+// Takes what is kept of a mesh's points along, outside a frame.
+Result<void> Simulation::State::carry_kept(bool is_collider, std::uint32_t index, const RigidMap& map) {
+  const SkinnedMesh* skinned = find(skinned_meshes(), is_collider, index);
+  if (skinned == nullptr || !skins.are_kept[static_cast<std::size_t>(skinned - skinned_meshes().data())]) return {};
+  const auto& lists = fabric.own.of<SkinLists>();
+  const auto number = static_cast<std::uint32_t>(skinned - skinned_meshes().data());
+  const std::size_t each = has_backstops(scene) ? 2 : 1;
+  auto ends = read(buffers::skin_ends, each * lists.points.size());
+  if (!ends) return ends.take_error();
+  for (std::size_t k = 0; k < lists.points.size(); ++k) {
+    if (lists.target_rows[k].y != number) continue;
+    gpu::vec4& end = (*ends)[each * k];
+    const Vec3 there = map.place({end.x, end.y, end.z});
+    end = {there.x, there.y, there.z, 0};
+    if (each < 2) continue;
+    gpu::vec4& normal = (*ends)[each * k + 1];
+    const Vec3 turned = map.way({normal.x, normal.y, normal.z});
+    normal = {turned.x, turned.y, turned.z, 0};
+  }
+  return compute::upload(*device, solver->buffer(buffers::skin_ends), std::as_bytes(std::span(*ends)));
+}
+
+// Whether each mesh that takes targets goes in this frame where a buffer of the host's has it, stays where one had it, or goes with joints.
+void Simulation::State::choose_sources(FrameInput& input) {
+  skins.sources.clear();
+  skins.copies.clear();
+  for (std::size_t m = 0; m < skinned_meshes().size(); ++m) {
+    const SkinnedMesh& skinned = skinned_meshes()[m];
+    gpu::uint source = skins.are_kept[m] ? WEFT_FROM_KEPT : 0;
+    if (std::optional<TargetBuffer>& targets = skins.pending_targets[m]) {
+      const VkDeviceSize to = skinned.first_target * sizeof(gpu::vec4), bytes = skinned.targets * sizeof(gpu::vec4);
+      source |= WEFT_TO_HOST;
+      skins.copies.push_back({&buffers::host_targets, to, targets->positions, targets->positions_offset, bytes});
+      if (targets->normals != VK_NULL_HANDLE) {
+        source |= WEFT_HOST_NORMALS;
+        skins.copies.push_back({&buffers::host_normals, to, targets->normals, targets->normals_offset, bytes});
+      }
+      targets.reset();
+    } else if (skins.are_kept[m] && skins.pending[m].empty() && skins.pending_weights[m].empty()) {
+      source |= WEFT_TO_KEPT;
+    }
+    input.anchors_move |= source != 0 && (source & WEFT_TO_KEPT) == 0;
+    skins.sources.push_back(source);
+  }
+  input.skin_sources = skins.sources;
+  input.host_copies = skins.copies;
+}
+
 // `before`: the colliders' poses where the frame begins; they have moved on. The GPU makes targets of joints and weights (skin.comp).
 void Simulation::State::move_skins(std::span<const Affine> pose, std::span<const float> weights, std::span<const ColliderPose> before,
                                    FrameInput& input) {
+  choose_sources(input);
   skins.joints.clear();
   skins.morph_weights.clear();
   for (std::size_t m = 0; m < skinned_meshes().size(); ++m) {
@@ -118,6 +181,20 @@ Result<void> Simulation::State::set_joints(bool is_collider, std::uint32_t index
   return {};
 }
 
+Result<void> Simulation::State::set_targets(bool is_collider, std::uint32_t index, const TargetBuffer& targets) {
+  const std::string name = fail(is_collider ? "collider " : "cloth ", index).message;
+  const SkinnedMesh* skinned = find(skinned_meshes(), is_collider, index);
+  if (skinned == nullptr || skinned->targets == 0)
+    return fail(name, " takes no targets: it has no skin, or the scene does not ask for them (the key \"takes_targets\" of its \"skin\")");
+  if (targets.positions == VK_NULL_HANDLE) return fail("the targets of ", name, ": `positions` is VK_NULL_HANDLE");
+  if (targets.vertices != skinned->targets)
+    return fail("the targets of ", name, " are of ", targets.vertices, " vertices, and it has ", skinned->targets);
+  const auto m = static_cast<std::size_t>(skinned - skinned_meshes().data());
+  skins.pending_targets[m] = targets;
+  skins.is_host_driven[m] = skins.has_host_weights[m] = true;
+  return {};
+}
+
 Result<void> Simulation::State::set_weights(bool is_collider, std::uint32_t index, std::span<const float> weights) {
   const std::string name = fail(is_collider ? "collider " : "cloth ", index).message;
   const SkinnedMesh* skinned = find(skinned_meshes(), is_collider, index);
@@ -149,6 +226,8 @@ Result<void> Simulation::State::check_skins(const Snapshot& snapshot) const {
     if (!fits(state.weights, state.pending_weights, morphs, is_weight))
       return fail("skin ", k, " has another number of weights than ", morphs, ", or one that is not finite");
   }
+  for (std::size_t k = 0; k < snapshot.skins.size(); ++k)
+    if (snapshot.skins[k].is_kept && skinned_meshes()[k].targets == 0) return fail("skin ", k, " is where a buffer had it, and takes none");
   if (snapshot.motion_limits.size() != skins.limits.size())
     return fail("it has motion constraints of ", snapshot.motion_limits.size(), " cloths instead of ", skins.limits.size());
   for (const auto& [scale, stiffness] : snapshot.motion_limits)
@@ -167,11 +246,16 @@ Skins Simulation::State::skins_of(const Snapshot& snapshot) const {
     std::ranges::copy(snapshot.skins[k].weights, there.weights.begin() + skinned_meshes()[k].first_morph);
     there.pending_weights[k] = snapshot.skins[k].pending_weights;
     there.has_host_weights[k] = snapshot.skins[k].has_host_weights;
+    there.pending_targets[k].reset();
+    there.are_kept[k] = snapshot.skins[k].is_kept;
   }
   for (std::size_t k = 0; k < there.limits.size(); ++k)
     there.limits[k] = {snapshot.motion_limits[k].scale, snapshot.motion_limits[k].stiffness};
   there.joints.reserve(there.pose.size());
   there.morph_weights.reserve(there.weights.size());
+  there.sources.clear();
+  there.sources.reserve(snapshot.skins.size());
+  there.copies.reserve(2 * snapshot.skins.size());
   return there;
 }
 
@@ -197,6 +281,18 @@ Result<void> Simulation::set_body_morphs(std::uint32_t collider, std::span<const
   return state_->set_weights(true, collider, weights);
 } catch (...) {
   return caught("the weights");
+}
+
+Result<void> Simulation::set_targets(std::uint32_t cloth, const TargetBuffer& targets) try {
+  return state_->set_targets(false, cloth, targets);
+} catch (...) {
+  return caught("the targets");
+}
+
+Result<void> Simulation::set_body_targets(std::uint32_t collider, const TargetBuffer& targets) try {
+  return state_->set_targets(true, collider, targets);
+} catch (...) {
+  return caught("the targets");
 }
 
 Result<void> Simulation::limit_motion(std::uint32_t cloth, double scale, double stiffness) try {

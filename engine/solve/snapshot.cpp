@@ -19,7 +19,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
 
 constexpr std::string_view kMagic = "WEFTSNAP";
-constexpr std::uint32_t kVersion = 15;
+constexpr std::uint32_t kVersion = 16;
 constexpr std::size_t kHead = kMagic.size() + sizeof kVersion + sizeof(std::uint64_t);
 constexpr std::size_t kEnd = sizeof(std::uint64_t);
 constexpr std::uint64_t kLongest = std::uint64_t(1) << 32;   // of a file: more than the most particles and candidates take
@@ -62,7 +62,7 @@ void fields(Walk& walk, T& m) {
 template <class Walk, Is<Snapshot::SkinState> T>
 void fields(Walk& walk, T& state) {
   walk(state.is_host_driven), walk(state.pose), walk(state.pending);
-  walk(state.has_host_weights), walk(state.weights), walk(state.pending_weights);
+  walk(state.has_host_weights), walk(state.weights), walk(state.pending_weights), walk(state.is_kept);
 }
 
 template <class Walk, Is<MovingFrame> T>

@@ -364,6 +364,11 @@ void Solver::record_input(compute::Recorder& recorder, const FrameInput& input) 
   if (has(buffers::body_sizes)) copy(buffer(buffers::body_sizes), std::as_bytes(input.body_sizes));
   if (has(buffers::skin_joints)) copy(buffer(buffers::skin_joints), std::as_bytes(input.joints));
   if (has(buffers::morph_weights)) copy(buffer(buffers::morph_weights), std::as_bytes(input.morph_weights));
+  if (has(buffers::skin_sources)) copy(buffer(buffers::skin_sources), std::as_bytes(input.skin_sources));
+  for (const HostCopy& from : input.host_copies) {
+    const VkBufferCopy region{from.from, from.to, from.bytes};
+    if (has(*from.row)) device_->vk().vkCmdCopyBuffer(recorder.commands(), from.buffer, buffer(*from.row).handle, 1, &region);
+  }
   if (has(buffers::frame_changes)) copy(buffer(buffers::frame_changes), std::as_bytes(input.frame_changes));
   if (has(buffers::motion_limits)) copy(buffer(buffers::motion_limits), std::as_bytes(input.motion_limits));
   if (has(buffers::gas_amounts)) copy(buffer(buffers::gas_amounts), std::as_bytes(input.gas_amounts));

@@ -32,6 +32,14 @@ struct Edit {
   std::vector<std::byte> bytes;
 };
 
+/// What a frame copies from a buffer of the host's before all else.
+struct HostCopy {
+  const Buffer* row = nullptr;     // to
+  VkDeviceSize to = 0;             // bytes
+  VkBuffer buffer = VK_NULL_HANDLE;
+  VkDeviceSize from = 0, bytes = 0;
+};
+
 /// A frame's input from the host. The spans need only live during record_input.
 struct FrameInput {
   std::uint32_t substeps = 0;
@@ -45,6 +53,8 @@ struct FrameInput {
   std::span<const gpu::BodySize> body_sizes;  // of these, where the frame begins
   std::span<const gpu::Joint> joints;         // of all skins
   std::span<const gpu::vec2> morph_weights;   // of all skins
+  std::span<const gpu::uint> skin_sources;    // of all skinned meshes
+  std::span<const HostCopy> host_copies;
   std::span<const gpu::MotionLimits> motion_limits;   // of all cloths
   std::span<const gpu::Grab> grabs;
   std::span<const gpu::FrameChange> frame_changes;    // of all cloths

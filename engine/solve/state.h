@@ -1,6 +1,7 @@
 // What a Simulation holds; shared by simulation*.cpp.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <map>
 #include <optional>
@@ -8,6 +9,7 @@
 
 #include "compute/commands.h"
 #include "engine/effects/buffers.h"
+#include "engine/mesh/parts.h"
 #include "engine/simulation.h"
 #include "engine/solve/pick.h"
 #include "engine/solve/solver.h"
@@ -78,6 +80,14 @@ struct Bodies {
   std::vector<gpu::BodySize> from_sizes;       // where it begins
 };
 
+/// Turns about `from` and takes that to `to` (m).
+struct RigidMap {
+  Eigen::Quaterniond turn;
+  Eigen::Vector3d from, to;
+  Vec3 place(Vec3 p) const { return parts::narrow(Eigen::Vector3d(to + turn * (parts::wide(p) - from))); }
+  Vec3 way(Vec3 v) const { return parts::narrow(Eigen::Vector3d(turn * parts::wide(v))); }
+};
+
 /// Skins: their joints, an entry each, and what the host has said, an entry a skinned mesh (SkinLists::meshes).
 struct Skins {
   std::vector<Affine> pose;                    // at the last frame's end; of a mesh collider in its own axes
@@ -88,6 +98,10 @@ struct Skins {
   std::vector<std::vector<float>> pending_weights;   // as `pending`
   std::vector<bool> has_host_weights;          // from the host's first ones on, instead of by an animation
   std::vector<gpu::vec2> morph_weights;        // of the frame at hand
+  std::vector<std::optional<TargetBuffer>> pending_targets;   // that the host has set since the last frame
+  std::vector<bool> are_kept;                  // whose points are where a buffer had them (skin_ends)
+  std::vector<gpu::uint> sources;              // of the frame at hand
+  std::vector<HostCopy> copies;
   std::vector<gpu::MotionLimits> limits;       // of each cloth
 };
 
@@ -213,7 +227,9 @@ struct Simulation::State {
   Skins skins_of(const Snapshot& snapshot) const;
   std::vector<Affine> next_pose() const;
   std::vector<float> next_weights() const;
-  std::vector<Vec3> body_shape(const ColliderMesh& mesh) const;
+  Result<std::vector<Vec3>> body_shape(const ColliderMesh& mesh);
+  Result<void> carry_kept(bool is_collider, std::uint32_t index, const RigidMap& map);
+  void choose_sources(FrameInput& input);
   void move_skins(std::span<const Affine> pose, std::span<const float> weights, std::span<const ColliderPose> before, FrameInput& input);
   MovingFrame frame_of_joint(std::size_t cloth, std::span<const Affine> pose) const;
   void move_frames(std::span<const Affine> pose, double seconds, FrameInput& input);
@@ -221,6 +237,7 @@ struct Simulation::State {
   std::vector<Snapshot::FrameState> saved_frames() const;
   void put_frames_back(const Snapshot& snapshot);
   Result<void> set_joints(bool is_collider, std::uint32_t index, std::span<const Affine> joints);
+  Result<void> set_targets(bool is_collider, std::uint32_t index, const TargetBuffer& targets);
   Result<void> set_weights(bool is_collider, std::uint32_t index, std::span<const float> weights);
   void record_frame(VkCommandBuffer commands, const FrameInput& input, compute::Timestamps* timestamps, bool save, std::size_t place);
   Result<void> submit_frame(const FrameInput& input, std::span<const VkSemaphoreSubmitInfo> waits, bool save);

@@ -3,7 +3,8 @@
 // (Magnenat-Thalmann, Laperriere, Thalmann 1988). An anchor, or a corner of a mesh collider, gets it as its
 // target; a free particle as its animated place, with the centre of its backstop (motion_constraint.glsl).
 //
-// A frame begins to the bit where the one before has ended, since both are made from the same weights and joints by the same sums.
+// A frame begins to the bit where the one before has ended, since both are made from the same weights and joints by the same sums. A host that does all
+// this itself says in a buffer where they are (host_targets.glsl).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -17,6 +18,7 @@ READ(vec3, morph_normals)
 READ(vec2, morph_weights)
 WRITE(Anchor, anchors)
 WRITE(vec4, motion_targets)
+#include "skin/host_targets.glsl"
 
 struct Shape {
   vec3 x, normal;   // of a point, before joints carry it
@@ -67,15 +69,15 @@ vec3 turned(Blend m, vec3 normal) {
   return size > 1e-12 ? n / size : vec3(0, 1, 0);
 }
 
-void constrain(SkinPoint point, vec3 x_from, vec3 x_to, vec3 normal_from, vec3 normal_to) {
+void constrain(SkinPoint point, Ends ends) {
   const MotionLimits limits = motion_limits[point.cloth];
   const uint at = 4 * point.particle;
-  motion_targets[at] = vec4(x_from, limits.scale * point.max_distance);
-  motion_targets[at + 1] = vec4(x_to, limits.stiffness * point.stiffness);
+  motion_targets[at] = vec4(ends.x_from, limits.scale * point.max_distance);
+  motion_targets[at + 1] = vec4(ends.x_to, limits.stiffness * point.stiffness);
   if (motion_constraints < 2) return;
   const float behind = point.backstop_distance + point.backstop_radius;
-  motion_targets[at + 2] = vec4(x_from - behind * normal_from, point.backstop_radius);
-  motion_targets[at + 3] = vec4(x_to - behind * normal_to, 0);
+  motion_targets[at + 2] = vec4(ends.x_from - behind * ends.normal_from, point.backstop_radius);
+  motion_targets[at + 3] = vec4(ends.x_to - behind * ends.normal_to, 0);
 }
 
 void main() {
@@ -86,11 +88,17 @@ void main() {
   const Blend from = blend_from(joint, point.weights), to = blend_to(joint, point.weights);
   Shape start = Shape(point.rest, point.normal), end = start;
   if (morphs > 0) morph(k, start, end);
-  const vec3 x_from = applied(from, vec4(start.x, 1)), x_to = applied(to, vec4(end.x, 1));
-  if (skins_move_anchors && point.anchor != WEFT_NONE) {   // whether it is held is the host's business
-    anchors[point.anchor].from = x_from;
-    anchors[point.anchor].to = x_to;
+  Ends ends;
+  ends.x_from = applied(from, vec4(start.x, 1));
+  ends.x_to = applied(to, vec4(end.x, 1));
+  if (motion_constraints > 1) {
+    ends.normal_from = turned(from, start.normal);
+    ends.normal_to = turned(to, end.normal);
   }
-  if (motion_constraints > 0 && point.cloth != WEFT_NONE)
-    constrain(point, x_from, x_to, turned(from, start.normal), turned(to, end.normal));
+  if (takes_targets) ends = with_host_targets(k, ends);
+  if (skins_move_anchors && point.anchor != WEFT_NONE) {   // whether it is held is the host's business
+    anchors[point.anchor].from = ends.x_from;
+    anchors[point.anchor].to = ends.x_to;
+  }
+  if (motion_constraints > 0 && point.cloth != WEFT_NONE) constrain(point, ends);
 }

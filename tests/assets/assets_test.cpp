@@ -89,6 +89,19 @@ TEST(Assets, the_balloon_and_the_cushion_are_closed_and_face_outwards) {
   }
 }
 
+TEST(Assets, the_sleeper_breathes_and_turns_and_faces_up) {
+  const Result<Mesh> mesh = load_mesh(kAssets / "generated/sleeper.glb");
+  ASSERT_TRUE(mesh) << mesh.error();
+  EXPECT_TRUE(mesh->mended.empty());
+  for (const Vec3& normal : mesh->render.normals) EXPECT_GT(normal.y, 0.3f);
+  ASSERT_TRUE(mesh->skin) << mesh->skin_fault;
+  ASSERT_EQ(mesh->skin->morphs.size(), 2u);
+  EXPECT_EQ(mesh->skin->morphs[0].name, "breath");
+  EXPECT_LT(mesh->skin->morphs[0].points.size(), mesh->points.size() / 3) << "it moves the chest alone";
+  EXPECT_NEAR(weights_at(*mesh->skin, 0, 1.4)[0], 1, 1e-6);
+  EXPECT_EQ(weights_at(*mesh->skin, 0, duration_of(mesh->skin->animations[0])), (std::vector<float>{0, 0})) << "so that it can begin anew";
+}
+
 TEST(Assets, the_table_linen_is_sewn_along_its_seam) {
   const Result<Mesh> mesh = load_mesh(kAssets / "generated/table_linen.glb");
   ASSERT_TRUE(mesh) << mesh.error();

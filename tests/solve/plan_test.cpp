@@ -200,8 +200,8 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(calls.has(Id::pressure),
            {&b::gases, &b::gas_parts, &b::gas_rows, &b::gas_rings, &b::gas_amounts, &b::gas_states, &b::gas_gradients, &b::gas_sums});
     expect(calls.has(Id::skin), {&b::skin_points, &b::skin_joints});
-    expect(calls.has(Id::skin) && calls.has(Id::contact), {&b::morph_rows, &b::morph_deltas, &b::morph_weights});
-    expect(calls.has(Id::skin) && calls.has(Id::contact) && calls.has(Id::motion_constraint), {&b::morph_normals});
+    expect(calls.has(Id::skin) && calls.has(Id::contact), {&b::morph_rows, &b::morph_deltas, &b::morph_weights, &b::target_rows, &b::skin_sources, &b::host_targets, &b::skin_ends});
+    expect(calls.has(Id::skin) && calls.has(Id::contact) && calls.has(Id::motion_constraint), {&b::morph_normals, &b::host_normals});
     expect(calls.has(Id::motion_constraint), {&b::motion_targets, &b::motion_limits});
     expect(calls.has(Id::grab), {&b::grabs});
     expect(calls.has(Id::grab) && calls.has(Id::reaction), {&b::last_pulls});

@@ -52,6 +52,7 @@ inline Needs setup_for(const Calls& calls, bool texels) {
   setup.constants[constant::motion_constraints] = calls.has(Id::motion_constraint) ? 2 : 0;
   setup.constants[constant::skins_move_anchors] = calls.has(Id::skin) && calls.has(Id::anchor);
   if (calls.has(Id::skin) && calls.has(Id::contact)) setup.constants[constant::morphs] = calls.has(Id::motion_constraint) ? 2 : 1;
+  setup.constants[constant::takes_targets] = setup.constants[constant::morphs] > 0;
   setup.constants[constant::grab_count] = calls.has(Id::grab);
   setup.constants[constant::reacts] = calls.has(Id::reaction);
   for (const Id id : {Id::motion, Id::surface}) setup.effects.set(static_cast<std::size_t>(id));

@@ -14,6 +14,10 @@ std::vector<gpu::MotionLimits> motion_limits_of(const Scene& scene) {
   return limits;
 }
 
+bool has_backstops(const Scene& scene) {
+  return std::ranges::any_of(scene.cloths, [](const Cloth& c) { return c.motion_constraints && c.motion_constraints->backstop_radius > 0; });
+}
+
 std::vector<gpu::vec4> no_motion_targets(const CookedFabric& fabric) {
   std::vector<gpu::vec4> targets(4 * std::size_t{cloth_particles(fabric)});
   for (std::size_t k = 0; k < targets.size(); k += 4) targets[k].w = kTooLarge;
@@ -46,11 +50,7 @@ constinit const Effect motion_constraint{
     .passes = kPasses,
     .part_of_finalize = "+motion_constraint",
     .specialize =
-        [](const Cooked& s, Constants& constants) {
-          const bool stops = std::ranges::any_of(
-              s.scene.cloths, [](const Cloth& c) { return c.motion_constraints && c.motion_constraints->backstop_radius > 0; });
-          constants[gpu::constant::motion_constraints] = stops ? 2 : 1;
-        },
+        [](const Cooked& s, Constants& constants) { constants[gpu::constant::motion_constraints] = has_backstops(s.scene) ? 2 : 1; },
     .reference = Reference::absent,
 };
 

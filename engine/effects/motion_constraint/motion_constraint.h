@@ -7,6 +7,9 @@ namespace weft {
 
 std::vector<gpu::MotionLimits> motion_limits_of(const Scene& scene);
 
+/// Whether any cloth has backstops.
+bool has_backstops(const Scene& scene);
+
 /// Those of particles without any.
 std::vector<gpu::vec4> no_motion_targets(const CookedFabric& fabric);
 

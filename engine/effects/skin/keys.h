@@ -11,6 +11,7 @@ void fields(V& v, Skinning& skin) {
   v.number("speed", skin.speed, between(0, 100));
   v.number("start", skin.start, between(0, 1e6, "s"));
   v.flag("loops", skin.loops);
+  v.flag("takes_targets", skin.takes_targets);
 }
 
 template <class V>

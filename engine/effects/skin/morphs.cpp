@@ -1,4 +1,5 @@
-// Morph targets of skins as the GPU has them: the deltas of each point one after another, only where there are any.
+// Morph targets of skins as the GPU has them: the deltas of each point one after another, only where there are any; and where points find
+// their places in a host's buffer.
 #include <algorithm>
 
 #include "engine/effects/skin/skin.h"
@@ -27,13 +28,22 @@ void add_deltas(const Mesh& mesh, const SkinnedMesh& skinned, std::span<const st
   }
 }
 
+void add_targets(const Mesh& mesh, const SkinnedMesh& skinned, std::uint32_t number, std::span<const std::uint32_t> point_order,
+                 SkinLists& lists) {
+  std::vector<std::uint32_t> first(mesh.points.size());   // render vertex of each point
+  for (std::size_t v = mesh.point_of.size(); v-- > 0;) first[mesh.point_of[v]] = static_cast<std::uint32_t>(v);
+  for (const std::uint32_t point : point_order)
+    lists.target_rows.push_back({skinned.targets > 0 ? skinned.first_target + first[point] : WEFT_NONE, number});
+}
+
 void keep(SkinLists& lists, bool (*is_kept)(const gpu::SkinPoint&)) {
   const SkinLists all = lists;
-  lists.points.clear(), lists.morph_rows.clear(), lists.morph_deltas.clear(), lists.morph_normals.clear();
+  lists.points.clear(), lists.morph_rows.clear(), lists.morph_deltas.clear(), lists.morph_normals.clear(), lists.target_rows.clear();
   for (std::size_t k = 0; k < all.points.size(); ++k) {
     if (!is_kept(all.points[k])) continue;
     const auto [from, count] = all.morph_rows[k];
     lists.points.push_back(all.points[k]);
+    if (all.targets > 0) lists.target_rows.push_back(all.target_rows[k]);
     lists.morph_rows.push_back({static_cast<std::uint32_t>(lists.morph_deltas.size()), count});
     for (std::uint32_t at = from; at < from + count; ++at) {
       lists.morph_deltas.push_back(all.morph_deltas[at]);

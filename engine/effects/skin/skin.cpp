@@ -13,7 +13,9 @@ namespace weft::effects {
 namespace {
 
 constexpr const Buffer* kBuffers[] = {&buffers::skin_points,  &buffers::skin_joints,   &buffers::morph_rows,
-                                      &buffers::morph_deltas, &buffers::morph_normals, &buffers::morph_weights};
+                                      &buffers::morph_deltas, &buffers::morph_normals, &buffers::morph_weights,
+                                      &buffers::target_rows,  &buffers::host_targets,  &buffers::host_normals,
+                                      &buffers::skin_sources, &buffers::skin_ends};
 
 constexpr Pass kPasses[] = {
     {.name = "skin", .stage = Stage::frame_begin, .threads = {lengths::skin_points}},
@@ -52,6 +54,11 @@ Result<SkinnedMesh> add_joints(SkinnedMesh skinned, const Scene& scene, const Sk
   lists.first_pose.insert(lists.first_pose.end(), pose.begin(), pose.end());
   const std::vector<float> weights = weights_at(scene, skinned, mesh, 0);
   lists.first_weights.insert(lists.first_weights.end(), weights.begin(), weights.end());
+  if (skinning.takes_targets) {
+    skinned.first_target = lists.targets;
+    skinned.targets = static_cast<std::uint32_t>(mesh.render.positions.size());
+    lists.targets += skinned.targets;
+  }
   lists.meshes.push_back(skinned);
   return skinned;
 }
@@ -114,8 +121,9 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
     points[place(p)] = point_of(mesh, *skinned, p, state.particle_of()[p], normals[p]);
     order[place(p)] = p;
   }
-  const bool has_backstops = input.cloth.motion_constraints && input.cloth.motion_constraints->backstop_radius > 0;
-  add_deltas(mesh, *skinned, order, has_backstops, lists);
+  const bool stops = input.cloth.motion_constraints && input.cloth.motion_constraints->backstop_radius > 0;
+  add_deltas(mesh, *skinned, order, stops, lists);
+  add_targets(mesh, *skinned, static_cast<std::uint32_t>(lists.meshes.size() - 1), order, lists);
   if (const auto& constraints = input.cloth.motion_constraints) {
     const auto distances = cooking::mapped("motion_constraints.max_distance_map", constraints->max_distance_map, mesh);
     if (!distances) return distances.why();
@@ -154,6 +162,7 @@ Result<void> cook_bodies(cooking::CookState& state, std::span<const Mesh> collid
       if (!skinned) return fail("colliders[", body.collider, "].", skinned.why());
       const std::vector<std::uint32_t> order = cooking::locality_order(mesh);
       add_deltas(mesh, *skinned, order, false, lists);
+      add_targets(mesh, *skinned, static_cast<std::uint32_t>(lists.meshes.size() - 1), order, lists);
       for (std::uint32_t k = 0; k < body.particles; ++k) {
         lists.points.push_back(point_of(mesh, *skinned, order[k], body.first_particle + k, {0, 1, 0}));
         lists.points.back().anchor = anchor + k;
@@ -201,6 +210,7 @@ constinit const Effect skin{
           const auto& lists = s.fabric.own.of<SkinLists>();
           constants[gpu::constant::skins_move_anchors] =
               std::ranges::any_of(lists.points, [](const gpu::SkinPoint& p) { return p.anchor != WEFT_NONE; });
+          constants[gpu::constant::takes_targets] = lists.targets > 0;
           constants[gpu::constant::morphs] = lists.morph_deltas.empty() ? 0 : lists.morph_normals.empty() ? 1 : 2;
         },
     .reference = Reference::absent,

@@ -8,6 +8,7 @@
 
 #include "engine/collider_pose.h"
 #include "engine/effects/buffer.h"
+#include "engine/effects/motion_constraint/motion_constraint.h"
 #include "engine/mesh.h"
 
 namespace weft {
@@ -20,6 +21,7 @@ struct SkinnedMesh {
   std::uint32_t animation = kNone;  // of the mesh's skin; kNone: none
   std::uint32_t first_joint = 0, joints = 0;
   std::uint32_t first_morph = 0, morphs = 0;   // of all morph targets
+  std::uint32_t first_target = 0, targets = 0; // of host_targets, one a render vertex; 0: it takes none
 };
 
 /// A collider that a joint carries.
@@ -36,6 +38,8 @@ struct SkinLists {
   std::vector<gpu::uvec2> morph_rows;   // of each point: its first delta, and how many; none where no point has any
   std::vector<gpu::MorphDelta> morph_deltas;
   std::vector<gpu::vec3> morph_normals; // of each delta: by which it changes the normal; none where no backstop asks for them
+  std::uint32_t targets = 0;            // of all meshes that take them
+  std::vector<gpu::uvec2> target_rows;  // of each point: its target, or WEFT_NONE, and its mesh; none where no mesh takes any
 };
 
 /// Whether the scene calls for the skin of a cloth: its targets, or what keeps to them.
@@ -68,13 +72,20 @@ Vec3 skinned_point(const gpu::SkinPoint& point, std::span<const Affine> joints);
 /// Adds the deltas of a mesh, whose points are those of the list from `first` on, in this order (point_order[k]: the mesh's point).
 void add_deltas(const Mesh& mesh, const SkinnedMesh& skinned, std::span<const std::uint32_t> point_order, bool with_normals, SkinLists& lists);
 
+/// The same of the targets of a mesh; `number`: of SkinLists::meshes.
+void add_targets(const Mesh& mesh, const SkinnedMesh& skinned, std::uint32_t number, std::span<const std::uint32_t> point_order, SkinLists& lists);
+
 /// Leaves out points that `is_kept` refuses, with their deltas; and all that nothing reads then.
 void keep(SkinLists& lists, bool (*is_kept)(const gpu::SkinPoint&));
 
 namespace lengths {
 inline std::uint64_t joints(const Cooked& s) { return s.fabric.own.of<SkinLists>().first_pose.size(); }
 inline std::uint64_t morphs(const Cooked& s) { return s.fabric.own.of<SkinLists>().first_weights.size(); }
+inline std::uint64_t host_targets(const Cooked& s) { return s.fabric.own.of<SkinLists>().targets; }
+inline std::uint64_t skinned_meshes(const Cooked& s) { return s.fabric.own.of<SkinLists>().meshes.size(); }
 inline std::uint64_t skin_points(const Cooked& s) { return s.fabric.own.of<SkinLists>().points.size(); }
+/// With the normal of each where there are backstops.
+inline std::uint64_t skin_ends(const Cooked& s) { return (has_backstops(s.scene) ? 2 : 1) * skin_points(s); }
 }  // namespace lengths
 
 namespace buffers {
@@ -84,6 +95,14 @@ inline constexpr Buffer skin_joints = buffer<gpu::Joint>("skin_joints", Lifetime
 inline constexpr Buffer morph_rows = own<gpu::uvec2, &SkinLists::morph_rows>("morph_rows");
 inline constexpr Buffer morph_deltas = own<gpu::MorphDelta, &SkinLists::morph_deltas>("morph_deltas");
 inline constexpr Buffer morph_normals = own<gpu::vec3, &SkinLists::morph_normals>("morph_normals");
+inline constexpr Buffer target_rows = own<gpu::uvec2, &SkinLists::target_rows>("target_rows");
+/// Copied from the host's buffers: of each render vertex of the meshes that take targets where the frame ends (m, world space).
+inline constexpr Buffer host_targets = buffer<gpu::vec4>("host_targets", Lifetime::uploaded, lengths::host_targets);
+inline constexpr Buffer host_normals = buffer<gpu::vec4>("host_normals", Lifetime::uploaded, lengths::host_targets);
+/// Of each skinned mesh, for the frame: WEFT_FROM_KEPT and the like.
+inline constexpr Buffer skin_sources = buffer<gpu::uint>("skin_sources", Lifetime::uploaded, lengths::skinned_meshes);
+/// Of points that the host's buffer has moved: where the last frame has ended (m).
+inline constexpr Buffer skin_ends = buffer<gpu::vec4>("skin_ends", Lifetime::persistent, lengths::skin_ends);
 /// Of the frame: where it begins, and where it ends.
 inline constexpr Buffer morph_weights = buffer<gpu::vec2>("morph_weights", Lifetime::uploaded, lengths::morphs);
 }  // namespace buffers

@@ -57,5 +57,24 @@ TEST_F(WalkCase, nothing_crosses_and_nobody_is_beyond_its_max_distance) {
   EXPECT_EQ(simulation->counts().non_finite, 0u);
 }
 
+// The blanket on the sleeper (assets/scenes/sleeper.json), over a breath and the beginning of a turn.
+TEST_F(WalkCase, a_blanket_lies_on_a_body_that_breathes_and_nothing_crosses) {
+  const auto simulation = must(Simulation::create(device(), must(load_scene(WEFT_ASSETS "/scenes/sleeper.json"))));
+  const auto highest = [&] {
+    float most = -1;
+    for (const gpu::vec4& x : must(simulation->read_positions())) most = x.w == 0 ? std::max(most, x.y) : most;
+    return most;
+  };
+  EXPECT_NEAR(highest(), 0.19f, 0.002f);
+  float most = 0;
+  for (int frame = 1; frame <= 120; ++frame) {
+    must(simulation->advance(1.0 / 60));
+    most = std::max(most, highest());
+    if (frame % 10 == 0) { ASSERT_EQ(look_at(*simulation).crossings, 0u) << "after frame " << frame; }
+  }
+  EXPECT_GT(most, 0.21f) << "it has breathed in";
+  EXPECT_EQ(simulation->counts().contacts_overflowed, 0u);
+}
+
 }  // namespace
 }  // namespace weft
