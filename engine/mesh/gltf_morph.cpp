@@ -44,12 +44,14 @@ std::size_t MorphReader::first_of(const ShownVertices& vertices) {
     return 0;
   }
   of_node_[vertices.node] = {morphs_.size(), count};
+  if (count == 0) return known->second;
   static const json none = json::object();
   const json& nodes = document_.list(document_.tree.root, "nodes");
   const json& node = vertices.node < nodes.size() ? nodes[vertices.node] : none;
   const json& weights = document_.list(has(node, "weights") ? node : *vertices.mesh, "weights");
   if (!weights.empty() && weights.size() != count) document_.say("a mesh has ", count, " morph targets and ", weights.size(), " weights");
-  const json& names = document_.list(has(*vertices.mesh, "extras") ? (*vertices.mesh)["extras"] : none, "targetNames");   // by custom
+  const json& extras = has(*vertices.mesh, "extras") ? (*vertices.mesh)["extras"] : none;   // which have names by custom, if they have
+  const json& names = has(extras, "targetNames") && extras["targetNames"].is_array() ? extras["targetNames"] : none;
   for (std::size_t m = 0; m < count && document_.fault.empty(); ++m) {
     Skin::Morph& morph = morphs_.emplace_back();
     if (m < names.size() && names[m].is_string()) morph.name = names[m];

@@ -93,6 +93,25 @@ TEST(SkinMorphOfGltf, of_a_file_without_nodes_is_read_too) {
   EXPECT_EQ(mesh.skin->morphs.size(), 2u);
 }
 
+// Extras may be anything, and weights that are of no targets are nobody's.
+TEST(SkinMorphOfGltf, extras_are_no_matter_and_nor_are_weights_without_targets) {
+  for (const nlohmann::json& extras : {nlohmann::json(5), nlohmann::json{{"targetNames", "no list"}}, nlohmann::json{{"targetNames", {1}}}}) {
+    Gltf gltf = face();
+    gltf.json["meshes"][0]["extras"] = extras;
+    const Mesh mesh = loaded_face(gltf);
+    ASSERT_TRUE(mesh.skin) << mesh.skin_fault;
+    EXPECT_EQ(mesh.skin->morphs[0].name, "");
+  }
+  Gltf gltf = face();
+  gltf.json["meshes"].push_back(gltf.json["meshes"][0]);
+  gltf.json["meshes"][1]["primitives"][0].erase("targets");
+  gltf.json["nodes"] = {{{"mesh", 0}}, {{"mesh", 1}, {"translation", {5, 0, 0}}}};
+  gltf.json["scenes"][0]["nodes"] = {0, 1};
+  const Mesh mesh = loaded_face(gltf);
+  ASSERT_TRUE(mesh.skin) << mesh.skin_fault;
+  EXPECT_EQ(mesh.skin->morphs.size(), 2u);
+}
+
 // Vertices that only differ in their normals are one point, whose first vertex decides; copies that agree in all are joined.
 TEST(SkinMorphOfGltf, follows_vertices_that_become_one_point) {
   Gltf gltf;
