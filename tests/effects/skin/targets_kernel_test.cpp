@@ -1,6 +1,7 @@
 // The pass skin with targets of the host's: what a frame begins and ends with, by where they come from.
 #include <gtest/gtest.h>
 
+#include "shaders/skin/skin.ref.h"
 #include "tests/support/sheets.h"
 #include "tests/support/single_pass.h"
 #include "tests/support/skins.h"
@@ -63,16 +64,12 @@ TEST_F(KernelSkinTargets, ends_and_begins_where_the_source_says) {
         const gpu::SkinPoint& point = lists.points[k];
         const std::uint32_t v = lists.target_rows[k].x;
         SCOPED_TRACE(v);
-        const auto sound = [](const gpu::vec4& x) { return std::isfinite(x.x + x.y + x.z) && vector(x).norm() < 1e10; };
-        Vector from = vector(point.rest) + Vector(1, 0, 0), to = vector(point.rest) + Vector(0, 1, 0);
-        Vector normal_from = vector(point.normal), normal_to = normal_from;
-        if (source & WEFT_FROM_KEPT) from = vector(kept[2 * k]), normal_from = vector(kept[2 * k + 1]);
-        if (source & WEFT_TO_KEPT) to = from, normal_to = normal_from;
+        const reference::Ends by_joints{vector(point.rest) + Vector(1, 0, 0), vector(point.rest) + Vector(0, 1, 0), vector(point.normal),
+                                        vector(point.normal)};
+        const auto [from, to, normal_from, normal_to] =
+            reference::with_host_targets(by_joints, {vector(kept[2 * k]), vector(kept[2 * k + 1])}, {vector(told[v]), vector(told[vertices + v])}, source);
         if (source & WEFT_TO_HOST) {
-          to = sound(told[v]) ? vector(told[v]) : from;
-          none += !sound(told[v]);
-          const gpu::vec4& n = told[vertices + v];
-          if (source & WEFT_HOST_NORMALS) normal_to = sound(n) && vector(n).norm() > 0 ? Vector(vector(n).normalized()) : normal_from;
+          none += v >= 7 && v <= 9;
           EXPECT_LT((vector(ends[2 * k]) - to).norm(), 8 * kRounding);
           EXPECT_LT((vector(ends[2 * k + 1]) - normal_to).norm(), 8 * kRounding);
         } else {
