@@ -141,6 +141,8 @@ void lay_out(cooking::CookState& state) {
   if (!state.scene().air) return;
   AirSurface surface = std::exchange(state.fabric().own.of<AirSurface>(), {});
   surface.corners.resize(state.fabric().positions.size());
+  surface.places.resize(surface.corners.size());
+  surface.reaches.resize(surface.corners.size());
   PairRows& rows = state.fabric().own.of<AirLists>().fans;
   rows = cooking::pack_rows(fans_of(surface), cooking::Padding::owner, kMostPadding);
   for (gpu::uvec2& row : rows.rows) row.y = (row.y + 1) / 2;
