@@ -2,12 +2,12 @@
 #include "engine/effects/air/air.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "engine/cook/cook_state.h"
+#include "engine/effects/air/fans.h"
 #include "engine/effects/effect.h"
 
 namespace weft {
@@ -113,56 +113,38 @@ constexpr Pass kPasses[] = {
 // Rows of one length need no look at where they begin, and their loops are unrolled, which is worth some places that nobody needs.
 constexpr double kMostPadding = 0.5;
 
-// Of a particle's triangles: the two other particles, in winding order, and a third of the rest area (m^2).
-struct Corner {
-  std::uint32_t from, to;
-  float third;
-};
-struct Corners {
-  std::vector<std::vector<Corner>> of_particles;
-};
+// m: how far the air evens out, of a cloth of `area` (m^2). Waves of flags are 1.87 times as long as the flags (Raynaud and Mulleners 2026): with
+// this cloth has such waves, at any resolution. Where each triangle leans into the wind by itself, the shortest waves that a mesh has grow fastest.
+float reach_of(double area) { return static_cast<float>(0.2 * std::sqrt(area)); }
 
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   if (!state.scene().air) return {};
   const auto particle_of = state.particle_of();
-  auto& corners = state.fabric().own.of<Corners>().of_particles;
-  corners.resize(state.fabric().positions.size());
+  AirSurface& surface = state.fabric().own.of<AirSurface>();
+  surface.corners.resize(state.fabric().positions.size());
+  surface.places.resize(surface.corners.size());
   const std::vector<Vec3>& x = input.mesh.points;
+  double area = 0;
   for (const auto& [a, b, c] : input.mesh.triangles) {
     const float third = length(cross(x[b] - x[a], x[c] - x[a])) / 6;
-    corners[particle_of[a]].push_back({particle_of[b], particle_of[c], third});
-    corners[particle_of[b]].push_back({particle_of[c], particle_of[a], third});
-    corners[particle_of[c]].push_back({particle_of[a], particle_of[b], third});
+    area += 3 * double(third);
+    surface.corners[particle_of[a]].push_back({particle_of[b], particle_of[c], third});
+    surface.corners[particle_of[b]].push_back({particle_of[c], particle_of[a], third});
+    surface.corners[particle_of[c]].push_back({particle_of[a], particle_of[b], third});
   }
+  surface.reaches.resize(surface.corners.size(), reach_of(area));
+  for (std::size_t p = 0; p < x.size(); ++p) surface.places[particle_of[p]] = x[p];
   return {};
-}
-
-// A fan begins where no triangle comes before, or anywhere.
-std::vector<gpu::uvec2> fans_of(std::vector<Corner> corners) {
-  std::vector<gpu::uvec2> fans;
-  while (!corners.empty()) {
-    const auto follows_none = [&](const Corner& corner) { return std::ranges::find(corners, corner.from, &Corner::to) == corners.end(); };
-    auto next = std::ranges::find_if(corners, follows_none);
-    if (next == corners.end()) next = corners.begin();
-    fans.push_back({next->from, 0});
-    while (next != corners.end()) {
-      const std::uint32_t to = next->to;
-      fans.push_back({to, std::bit_cast<std::uint32_t>(next->third)});
-      corners.erase(next);
-      next = std::ranges::find(corners, to, &Corner::from);
-    }
-  }
-  return fans;
 }
 
 void lay_out(cooking::CookState& state) {
   if (!state.scene().air) return;
-  auto corners = std::exchange(state.fabric().own.of<Corners>().of_particles, {});
-  corners.resize(state.fabric().positions.size());
-  std::vector<std::vector<gpu::uvec2>> fans;
-  for (std::vector<Corner>& list : corners) fans.push_back(fans_of(std::move(list)));
+  AirSurface surface = std::exchange(state.fabric().own.of<AirSurface>(), {});
+  surface.corners.resize(state.fabric().positions.size());
+  surface.places.resize(surface.corners.size());
+  surface.reaches.resize(surface.corners.size());
   PairRows& rows = state.fabric().own.of<AirLists>().fans;
-  rows = cooking::pack_rows(fans, cooking::Padding::owner, kMostPadding);
+  rows = cooking::pack_rows(fans_of(surface), cooking::Padding::owner, kMostPadding);
   for (gpu::uvec2& row : rows.rows) row.y = (row.y + 1) / 2;
 }
 

@@ -1,6 +1,10 @@
 // The pass air against its twin; gusts and eddies.
+#include <bit>
+
 #include <gtest/gtest.h>
 
+#include "engine/effects/air/air.h"
+#include "engine/effects/air/fans.h"
 #include "shaders/air/air.ref.h"
 #include "tests/support/cooked.h"
 #include "tests/support/sheets.h"
@@ -11,16 +15,21 @@ namespace {
 
 using KernelAir = GpuTest;
 
-std::vector<std::vector<reference::AirCorner>> corners_of(const Scene& scene, const CookedFabric& fabric) {
+// A particle's fans as the pass reads them: a triangle for every entry with an area, with the entry before.
+std::vector<std::vector<reference::AirCorner>> corners_of(const CookedFabric& fabric) {
+  const PairRows& fans = fabric.own.of<AirLists>().fans;
   std::vector<std::vector<reference::AirCorner>> corners(fabric.positions.size());
-  const Mesh mesh = std::move(must(make_meshes(scene))[0]);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    const double area = 0.5 * double(length(cross(mesh.points[b] - mesh.points[a], mesh.points[c] - mesh.points[a])));
-    const auto& [i, j, k] = fabric.triangles[t];
-    corners[i].push_back({j, k, area});
-    corners[j].push_back({k, i, area});
-    corners[k].push_back({i, j, area});
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const gpu::uvec2 row = fans.stride > 0 ? gpu::uvec2{static_cast<std::uint32_t>(i) * fans.stride, fans.stride} : fans.rows[i];
+    std::uint32_t before = static_cast<std::uint32_t>(i);
+    const auto add = [&](std::uint32_t particle, std::uint32_t third) {
+      if (third != 0) corners[i].push_back({before, particle, 3 * double(std::bit_cast<float>(third))});
+      before = particle;
+    };
+    for (std::uint32_t k = row.x; k < row.x + row.y; ++k) {
+      add(fans.pairs[k].x, fans.pairs[k].y);
+      add(fans.pairs[k].z, fans.pairs[k].w);
+    }
   }
   return corners;
 }
@@ -83,7 +92,7 @@ TEST_F(KernelAir, does_what_its_twin_does_on_crumpled_sheets_in_every_wind) {
           if (stirred) passes.run("air_stir");
           passes.run("air", 1);   // in every second substep; half of the frame is over
           const auto after = passes.particles(buffers::velocities), predicted = passes.particles(buffers::predicted);
-          const auto corners = corners_of(scene, fabric);
+          const auto corners = corners_of(fabric);
           const reference::Points x = points(fabric.positions), v = points(fabric.velocities);
           const reference::Vector gravity(scene.gravity.x, scene.gravity.y, scene.gravity.z);
           for (std::uint32_t i = 0; i < x.size(); ++i) {
@@ -268,6 +277,42 @@ TEST(Eddies, go_with_the_wind_and_frames_join) {
     const reference::Vector x(place, 0.5, 0.2), there = reference::stirred_at(first, x, 0);
     EXPECT_LT((reference::stirred_at(second, x + frame * reference::Vector(8, 0, 3), 0) - there).norm(), 0.02 * 0.01);
     EXPECT_LT((reference::stirred_at(second, x, 0) - reference::stirred_at(first, x, 1)).norm(), 1e-4 * 0.01);
+  }
+}
+
+// Of a flat sheet in steps of 0.1 m: with a reach of 0.25 m a fan's particles lie three steps off, or at the border; with none they are the neighbours.
+TEST(AirFans, are_as_wide_as_the_reach_and_keep_their_areas) {
+  constexpr std::uint32_t kSide = 11;
+  for (const float reach : {0.0f, 0.25f}) {
+    AirSurface surface;
+    surface.corners.resize(kSide * kSide);
+    surface.reaches.assign(kSide * kSide, reach);
+    for (std::uint32_t k = 0; k < kSide * kSide; ++k)
+      surface.places.push_back({0.1f * static_cast<float>(k % kSide), 0, 0.1f * static_cast<float>(k / kSide)});
+    const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+      surface.corners[a].push_back({b, c, 0.005f / 3});
+      surface.corners[b].push_back({c, a, 0.005f / 3});
+      surface.corners[c].push_back({a, b, 0.005f / 3});
+    };
+    for (std::uint32_t y = 0; y + 1 < kSide; ++y)
+      for (std::uint32_t x = 0; x + 1 < kSide; ++x) {
+        const std::uint32_t k = y * kSide + x;
+        add(k, k + 1, k + kSide + 1);
+        add(k, k + kSide + 1, k + kSide);
+      }
+    const auto fans = fans_of(surface);
+    double area = 0;
+    for (std::uint32_t i = 0; i < fans.size(); ++i)
+      for (const gpu::uvec2& end : fans[i]) {
+        area += double(std::bit_cast<float>(end.y));
+        const int dx = static_cast<int>(end.x % kSide) - static_cast<int>(i % kSide), dy = static_cast<int>(end.x / kSide) - static_cast<int>(i / kSide);
+        const int steps = std::max(std::abs(dx), std::abs(dy));
+        const std::uint32_t x = i % kSide, y = i / kSide;
+        if (reach == 0) EXPECT_EQ(steps, 1);
+        else if (x >= 3 && y >= 3 && x + 3 < kSide && y + 3 < kSide) EXPECT_TRUE(dx == dy ? steps == 2 : steps == 3 && dx * dy == 0) << i;
+        else EXPECT_GE(steps, 1);
+      }
+    EXPECT_NEAR(area, 1, 1e-5);
   }
 }
 
