@@ -124,7 +124,8 @@ struct Start {
 };
 
 /// What moves the skin of a cloth's or a mesh collider's file, its morph targets and joints: an animation of it, or the host
-/// (Simulation::set_pose, set_morphs, set_targets). A mesh without a skin has a single joint, which carries all of it. A cloth's anchors without keys go where the skin goes; so does all of a collider.
+/// (Simulation::set_pose, set_morphs, set_targets). A mesh without a skin has a single joint, which carries all of it. A cloth's anchors
+/// without keys go where the skin goes; so does all of a collider.
 struct Skinning {
   std::string animation;        // its name in the file; empty: the file's first, if there is one
   double speed = 1;             // times as fast as the file has it, >= 0

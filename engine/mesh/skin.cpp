@@ -49,7 +49,8 @@ Result<void> check_tree(const Skin& skin) {
   for (std::size_t n = 0; n < skin.nodes.size(); ++n)
     if (const std::uint32_t parent = skin.nodes[n].parent; parent != kNone && parent >= n)
       return fail("skin.nodes[", n, "]: its parent, ", parent, ", does not come before it");
-  if ((skin.joints.empty() && skin.morphs.empty()) || skin.joints.size() > 65535) return fail("skin.joints: ", skin.joints.size(), " are not 1 to 65535");
+  if ((skin.joints.empty() && skin.morphs.empty()) || skin.joints.size() > 65535)
+    return fail("skin.joints: ", skin.joints.size(), " are not 1 to 65535");
   for (std::size_t k = 0; k < skin.joints.size(); ++k)
     if (skin.joints[k].node >= skin.nodes.size())
       return fail("skin.joints[", k, "]: node ", skin.joints[k].node, " is not one of the ", skin.nodes.size());

@@ -73,7 +73,8 @@ Result<void> Simulation::place_collider(std::uint32_t collider, const ColliderPo
       if (!own) state_->kinematic.targets[k].particle = before[k].particle, state_->kinematic.targets[k].to = before[k].to;
     }
     const ColliderPose& from = state_->bodies.poses[collider];
-    const RigidMap way{parts::wide(there->rotation) * parts::wide(from.rotation).conjugate(), parts::wide(from.centre), parts::wide(there->centre)};
+    const RigidMap way{parts::wide(there->rotation) * parts::wide(from.rotation).conjugate(), parts::wide(from.centre),
+                       parts::wide(there->centre)};
     if (auto done = state_->carry_kept(true, collider, way); !done) return done;
   }
   state_->bodies.poses[collider] = *there;

@@ -199,11 +199,13 @@ Result<void> Simulation::State::set_weights(bool is_collider, std::uint32_t inde
   const std::string name = fail(is_collider ? "collider " : "cloth ", index).message;
   const SkinnedMesh* skinned = find(skinned_meshes(), is_collider, index);
   if (skinned == nullptr)
-    return fail(name, " has no skin whose morph targets could have weights: there is none, or the scene does not ask for one (its key \"skin\")");
+    return fail(name, " has no skin whose morph targets could have weights: there is none, or the scene does not ask for one",
+                " (its key \"skin\")");
   if (weights.size() != skinned->morphs)
     return fail(weights.size(), " weights were given for the ", skinned->morphs, " morph targets of ", name);
   for (std::size_t k = 0; k < weights.size(); ++k)
-    if (!is_weight(weights[k])) return fail("weight ", k, " of ", name, "'s morph targets is ", weights[k], ", not from -", kMostWeight, " to ", kMostWeight);
+    if (!is_weight(weights[k]))
+      return fail("weight ", k, " of ", name, "'s morph targets is ", weights[k], ", not from -", kMostWeight, " to ", kMostWeight);
   const auto m = static_cast<std::size_t>(skinned - skinned_meshes().data());
   skins.pending_weights[m].assign(weights.begin(), weights.end());
   skins.has_host_weights[m] = true;

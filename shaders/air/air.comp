@@ -4,7 +4,7 @@
 // drag along the wind, as of a plate between broadside and edge on, and lift across it (Ling 1997; Wejchert and Haumann 1991 have the
 // part along N). It does not matter which of its two sides N is of, nothing has an edge where the plate turns through the wind, and F . u
 // is never below 0: no triangle gains from the air more than the wind gives. A is the rest area, so that cloth that is stretched is not
-// blown further, and stretched the more.
+// blown further, and stretched the more. N is of triangles that are wider than the mesh's, since the air evens out (engine/effects/air/fans.cpp).
 //
 // Fetching what lies about a particle is what it costs, and the air is slow to change: it is looked at in every n-th substep, and pushes
 // for a time of t = n h. u is that of the velocity that cloth has in the mean over these if gravity alone goes on: before this substep's

@@ -3,8 +3,8 @@
 // (Magnenat-Thalmann, Laperriere, Thalmann 1988). An anchor, or a corner of a mesh collider, gets it as its
 // target; a free particle as its animated place, with the centre of its backstop (motion_constraint.glsl).
 //
-// A frame begins to the bit where the one before has ended, since both are made from the same weights and joints by the same sums. A host that does all
-// this itself says in a buffer where they are (host_targets.glsl).
+// A frame begins to the bit where the one before has ended, since both are made from the same weights and joints by the same sums. A host
+// that does all this itself says in a buffer where they are (host_targets.glsl).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"

@@ -113,10 +113,6 @@ constexpr Pass kPasses[] = {
 // Rows of one length need no look at where they begin, and their loops are unrolled, which is worth some places that nobody needs.
 constexpr double kMostPadding = 0.5;
 
-// m: how far the air evens out, of a cloth of `area` (m^2). Waves of flags are 1.87 times as long as the flags (Raynaud and Mulleners 2026): with
-// this cloth has such waves, at any resolution. Where each triangle leans into the wind by itself, the shortest waves that a mesh has grow fastest.
-float reach_of(double area) { return static_cast<float>(0.2 * std::sqrt(area)); }
-
 Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   if (!state.scene().air) return {};
   const auto particle_of = state.particle_of();
@@ -124,15 +120,12 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   surface.corners.resize(state.fabric().positions.size());
   surface.places.resize(surface.corners.size());
   const std::vector<Vec3>& x = input.mesh.points;
-  double area = 0;
   for (const auto& [a, b, c] : input.mesh.triangles) {
     const float third = length(cross(x[b] - x[a], x[c] - x[a])) / 6;
-    area += 3 * double(third);
     surface.corners[particle_of[a]].push_back({particle_of[b], particle_of[c], third});
     surface.corners[particle_of[b]].push_back({particle_of[c], particle_of[a], third});
     surface.corners[particle_of[c]].push_back({particle_of[a], particle_of[b], third});
   }
-  surface.reaches.resize(surface.corners.size(), reach_of(area));
   for (std::size_t p = 0; p < x.size(); ++p) surface.places[particle_of[p]] = x[p];
   return {};
 }
@@ -142,7 +135,6 @@ void lay_out(cooking::CookState& state) {
   AirSurface surface = std::exchange(state.fabric().own.of<AirSurface>(), {});
   surface.corners.resize(state.fabric().positions.size());
   surface.places.resize(surface.corners.size());
-  surface.reaches.resize(surface.corners.size());
   PairRows& rows = state.fabric().own.of<AirLists>().fans;
   rows = cooking::pack_rows(fans_of(surface), cooking::Padding::owner, kMostPadding);
   for (gpu::uvec2& row : rows.rows) row.y = (row.y + 1) / 2;

@@ -25,8 +25,7 @@ struct MovingAir {
 };
 MovingAir air_of(const Air& air, const AirState& state, double time, double seconds, Vec3 origin);
 
-/// A particle's triangles lie in fans about it. A fan is a list of particles, in winding order, each with a third of the rest area (m^2)
-/// of the triangle between it and the one before; 0 for the first, and where a row is filled up.
+/// Of each particle its fans (fans.h), one after another, filled up with itself and an area of 0.
 struct AirLists {
   PairRows fans;   // entries: (particle, that as float bits)
 };

@@ -15,16 +15,15 @@ struct AirCorner {
   float third;
 };
 
-/// What fans are made of, a particle each.
+/// The surface of all cloths, a particle each.
 struct AirSurface {
   std::vector<std::vector<AirCorner>> corners;
-  std::vector<Vec3> places;     // m, at rest
-  std::vector<float> reaches;   // m, how far the air evens out
+  std::vector<Vec3> places;   // m, at rest
 };
 
-/// A fan each: particles in winding order, each with a third of the rest area (m^2, as float bits) of the triangle between it and the one
-/// before; 0 for the first. Where the reach is longer than an edge, the particles lie as far off as it says, along the cloth, in the ways in which
-/// the neighbours do; nearer where the cloth ends or turns.
+/// The fans of each particle, one after another: particles in winding order, each with a third of the rest area (m^2, as float bits) of the
+/// triangle between it and the one before; 0 for the first of a fan. They are not the neighbours, but particles as far off as the air evens
+/// out, along the cloth, the ways in which the neighbours lie; nearer where the cloth ends or turns.
 std::vector<std::vector<gpu::uvec2>> fans_of(const AirSurface& surface);
 
 }  // namespace weft

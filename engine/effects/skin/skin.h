@@ -1,5 +1,5 @@
-// Skins: morph targets and joints carry particles along (linear blend skinning). They move anchors and mesh colliders, and the animated places that motion
-// constraints keep to.
+// Skins: morph targets and joints carry particles along (linear blend skinning). They move anchors and mesh colliders, and the animated
+// places that motion constraints keep to.
 #pragma once
 
 #include <span>
@@ -70,10 +70,12 @@ gpu::SkinPoint morphed(const SkinLists& lists, std::size_t point, std::span<cons
 Vec3 skinned_point(const gpu::SkinPoint& point, std::span<const Affine> joints);
 
 /// Adds the deltas of a mesh, whose points are those of the list from `first` on, in this order (point_order[k]: the mesh's point).
-void add_deltas(const Mesh& mesh, const SkinnedMesh& skinned, std::span<const std::uint32_t> point_order, bool with_normals, SkinLists& lists);
+void add_deltas(const Mesh& mesh, const SkinnedMesh& skinned, std::span<const std::uint32_t> point_order, bool with_normals,
+                SkinLists& lists);
 
 /// The same of the targets of a mesh; `number`: of SkinLists::meshes.
-void add_targets(const Mesh& mesh, const SkinnedMesh& skinned, std::uint32_t number, std::span<const std::uint32_t> point_order, SkinLists& lists);
+void add_targets(const Mesh& mesh, const SkinnedMesh& skinned, std::uint32_t number, std::span<const std::uint32_t> point_order,
+                 SkinLists& lists);
 
 /// Leaves out points that `is_kept` refuses, with their deltas; and all that nothing reads then.
 void keep(SkinLists& lists, bool (*is_kept)(const gpu::SkinPoint&));

@@ -1,6 +1,8 @@
 // What air promises: terminal velocity, no force on what moves with it, lift and its sign, nothing that blows up.
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
 #include <numeric>
 
 #include <Eigen/Core>
@@ -193,39 +195,47 @@ TEST_F(AirCase, a_wind_that_cannot_be_is_refused) {
   EXPECT_NE(refused.error().find("the scene has no air"), std::string::npos) << refused.error();
 }
 
-// Hz: by the passages of a flag's free end through its middle, over five seconds of a steady wind (m/s).
+// Hz: the strongest in how a flag of 1 m moves aside at its free end, over five seconds of a steady wind (m/s).
 double flapping_of(const compute::Device& device, double wind, std::uint32_t cells) {
+  constexpr double kFrame = 1.0 / 120, kTurn = 2 * std::numbers::pi;
   Scene scene = sheet(cells);
   Cloth& flag = scene.cloths[0];
   flag.grid = Grid{.size = {1, 0.7f}, .cells_x = cells, .cells_y = cells * 7 / 10, .upright = true};
   flag.anchors.emplace_back().box = Anchor::Box{{-0.501f, -9, -9}, {-0.499f, 9, 9}};
   scene.solver.method = Method::gauss_seidel;
-  scene.solver.rate = 120;
+  scene.solver.rate = 1 / kFrame;
   scene.air.emplace().wind = {static_cast<float>(wind), 0, 0};
   const auto simulation = must(Simulation::create(device, scene));
   const auto places = must(simulation->read_positions());
-  const auto far = [](const gpu::vec4& x) { return std::hypot(x.x - 0.5f, x.y); };
-  const auto tip = std::ranges::min_element(places, {}, far) - places.begin();
-  run(*simulation, 3, 1.0 / 120);
-  std::vector<double> aside;
-  for (std::uint32_t frame = 0; frame < 600; ++frame) {
-    must(simulation->advance(1.0 / 120));
-    aside.push_back(double(must(simulation->read_positions())[static_cast<std::size_t>(tip)].z));
+  const auto off_end = [](const gpu::vec4& x) { return std::hypot(x.x - 0.5f, x.y); };
+  const auto tip = static_cast<std::size_t>(std::ranges::min_element(places, {}, off_end) - places.begin());
+  run(*simulation, 3, kFrame);
+  std::vector<double> aside(600);
+  for (double& z : aside) {
+    must(simulation->advance(kFrame));
+    z = double(must(simulation->read_positions())[tip].z);
   }
-  const double middle = std::accumulate(aside.begin(), aside.end(), 0.0) / 600;
-  std::uint32_t passages = 0;
-  for (std::size_t k = 1; k < aside.size(); ++k) passages += (aside[k - 1] < middle) != (aside[k] < middle);
-  return 0.5 * passages / 5;
+  const auto count = static_cast<double>(aside.size());
+  const double middle = std::accumulate(aside.begin(), aside.end(), 0.0) / count;
+  double strongest = 0, found = 0;
+  for (double f = 0.4; f < 40; f += 0.05) {   // with a window of Hann
+    std::complex<double> sum = 0;
+    for (std::size_t k = 0; k < aside.size(); ++k)
+      sum += (aside[k] - middle) * (1 - std::cos(kTurn * double(k) / count)) * std::polar(1.0, -kTurn * f * kFrame * double(k));
+    if (std::norm(sum) > strongest) strongest = std::norm(sum), found = f;
+  }
+  return found;
 }
 
-// Raynaud and Mulleners (arXiv 2602.06237, 2026) measured 48 flags in a wind tunnel: the waves are 1.87 times as long as the flag, and run along it about
-// as fast as the wind blows. So f L / U is about 1 / 1.87; here within a half of that. With the triangles of the mesh alone it was twice to four times that.
+// Raynaud and Mulleners (arXiv 2602.06237, 2026) measured 48 flags in a wind tunnel: the waves are 1.87 times as long as the flag, and run along
+// it about as fast as the wind blows. So f L / U is about 1 / 1.87; a fifth is allowed either way, and where it blows hard two fifths above.
 TEST_F(AirCase, a_flag_flaps_as_often_as_flags_do_however_fine_it_is) {
   for (const double wind : {3.0, 8.0, 15.0})
-    for (const std::uint32_t cells : {20u, 40u}) {
+    for (const std::uint32_t cells : {20u, 32u}) {
       const double strouhal = flapping_of(device(), wind, cells) / wind;
-      EXPECT_GT(strouhal, 0.5 / 1.87) << wind << " m/s, " << cells << " cells";
-      EXPECT_LT(strouhal, 1.5 / 1.87) << wind << " m/s, " << cells << " cells";
+      RecordProperty("f_L_over_U_at_" + std::to_string(int(wind)) + "_with_" + std::to_string(cells), std::to_string(strouhal));
+      EXPECT_GT(strouhal, 0.8 / 1.87) << wind << " m/s, " << cells << " cells";
+      EXPECT_LT(strouhal, (wind < 10 ? 1.2 : 1.4) / 1.87) << wind << " m/s, " << cells << " cells";
     }
 }
 

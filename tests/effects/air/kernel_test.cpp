@@ -1,5 +1,7 @@
 // The pass air against its twin; gusts and eddies.
+#include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -20,8 +22,9 @@ std::vector<std::vector<reference::AirCorner>> corners_of(const CookedFabric& fa
   const PairRows& fans = fabric.own.of<AirLists>().fans;
   std::vector<std::vector<reference::AirCorner>> corners(fabric.positions.size());
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const gpu::uvec2 row = fans.stride > 0 ? gpu::uvec2{static_cast<std::uint32_t>(i) * fans.stride, fans.stride} : fans.rows[i];
-    std::uint32_t before = static_cast<std::uint32_t>(i);
+    const auto own = static_cast<std::uint32_t>(i);
+    const gpu::uvec2 row = fans.stride > 0 ? gpu::uvec2{own * fans.stride, fans.stride} : fans.rows[i];
+    std::uint32_t before = own;
     const auto add = [&](std::uint32_t particle, std::uint32_t third) {
       if (third != 0) corners[i].push_back({before, particle, 3 * double(std::bit_cast<float>(third))});
       before = particle;
@@ -280,39 +283,51 @@ TEST(Eddies, go_with_the_wind_and_frames_join) {
   }
 }
 
-// Of a flat sheet in steps of 0.1 m: with a reach of 0.25 m a fan's particles lie three steps off, or at the border; with none they are the neighbours.
-TEST(AirFans, are_as_wide_as_the_reach_and_keep_their_areas) {
-  constexpr std::uint32_t kSide = 11;
-  for (const float reach : {0.0f, 0.25f}) {
-    AirSurface surface;
-    surface.corners.resize(kSide * kSide);
-    surface.reaches.assign(kSide * kSide, reach);
-    for (std::uint32_t k = 0; k < kSide * kSide; ++k)
-      surface.places.push_back({0.1f * static_cast<float>(k % kSide), 0, 0.1f * static_cast<float>(k / kSide)});
+// A flat square of 1 m, beside it a strip of 0.1 m x 1 m that does not touch it.
+AirSurface square_and_strip(std::uint32_t cells) {
+  AirSurface surface;
+  const float step = 1 / static_cast<float>(cells);
+  const auto add_grid = [&](std::uint32_t columns, float left) {
+    const auto first = static_cast<std::uint32_t>(surface.places.size()), row = columns + 1;
+    for (std::uint32_t k = 0; k < row * (cells + 1); ++k)
+      surface.places.push_back({left + step * static_cast<float>(k % row), 0, step * static_cast<float>(k / row)});
+    surface.corners.resize(surface.places.size());
     const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-      surface.corners[a].push_back({b, c, 0.005f / 3});
-      surface.corners[b].push_back({c, a, 0.005f / 3});
-      surface.corners[c].push_back({a, b, 0.005f / 3});
+      const float third = step * step / 6;
+      surface.corners[a].push_back({b, c, third});
+      surface.corners[b].push_back({c, a, third});
+      surface.corners[c].push_back({a, b, third});
     };
-    for (std::uint32_t y = 0; y + 1 < kSide; ++y)
-      for (std::uint32_t x = 0; x + 1 < kSide; ++x) {
-        const std::uint32_t k = y * kSide + x;
-        add(k, k + 1, k + kSide + 1);
-        add(k, k + kSide + 1, k + kSide);
+    for (std::uint32_t y = 0; y < cells; ++y)
+      for (std::uint32_t x = 0; x < columns; ++x) {
+        const std::uint32_t k = first + y * row + x;
+        add(k, k + 1, k + row + 1);
+        add(k, k + row + 1, k + row);
       }
+  };
+  add_grid(cells, 0);
+  add_grid(cells / 10, 2);
+  return surface;
+}
+
+// A fifth of the square root of the area in the mean, whatever the mesh is; of each piece by itself, and with the areas that the mesh has.
+TEST(AirFans, reach_as_far_on_every_mesh_and_keep_their_areas) {
+  for (const std::uint32_t cells : {10u, 30u, 70u}) {
+    const AirSurface surface = square_and_strip(cells);
     const auto fans = fans_of(surface);
-    double area = 0;
-    for (std::uint32_t i = 0; i < fans.size(); ++i)
+    double area = 0, far = 0, along_strip = 0;
+    std::uint32_t ends = 0, strip_ends = 0;
+    for (std::size_t i = 0; i < fans.size(); ++i)
       for (const gpu::uvec2& end : fans[i]) {
         area += double(std::bit_cast<float>(end.y));
-        const int dx = static_cast<int>(end.x % kSide) - static_cast<int>(i % kSide), dy = static_cast<int>(end.x / kSide) - static_cast<int>(i / kSide);
-        const int steps = std::max(std::abs(dx), std::abs(dy));
-        const std::uint32_t x = i % kSide, y = i / kSide;
-        if (reach == 0) EXPECT_EQ(steps, 1);
-        else if (x >= 3 && y >= 3 && x + 3 < kSide && y + 3 < kSide) EXPECT_TRUE(dx == dy ? steps == 2 : steps == 3 && dx * dy == 0) << i;
-        else EXPECT_GE(steps, 1);
+        const Vec3 from = surface.places[i], way = surface.places[end.x] - from;
+        const bool is_inside = from.z > 0.35f && from.z < 0.65f;
+        if (from.x < 1.5f && is_inside && from.x > 0.35f && from.x < 0.65f) far += double(length(way)), ++ends;
+        if (from.x > 1.5f && is_inside && way.x == 0) along_strip += double(length(way)), ++strip_ends;
       }
-    EXPECT_NEAR(area, 1, 1e-5);
+    EXPECT_NEAR(area, 1.1, 1e-4) << cells;
+    EXPECT_NEAR(far / ends, 0.2, 0.02) << cells;
+    EXPECT_NEAR(along_strip / strip_ends, std::max(0.2 * std::sqrt(0.1), 1.0 / cells), 0.025) << cells;
   }
 }
 
