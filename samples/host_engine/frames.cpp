@@ -27,6 +27,7 @@ Result<std::unique_ptr<Frames>> Frames::create(const Device& device) {
 
 Frames::~Frames() {
   if (drawn_ != VK_NULL_HANDLE) (void)wait();   // an error says that the device is lost; nothing can be done
+  vkDeviceWaitIdle(device_->handle());          // the software driver (Mesa 22.3) looks at semaphores for a moment after they are signalled
   vkDestroySemaphore(device_->handle(), drawn_, nullptr);
   vkDestroyCommandPool(device_->handle(), pool_, nullptr);
 }

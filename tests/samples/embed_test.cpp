@@ -283,6 +283,7 @@ TEST_F(Host, a_submitted_frame_waits_for_what_the_host_names) {
   const VkSemaphoreSignalInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SIGNAL_INFO, nullptr, drawn->get(), 1};
   device().vk().vkSignalSemaphore(device().handle(), &signal);
   EXPECT_TRUE(compute::wait_for(device(), simulation->ready_semaphore(), simulation->ready_value()));
+  device().wait_idle();   // as above
 }
 
 TEST_F(Host, anchors_and_colliders_go_where_the_host_says) {

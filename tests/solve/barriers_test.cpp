@@ -32,7 +32,10 @@ class DrawingHost {
   DrawingHost(const compute::Device& device, Simulation& simulation, Readings readings)
       : device_(device), simulation_(simulation), readings_(std::move(readings)), pool_(must(compute::CommandPool::create(device, "host"))),
         done_(must(compute::create_timeline(device, "host done"))) {}
-  ~DrawingHost() { wait(); }
+  ~DrawingHost() {
+    wait();
+    device_.wait_idle();   // the software driver (Mesa 22.3) looks at semaphores for a moment after they are signalled
+  }
 
   // All of its command buffers are new ones: two may be under way.
   template <class Record>

@@ -98,6 +98,7 @@ Outcome recorded(const compute::Device& device, const Scene& scene, std::uint64_
     must(device.submit({VK_STRUCTURE_TYPE_SUBMIT_INFO_2, nullptr, 0, 0, nullptr, 1, &work, 1, &signal}));
   }
   must(compute::wait_for(device, done.get(), kWayFrames));
+  device.wait_idle();   // the software driver (Mesa 22.3) looks at semaphores for a moment after they are signalled
   return outcome_of(*simulation, lost);
 }
 
