@@ -34,7 +34,8 @@ class DrawingHost {
         done_(must(compute::create_timeline(device, "host done"))) {}
   ~DrawingHost() {
     wait();
-    device_.wait_idle();   // the software driver (Mesa 22.3) looks at semaphores for a moment after they are signalled
+    // The software driver (Mesa 22.3) looks at semaphores for a moment after they are signalled.
+    device_.vk().vkQueueWaitIdle(device_.queue());
   }
 
   // All of its command buffers are new ones: two may be under way.
