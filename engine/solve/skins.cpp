@@ -1,6 +1,7 @@
 // Skins in a frame: where their joints and the weights of their morph targets go, and what the host says of them.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "engine/finite.h"
 #include "engine/solve/state.h"
@@ -25,9 +26,11 @@ Vec3 moved_origin(const Affine& m, Vec3 p) {
   return {along(&Vec3::x, p.x), along(&Vec3::y, p.y), along(&Vec3::z, p.z)};
 }
 
-const SkinnedMesh* find(std::span<const SkinnedMesh> meshes, bool is_collider, std::uint32_t index) {
-  const auto at = std::ranges::find_if(meshes, [&](const SkinnedMesh& m) { return m.is_collider == is_collider && m.index == index; });
-  return at == meshes.end() ? nullptr : &*at;
+// Which of the skinned meshes is a cloth's or a collider's.
+std::optional<std::size_t> number_of(std::span<const SkinnedMesh> meshes, bool is_collider, std::uint32_t index) {
+  for (std::size_t m = 0; m < meshes.size(); ++m)
+    if (meshes[m].is_collider == is_collider && meshes[m].index == index) return m;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -63,10 +66,10 @@ std::vector<float> Simulation::State::next_weights() const {
 // Of a mesh collider in its own axes (m), as its skin has it, if there is one.
 Result<std::vector<Vec3>> Simulation::State::body_shape(const ColliderMesh& mesh) {
   std::vector<Vec3> shape = collider_points(fabric, mesh, {}, {});
-  const SkinnedMesh* skinned = find(skinned_meshes(), true, mesh.collider);
-  if (skinned == nullptr) return shape;
+  const auto number = number_of(skinned_meshes(), true, mesh.collider);
+  if (!number) return shape;
   const auto& lists = fabric.own.of<SkinLists>();
-  if (skins.are_kept[static_cast<std::size_t>(skinned - skinned_meshes().data())]) {
+  if (skins.are_kept[*number]) {
     const ColliderPose& pose = bodies.poses[mesh.collider];
     const RigidMap back{parts::wide(pose.rotation).conjugate(), parts::wide(pose.centre), Eigen::Vector3d::Zero()};
     const std::size_t each = has_backstops(scene) ? 2 : 1;
@@ -87,15 +90,14 @@ Result<std::vector<Vec3>> Simulation::State::body_shape(const ColliderMesh& mesh
 
 // Takes what is kept of a mesh's points along, outside a frame.
 Result<void> Simulation::State::carry_kept(bool is_collider, std::uint32_t index, const RigidMap& map) {
-  const SkinnedMesh* skinned = find(skinned_meshes(), is_collider, index);
-  if (skinned == nullptr || !skins.are_kept[static_cast<std::size_t>(skinned - skinned_meshes().data())]) return {};
+  const auto number = number_of(skinned_meshes(), is_collider, index);
+  if (!number || !skins.are_kept[*number]) return {};
   const auto& lists = fabric.own.of<SkinLists>();
-  const auto number = static_cast<std::uint32_t>(skinned - skinned_meshes().data());
   const std::size_t each = has_backstops(scene) ? 2 : 1;
   auto ends = read(buffers::skin_ends, each * lists.points.size());
   if (!ends) return ends.take_error();
   for (std::size_t k = 0; k < lists.points.size(); ++k) {
-    if (lists.target_rows[k].y != number) continue;
+    if (lists.target_rows[k].y != *number) continue;
     gpu::vec4& end = (*ends)[each * k];
     const Vec3 there = map.place({end.x, end.y, end.z});
     end = {there.x, there.y, there.z, 0};
@@ -165,50 +167,50 @@ void Simulation::State::move_skins(std::span<const Affine> pose, std::span<const
 
 Result<void> Simulation::State::set_joints(bool is_collider, std::uint32_t index, std::span<const Affine> joints) {
   const std::string name = fail(is_collider ? "collider " : "cloth ", index).message;
-  const SkinnedMesh* skinned = find(skinned_meshes(), is_collider, index);
-  if (skinned == nullptr)
+  const auto number = number_of(skinned_meshes(), is_collider, index);
+  if (!number)
     return fail(name, " has no skin that a pose could move: there is none, or the scene does not ask for one (its key \"skin\")");
-  if (joints.size() != skinned->joints) return fail("the pose of ", name, " has ", joints.size(), " joints, and its skin ", skinned->joints);
+  const SkinnedMesh& skinned = skinned_meshes()[*number];
+  if (joints.size() != skinned.joints) return fail("the pose of ", name, " has ", joints.size(), " joints, and its skin ", skinned.joints);
   std::vector<Affine> pose(joints.begin(), joints.end());
   for (std::size_t k = 0; k < pose.size(); ++k) {
     if (!is_sound(pose[k])) return fail("joint ", k, " of the pose of ", name, " is not finite, or moves by ", kTooLarge, " m or more");
     // Particles are relative to the origin, and a mesh collider's to its centre.
     if (!is_collider) pose[k].origin = pose[k].origin + moved_origin(pose[k], origin);
   }
-  const auto m = static_cast<std::size_t>(skinned - skinned_meshes().data());
-  skins.pending[m] = std::move(pose);
-  skins.is_host_driven[m] = true;
+  skins.pending[*number] = std::move(pose);
+  skins.is_host_driven[*number] = true;
   return {};
 }
 
 Result<void> Simulation::State::set_targets(bool is_collider, std::uint32_t index, const TargetBuffer& targets) {
   const std::string name = fail(is_collider ? "collider " : "cloth ", index).message;
-  const SkinnedMesh* skinned = find(skinned_meshes(), is_collider, index);
-  if (skinned == nullptr || skinned->targets == 0)
+  const auto number = number_of(skinned_meshes(), is_collider, index);
+  if (!number || skinned_meshes()[*number].targets == 0)
     return fail(name, " takes no targets: it has no skin, or the scene does not ask for them (the key \"takes_targets\" of its \"skin\")");
   if (targets.positions == VK_NULL_HANDLE) return fail("the targets of ", name, ": `positions` is VK_NULL_HANDLE");
-  if (targets.vertices != skinned->targets)
-    return fail("the targets of ", name, " are of ", targets.vertices, " vertices, and it has ", skinned->targets);
-  const auto m = static_cast<std::size_t>(skinned - skinned_meshes().data());
-  skins.pending_targets[m] = targets;
-  skins.is_host_driven[m] = skins.has_host_weights[m] = true;
+  const SkinnedMesh& skinned = skinned_meshes()[*number];
+  if (targets.vertices != skinned.targets)
+    return fail("the targets of ", name, " are of ", targets.vertices, " vertices, and it has ", skinned.targets);
+  skins.pending_targets[*number] = targets;
+  skins.is_host_driven[*number] = skins.has_host_weights[*number] = true;
   return {};
 }
 
 Result<void> Simulation::State::set_weights(bool is_collider, std::uint32_t index, std::span<const float> weights) {
   const std::string name = fail(is_collider ? "collider " : "cloth ", index).message;
-  const SkinnedMesh* skinned = find(skinned_meshes(), is_collider, index);
-  if (skinned == nullptr)
+  const auto number = number_of(skinned_meshes(), is_collider, index);
+  if (!number)
     return fail(name, " has no skin whose morph targets could have weights: there is none, or the scene does not ask for one",
                 " (its key \"skin\")");
-  if (weights.size() != skinned->morphs)
-    return fail(weights.size(), " weights were given for the ", skinned->morphs, " morph targets of ", name);
+  const SkinnedMesh& skinned = skinned_meshes()[*number];
+  if (weights.size() != skinned.morphs)
+    return fail(weights.size(), " weights were given for the ", skinned.morphs, " morph targets of ", name);
   for (std::size_t k = 0; k < weights.size(); ++k)
     if (!is_weight(weights[k]))
       return fail("weight ", k, " of ", name, "'s morph targets is ", weights[k], ", not from -", kMostWeight, " to ", kMostWeight);
-  const auto m = static_cast<std::size_t>(skinned - skinned_meshes().data());
-  skins.pending_weights[m].assign(weights.begin(), weights.end());
-  skins.has_host_weights[m] = true;
+  skins.pending_weights[*number].assign(weights.begin(), weights.end());
+  skins.has_host_weights[*number] = true;
   return {};
 }
 
