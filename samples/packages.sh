@@ -3,7 +3,7 @@
 # zlib1g-dev: for PNGs; and Debian's libassimp-dev links to it without depending on it.
 packages_to_run=(build-essential cmake ninja-build libvulkan-dev mesa-vulkan-drivers glslang-tools spirv-tools
   libeigen3-dev libassimp-dev zlib1g-dev nlohmann-json3-dev libcli11-dev libstb-dev python3)
-packages_to_test=(libgtest-dev libbenchmark-dev vulkan-validationlayers)
+packages_to_test=(libgtest-dev libbenchmark-dev vulkan-validationlayers pkg-config)
 
 # Installs those of the named packages that are missing, and says which; asks nothing.
 install_missing() {
