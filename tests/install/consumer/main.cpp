@@ -1,4 +1,4 @@
-// Links what draws, too.
+// Runs a frame, and asks what draws for a picture of nothing, which is refused.
 #include "engine/shading/shading.h"
 #include "engine/simulation.h"
 
@@ -9,5 +9,6 @@ int main() {
   scene.cloths.emplace_back().grid = weft::Grid{.cells_x = 4, .cells_y = 4};
   auto cloth = weft::Simulation::create(**device, scene);
   if (!cloth) return 1;
-  return &weft::Shading::create == nullptr || !(*cloth)->advance(1.0 / 60);
+  if (!(*cloth)->advance(1.0 / 60)) return 1;
+  return weft::Shading::create(**device, scene, {}, {64, 64}) ? 1 : 0;
 }
