@@ -7,7 +7,14 @@ namespace weft {
 
 using compute::change_use;
 
-void Shading::State::record_cloths(const Poses& poses, VkPipeline pipeline, std::uint32_t view) {
+namespace {
+
+// What a picture is left for: copies and blits, ours and a host's.
+constexpr compute::ImageUse kLeft{VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT};
+
+}  // namespace
+
+void Shading::State::record_cloths(VkCommandBuffer commands, const Poses& poses, VkPipeline pipeline, std::uint32_t view) {
   if (cloths.empty()) return;
   const compute::Functions& vk = device->vk();
   const VkPipelineLayout layout = pipelines.cloth_layout.get();
@@ -26,7 +33,7 @@ void Shading::State::record_cloths(const Poses& poses, VkPipeline pipeline, std:
   }
 }
 
-void Shading::State::record_solids(VkPipeline pipeline, std::uint32_t view) {
+void Shading::State::record_solids(VkCommandBuffer commands, VkPipeline pipeline, std::uint32_t view) {
   const compute::Functions& vk = device->vk();
   const VkPipelineLayout layout = pipelines.solid_layout.get();
   const VkDescriptorSet set = frame_set.set.handle();
@@ -41,7 +48,7 @@ void Shading::State::record_solids(VkPipeline pipeline, std::uint32_t view) {
   }
 }
 
-void Shading::State::record_screen(const compute::DeviceImage& target, VkPipeline pipeline) {
+void Shading::State::record_screen(VkCommandBuffer commands, const compute::DeviceImage& target, VkPipeline pipeline) {
   const compute::Functions& vk = device->vk();
   const VkDescriptorSet set = frame_set.set.handle();
   change_use(*device, commands, target, compute::kUnused, compute::kColourTarget);
@@ -53,13 +60,8 @@ void Shading::State::record_screen(const compute::DeviceImage& target, VkPipelin
   change_use(*device, commands, target, compute::kColourTarget, compute::kSampled);
 }
 
-Result<void> Shading::State::record(const Poses& poses) {
+void Shading::State::record_picture(VkCommandBuffer commands, const Poses& poses) {
   const compute::Functions& vk = device->vk();
-  auto begin = compute::typed<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
-  begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-  if (VkResult r = vk.vkBeginCommandBuffer(commands, &begin))
-    return fail("the picture's command buffer could not be begun: ", compute::result_name(r));
-
   auto barrier = compute::typed<VkMemoryBarrier2>(VK_STRUCTURE_TYPE_MEMORY_BARRIER_2);
   barrier.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
   barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
@@ -72,20 +74,20 @@ Result<void> Shading::State::record(const Poses& poses) {
 
   change_use(*device, commands, targets.sun_depth, compute::kUnused, compute::kDepthTarget);
   compute::begin_drawing(*device, commands, {.depth = &targets.sun_depth, .clear_depth = 1});
-  record_cloths(poses, pipelines.cloth_sun.get(), WEFT_VIEW_SUN);
-  record_solids(pipelines.solid_sun.get(), WEFT_VIEW_SUN);
+  record_cloths(commands, poses, pipelines.cloth_sun.get(), WEFT_VIEW_SUN);
+  record_solids(commands, pipelines.solid_sun.get(), WEFT_VIEW_SUN);
   compute::end_drawing(*device, commands);
   change_use(*device, commands, targets.sun_depth, compute::kDepthTarget, compute::kSampled);
 
   change_use(*device, commands, targets.camera_depth, compute::kUnused, compute::kDepthTarget);
   compute::begin_drawing(*device, commands, {.depth = &targets.camera_depth, .clear_depth = 0});
-  record_cloths(poses, pipelines.cloth_depth.get(), WEFT_VIEW_CAMERA);
-  record_solids(pipelines.solid_depth.get(), WEFT_VIEW_CAMERA);
+  record_cloths(commands, poses, pipelines.cloth_depth.get(), WEFT_VIEW_CAMERA);
+  record_solids(commands, pipelines.solid_depth.get(), WEFT_VIEW_CAMERA);
   compute::end_drawing(*device, commands);
   change_use(*device, commands, targets.camera_depth, compute::kDepthTarget, compute::kSampled);
 
-  record_screen(targets.rough_occlusion, pipelines.occlusion.get());
-  record_screen(targets.occlusion, pipelines.smooth.get());
+  record_screen(commands, targets.rough_occlusion, pipelines.occlusion.get());
+  record_screen(commands, targets.occlusion, pipelines.smooth.get());
 
   change_use(*device, commands, targets.samples, compute::kUnused, compute::kColourTarget);
   change_use(*device, commands, targets.picture, compute::kUnused, compute::kColourTarget);
@@ -96,25 +98,38 @@ Result<void> Shading::State::record(const Poses& poses) {
                           .depth = &targets.sample_depth,
                           .clear_depth = 0,
                           .keep_depth = false});
-  record_cloths(poses, pipelines.cloth.get(), WEFT_VIEW_CAMERA);
-  record_solids(pipelines.solid.get(), WEFT_VIEW_CAMERA);
+  record_cloths(commands, poses, pipelines.cloth.get(), WEFT_VIEW_CAMERA);
+  record_solids(commands, pipelines.solid.get(), WEFT_VIEW_CAMERA);
   const VkDescriptorSet set = frame_set.set.handle();
   vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines.sky.get());
   vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines.screen_layout.get(), 0, 1, &set, 0, nullptr);
   vk.vkCmdDraw(commands, 3, 1, 0, 0);
   compute::end_drawing(*device, commands);
 
-  change_use(*device, commands, targets.picture, compute::kColourTarget, compute::kCopySource);
+  change_use(*device, commands, targets.picture, compute::kColourTarget, kLeft);
+}
+
+Result<void> Shading::State::record_copy(const Poses& poses) {
+  const compute::Functions& vk = device->vk();
+  auto begin = compute::typed<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
+  begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  if (VkResult r = vk.vkBeginCommandBuffer(own_commands, &begin))
+    return fail("the picture's command buffer could not be begun: ", compute::result_name(r));
+  record_picture(own_commands, poses);
   VkBufferImageCopy copy{};
   copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
   copy.imageExtent = {size.width, size.height, 1};
-  vk.vkCmdCopyImageToBuffer(commands, targets.picture.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, readback[0].handle, 1, &copy);
+  vk.vkCmdCopyImageToBuffer(own_commands, targets.picture.handle(), kLeft.layout, readback[0].handle, 1, &copy);
+  auto barrier = compute::typed<VkMemoryBarrier2>(VK_STRUCTURE_TYPE_MEMORY_BARRIER_2);
   barrier.srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT;
   barrier.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
   barrier.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT;
   barrier.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT;
-  vk.vkCmdPipelineBarrier2(commands, &dependency);
-  if (VkResult r = vk.vkEndCommandBuffer(commands))
+  auto dependency = compute::typed<VkDependencyInfo>(VK_STRUCTURE_TYPE_DEPENDENCY_INFO);
+  dependency.memoryBarrierCount = 1;
+  dependency.pMemoryBarriers = &barrier;
+  vk.vkCmdPipelineBarrier2(own_commands, &dependency);
+  if (VkResult r = vk.vkEndCommandBuffer(own_commands))
     return fail("the picture's command buffer could not be recorded: ", compute::result_name(r));
   return {};
 }

@@ -89,7 +89,7 @@ Result<void> Shading::State::create_targets() {
   pool = std::move(*commands_from);
   auto buffer = pool.allocate("shading");
   if (!buffer) return buffer.take_error();
-  commands = *buffer;
+  own_commands = *buffer;
   auto signal = compute::create_fence(*device, "shading");
   if (!signal) return signal.take_error();
   fence = std::move(*signal);
@@ -209,35 +209,50 @@ void Shading::look_from(const Camera& camera) {
   shading::set_camera(state_->frame, camera, state_->size.width, state_->size.height);
 }
 
-Result<Image> Shading::draw(const Poses& poses) try {
-  State& state = *state_;
-  if (state.vertices > 0) {
-    if (auto good = check(poses.positions, "positions", state.vertices); !good) return good.take_error();
-    if (auto good = check(poses.normals, "normals", state.vertices); !good) return good.take_error();
+Result<void> Shading::State::prepare(const Poses& poses) {
+  if (vertices > 0) {
+    if (auto good = check(poses.positions, "positions", vertices); !good) return good.take_error();
+    if (auto good = check(poses.normals, "normals", vertices); !good) return good.take_error();
   }
-  if (poses.colliders.size() != state.colliders.size())
-    return fail("the frame has ", poses.colliders.size(), " collider poses, but the scene has ", state.colliders.size(), " colliders");
-  if (!poses.sizes.empty() && poses.sizes.size() != state.colliders.size())
-    return fail("the frame has ", poses.sizes.size(), " sizes of colliders, but the scene has ", state.colliders.size(), " colliders");
-  if (state.in_flight) {
-    if (auto done = compute::wait_for(*state.device, state.fence.get()); !done) return done.take_error();
-    state.in_flight = false;
+  if (poses.colliders.size() != colliders.size())
+    return fail("the frame has ", poses.colliders.size(), " collider poses, but the scene has ", colliders.size(), " colliders");
+  if (!poses.sizes.empty() && poses.sizes.size() != colliders.size())
+    return fail("the frame has ", poses.sizes.size(), " sizes of colliders, but the scene has ", colliders.size(), " colliders");
+  if (in_flight) {
+    if (auto done = compute::wait_for(*device, fence.get()); !done) return done.take_error();
+    in_flight = false;
   }
 
-  std::memcpy(state.upload[0].mapped, &state.frame, sizeof(state.frame));
-  state.solids.clear();
-  for (std::size_t i = 0; i < state.colliders.size(); ++i)
-    if (state.colliders[i].shape != ColliderShape::mesh)   // those are among the cloths
-      state.solids.push_back(
-          shading::solid_of(state.colliders[i], poses.colliders[i], poses.sizes.empty() ? size_of(state.colliders[i]) : poses.sizes[i],
-                            state.frame, state.camera.target, state.tile));
-  if (auto recorded = state.record(poses); !recorded) return recorded.take_error();
+  std::memcpy(upload[0].mapped, &frame, sizeof(frame));
+  solids.clear();
+  for (std::size_t i = 0; i < colliders.size(); ++i)
+    if (colliders[i].shape != ColliderShape::mesh)   // those are among the cloths
+      solids.push_back(shading::solid_of(colliders[i], poses.colliders[i], poses.sizes.empty() ? size_of(colliders[i]) : poses.sizes[i],
+                                         frame, camera.target, tile));
+  return {};
+}
+
+Result<void> Shading::record(VkCommandBuffer commands, const Poses& poses) try {
+  if (commands == VK_NULL_HANDLE) return fail("the command buffer to record the picture into is null");
+  if (auto ready = state_->prepare(poses); !ready) return ready;
+  state_->record_picture(commands, poses);
+  return {};
+} catch (...) {
+  return caught("the picture");
+}
+
+VkImage Shading::image() const { return state_->targets.picture.handle(); }
+
+Result<Image> Shading::draw(const Poses& poses) try {
+  State& state = *state_;
+  if (auto ready = state.prepare(poses); !ready) return ready.take_error();
+  if (auto recorded = state.record_copy(poses); !recorded) return recorded.take_error();
 
   const VkFence fence = state.fence.get();
   if (VkResult r = state.device->vk().vkResetFences(state.device->handle(), 1, &fence))
     return fail("the shading fence could not be reset: ", compute::result_name(r));
   auto commands = compute::typed<VkCommandBufferSubmitInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO);
-  commands.commandBuffer = state.commands;
+  commands.commandBuffer = state.own_commands;
   auto wait = compute::typed<VkSemaphoreSubmitInfo>(VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO);
   wait.semaphore = poses.ready;
   wait.value = poses.ready_value;

@@ -64,6 +64,13 @@ class Shading {
   /// The next picture can be drawn all the same, but on a lost device.
   Result<Image> draw(const Poses& poses);
 
+  /// Records a picture into the host's command buffer (recording state, outside a render pass, on a family that draws). It is left in
+  /// image(), of create's size, R8G8B8A8_SRGB, in the layout TRANSFER_SRC_OPTIMAL, for copies and blits behind it on the queue. Of what is
+  /// earlier on the queue it waits for everything; `ready` of the poses is the host's to wait for. The host must know that a recorded
+  /// picture is done before the next one is recorded or drawn, and before this is destroyed. Errors: no command buffer; as draw.
+  Result<void> record(VkCommandBuffer commands, const Poses& poses);
+  VkImage image() const;
+
  private:
   Shading();
   struct State;

@@ -46,17 +46,20 @@ struct Shading::State {
   std::vector<DrawnCloth> cloths;
   std::vector<shading::Solid> solids;  // of the frame that is being drawn
   compute::CommandPool pool;
-  VkCommandBuffer commands = VK_NULL_HANDLE;
+  VkCommandBuffer own_commands = VK_NULL_HANDLE;
   compute::OwnedFence fence;
   bool in_flight = false;
 
   Result<void> create_targets();
   Result<void> create_cloths(const Scene& scene, std::span<const ShadedCloth> shaded);
 
-  Result<void> record(const Poses& poses);
-  void record_cloths(const Poses& poses, VkPipeline pipeline, std::uint32_t view);
-  void record_solids(VkPipeline pipeline, std::uint32_t view);
-  void record_screen(const compute::DeviceImage& target, VkPipeline pipeline);
+  /// Checks the poses, waits for the picture before, and takes over what is of this frame.
+  Result<void> prepare(const Poses& poses);
+  void record_picture(VkCommandBuffer commands, const Poses& poses);
+  Result<void> record_copy(const Poses& poses);   // all of draw's commands
+  void record_cloths(VkCommandBuffer commands, const Poses& poses, VkPipeline pipeline, std::uint32_t view);
+  void record_solids(VkCommandBuffer commands, VkPipeline pipeline, std::uint32_t view);
+  void record_screen(VkCommandBuffer commands, const compute::DeviceImage& target, VkPipeline pipeline);
 };
 
 }  // namespace weft

@@ -141,9 +141,9 @@ Result<void> Renderer::create_pipeline() {
   layout.pPushConstantRanges = &range;
   if (auto done = checked(vkCreatePipelineLayout(device, &layout, nullptr, &layout_), "vkCreatePipelineLayout"); !done) return done;
 
-  auto vertex = create_module(device, host_engine_vert);
+  auto vertex = create_module(device, sample_host_engine_vert);
   if (!vertex) return vertex.take_error();
-  auto fragment = create_module(device, host_engine_frag);
+  auto fragment = create_module(device, sample_host_engine_frag);
   if (!fragment) {
     vkDestroyShaderModule(device, *vertex, nullptr);
     return fragment.take_error();

@@ -6,23 +6,15 @@
 #include <iostream>
 
 #include "engine/scene/faults.h"
+#include "samples/weft/assignments.h"
 #include "samples/weft/commands.h"
 #include "samples/weft/console.h"
+#include "samples/weft/view.h"
 
 namespace {
 
 using namespace weft;
 using namespace weft::command;
-
-// `path.to.value=X`; the path is checked where it is followed.
-std::string split(const std::vector<std::string>& texts, std::vector<Assignment>& assignments) {
-  for (const std::string& text : texts) {
-    const std::size_t equals = text.find('=');
-    if (equals == std::string::npos || equals == 0) return "--set " + text + ": is not path.to.value=X";
-    assignments.push_back({text.substr(0, equals), text.substr(equals + 1)});
-  }
-  return "";
-}
 
 // "2ms", "2 ms" or "2".
 std::optional<double> milliseconds(const std::string& text) {
@@ -32,15 +24,6 @@ std::optional<double> milliseconds(const std::string& text) {
   if (error != std::errc() || !(value > 0) || !std::isfinite(value) || !(unit.empty() || unit == "ms" || unit == " ms"))
     return std::nullopt;
   return value;
-}
-
-// One value a flag, as often as wanted: "--set a=1 b=2" must not swallow what follows.
-void add_set(CLI::App& command, std::vector<std::string>& texts) {
-  command.add_option("--set", texts, "Change a value of the scene: --set solver.substeps=20 --set cloths[0].fabric=denim")
-      ->type_name("PATH=X")
-      ->expected(1)
-      ->take_all()
-      ->allow_extra_args(false);
 }
 
 void add_outside(CLI::App& command, bool& allow_outside) {
@@ -197,6 +180,8 @@ Exit obey(int count, char** arguments) {
   add_outside(*harden_command, allow_outside);
   harden_command->add_option("--device", harden_options.device, "Index or part of the name; weft info lists them");
 
+  // Its own program has its flags, and is started before these are read.
+  app.add_subcommand("view", "Look at a scene in a window while it is simulated; weft view --help tells how");
   CLI::App* info_command = app.add_subcommand("info", "List Vulkan devices and what they support");
   CLI::App* check_command = app.add_subcommand("check", "Name everything that is wrong with a scene or a mesh");
   check_command->add_option("file", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ)")->required()->type_name("FILE");
@@ -266,6 +251,7 @@ Exit obey(int count, char** arguments) {
 }  // namespace
 
 int main(int count, char** arguments) {
+  if (count > 1 && std::string_view(arguments[1]) == "view") return view(arguments + 1);
   expect_full_disks();
   const Exit exit = obey(count, arguments);
   std::cout.flush();

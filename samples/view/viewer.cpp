@@ -1,0 +1,233 @@
+// See samples/view/viewer.h.
+#include "samples/view/viewer.h"
+
+#include <vulkan/vulkan.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "samples/weft/console.h"
+
+namespace weft::view {
+namespace {
+
+// A picture that takes longer than the simulation, and longer than this, is drawn smaller and stretched.
+constexpr double kDrawing = 33;   // ms
+constexpr std::array kScales = {1.0, 0.75, 0.5, 0.35, 0.25};
+constexpr std::size_t kMostFaults = 8;
+
+double milliseconds(std::chrono::steady_clock::duration time) { return std::chrono::duration<double, std::milli>(time).count(); }
+
+}  // namespace
+
+void Viewer::say(const std::string& what) {
+  status_ = what;
+  std::printf("%s\n", what.c_str());
+  std::fflush(stdout);
+}
+
+void Viewer::complain(const std::string& sentence) {
+  command::complain(sentence);
+  faults_.push_back(sentence);
+  if (faults_.size() > kMostFaults) faults_.erase(faults_.begin());
+}
+
+bool Viewer::good(const Result<void>& done) {
+  if (!done) complain(done.error());
+  return static_cast<bool>(done);
+}
+
+void Viewer::open(const std::filesystem::path& file, std::span<const Assignment> assignments) {
+  auto stage = Stage::open(window_->device(), file, assignments);
+  if (!stage) return complain(stage.error());
+  workbench_.reset();   // they read the old one's buffers
+  shading_.reset();
+  stage_ = std::move(*stage);
+  orbit_ = Orbit(stage_->scene().camera);
+  draft_ = stage_->scene();
+  save_as_ = file.stem().string() + ".changed.json";
+  ball_radius_ = static_cast<float>(0.1 * orbit_.distance());
+  window_->set_title("Weft: " + file.filename().string());
+  for (const std::string& note : stage_->simulation().fabric().notes) std::printf("note: %s\n", note.c_str());
+  say("opened " + file.filename().string());
+}
+
+Result<void> Viewer::run(const ViewerOptions& options) {
+  open(options.file, options.assignments);
+  is_playing_ = !options.is_paused;
+  while (!window_->wants_to_close() && !command::interrupted()) {
+    if (auto done = frame(); !done) return done;
+    if (options.frames && pictures_ >= *options.frames) break;
+  }
+  return {};
+}
+
+Result<void> Viewer::frame() {
+  const bool idle = !is_playing_ || !stage_ || window_->is_minimised();
+  window_->poll(idle ? 0.1 : 0);
+  for (const std::filesystem::path& file : window_->take_dropped()) open(file, {});
+  const Clock::time_point now = Clock::now();
+  wall_s_ = std::min(std::chrono::duration<double>(now - last_).count(), 1.0);
+  last_ = now;
+  if (stage_) step();
+  return draw();
+}
+
+// A frame of the simulation where one is due: as fast as real time, or as fast as it can.
+void Viewer::step() {
+  if (!is_playing_) return;
+  const double period = 1 / stage_->scene().solver.rate;
+  due_ += speed_ * wall_s_;
+  if (due_ < period) return;
+  due_ = std::min(due_ - period, period);
+  step_once();
+}
+
+void Viewer::step_once() {
+  const Clock::time_point start = Clock::now();
+  if (!good(stage_->step())) return set_playing(false);
+  const Simulation& simulation = stage_->simulation();
+  if (!good(compute::wait_for(window_->device(), simulation.ready_semaphore(), simulation.ready_value()))) set_playing(false);
+  simulated_ms_ = milliseconds(Clock::now() - start);
+}
+
+VkExtent2D Viewer::picture_size() const {
+  const VkExtent2D whole = window_->size();
+  const auto part = [&](std::uint32_t pixels) { return std::max(16u, static_cast<std::uint32_t>(kScales[scale_] * pixels)); };
+  return {part(whole.width), part(whole.height)};
+}
+
+// Down at once, up late: a picture that changes its size every second is worse than a coarse one.
+void Viewer::choose_scale() {
+  const double budget = std::max(kDrawing, is_playing_ ? simulated_ms_ : 0.0), took = window_->drawn_ms();
+  slow_ = took > 1.2 * budget ? slow_ + 1 : 0;
+  const double larger = scale_ == 0 ? 1 : kScales[scale_ - 1] / kScales[scale_];
+  fast_ = took * larger * larger < 0.8 * budget ? fast_ + 1 : 0;
+  if (slow_ >= 3 && scale_ + 1 < kScales.size()) ++scale_, slow_ = fast_ = 0;
+  if (fast_ >= 60 && scale_ > 0) --scale_, slow_ = fast_ = 0;
+}
+
+Result<void> Viewer::draw() {
+  auto commands = window_->begin();
+  if (!commands) return commands.take_error();
+  if (!*commands) {   // minimised: only events
+    window_->poll(0.05);
+    return {};
+  }
+  draw_panels();   // what it changes is in this picture
+  if (stage_) {
+    obey_keys();
+    obey_pointer();
+  }
+  ImGui::Render();
+  const VkExtent2D size = picture_size();
+  auto image = picture(**commands, size);
+  if (!image) return image.take_error();
+  if (auto done = window_->finish(*image, size); !done) return done;
+  ++pictures_;
+  choose_scale();
+  return {};
+}
+
+Result<VkImage> Viewer::picture(VkCommandBuffer commands, VkExtent2D size) {
+  if (stage_ && (shown_ != stage_->generation() || !workbench_)) {
+    shading_.reset();
+    workbench_.reset();
+    auto made = Workbench::create(window_->device(), stage_->simulation());
+    if (!made) return made.take_error();
+    workbench_ = std::move(*made);
+    for (const std::string& note : workbench_->notes()) complain(note);
+    shown_ = stage_->generation();
+  }
+  if (stage_ && is_rendered_) {
+    if (auto done = record_rendered(commands, size); done) return rendered_.handle();
+    else complain(done.error());
+    is_rendered_ = false;
+  }
+  if (stage_) {
+    const std::vector<Segments> over = lines();
+    if (auto done = workbench_->record(commands, size, orbit_.camera(), look_, over); !done) return done.take_error();
+    return workbench_->image();
+  }
+  // Nothing to show: an empty picture.
+  if (rendered_.handle() == VK_NULL_HANDLE || rendered_.request().size.width != size.width || rendered_.request().size.height != size.height) {
+    auto made = compute::DeviceImage::create(window_->device(), {"nothing", VK_FORMAT_R8G8B8A8_UNORM, size,
+                                                                 VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
+    if (!made) return made.take_error();
+    rendered_ = std::move(*made);
+  }
+  compute::change_use(window_->device(), commands, rendered_, compute::kUnused, compute::kCopyDestination);
+  const VkClearColorValue grey{{0.2f, 0.21f, 0.23f, 1}};
+  const VkImageSubresourceRange whole{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+  vkCmdClearColorImage(commands, rendered_.handle(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &grey, 1, &whole);
+  compute::change_use(window_->device(), commands, rendered_, compute::kCopyDestination, compute::kCopySource);
+  return rendered_.handle();
+}
+
+// The library's picture is in a format that copies convert; what is shown is copied bit by bit into one that they do not.
+Result<void> Viewer::record_rendered(VkCommandBuffer commands, VkExtent2D size) {
+  const Simulation& simulation = stage_->simulation();
+  if (!shading_ || shading_size_.width != size.width || shading_size_.height != size.height) {
+    const Scene& scene = simulation.scene();
+    std::vector<ShadedCloth> cloths;
+    const std::vector<Mesh>& meshes = simulation.meshes();
+    for (const Cloth& cloth : scene.cloths)
+      cloths.push_back({.mesh = &meshes[cloths.size()].render, .appearance = &cloth.appearance, .shown = cloth.render_mesh.empty()});
+    for (std::size_t k = 0; k < mesh_colliders(scene).size(); ++k) cloths.push_back({.mesh = &meshes[cloths.size()].render});
+    for (const CarriedMesh& carried : simulation.fabric().render_meshes)
+      cloths.push_back({.mesh = &meshes[cloths.size()].render, .appearance = &scene.cloths[carried.cloth].appearance});
+    shading_.reset();
+    auto made = Shading::create(window_->device(), scene, cloths, size);
+    if (!made) return made.take_error();
+    shading_ = std::move(*made);
+    auto image = compute::DeviceImage::create(window_->device(), {"rendered", VK_FORMAT_R8G8B8A8_UNORM, size,
+                                                                  VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
+    if (!image) return image.take_error();
+    rendered_ = std::move(*image);
+    shading_size_ = size;
+  }
+  shading_->look_from(orbit_.camera());
+  if (auto done = shading_->record(commands, {.positions = simulation.positions(),
+                                              .normals = simulation.normals(),
+                                              .colliders = simulation.colliders(),
+                                              .sizes = simulation.collider_sizes()});
+      !done)
+    return done;
+  compute::change_use(window_->device(), commands, rendered_, compute::kUnused, compute::kCopyDestination);
+  VkImageCopy whole{};
+  whole.srcSubresource = whole.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  whole.extent = {size.width, size.height, 1};
+  vkCmdCopyImage(commands, shading_->image(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, rendered_.handle(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                 1, &whole);
+  compute::change_use(window_->device(), commands, rendered_, compute::kCopyDestination,
+                      {VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT});
+  return {};
+}
+
+std::vector<Segments> Viewer::lines() {
+  std::vector<Segments> over;
+  if (shows_contacts_) {
+    auto pairs = stage_->contacts();
+    if (pairs) over.push_back({{1, 0.2f, 0.7f}, std::move(*pairs)});
+    else complain(pairs.error());
+  }
+  if (!shows_bounds_) return over;
+  const auto bounds = stage_->bounds();
+  if (!bounds) {
+    complain(bounds.error());
+    return over;
+  }
+  const auto& [low, high] = *bounds;
+  Segments box{{0.3f, 0.9f, 0.3f}, {}};
+  const auto corner = [&](unsigned k) { return Vec3{k & 1 ? high.x : low.x, k & 2 ? high.y : low.y, k & 4 ? high.z : low.z}; };
+  for (unsigned k = 0; k < 8; ++k)
+    for (const unsigned axis : {1u, 2u, 4u})
+      if ((k & axis) == 0) box.ends.insert(box.ends.end(), {corner(k), corner(k | axis)});
+  over.push_back(std::move(box));
+  return over;
+}
+
+}  // namespace weft::view

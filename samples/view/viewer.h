@@ -1,0 +1,99 @@
+// The viewer: what is on show, how it is shown, and what the user does to it.
+//
+// A frame: events, the panels, what the pointer and the keys ask for, a frame of the simulation where it is due, a picture of it. Nothing
+// of the GPU is under way while panels and pointer work, so that they may change everything.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/shading/shading.h"
+#include "samples/view/orbit.h"
+#include "samples/view/stage.h"
+#include "samples/view/window.h"
+#include "samples/view/workbench.h"
+
+namespace weft::view {
+
+struct ViewerOptions {
+  std::filesystem::path file;
+  std::vector<Assignment> assignments;
+  bool is_paused = false;
+  std::optional<std::uint32_t> frames;   // pictures after which it closes by itself
+};
+
+class Viewer {
+ public:
+  /// A file that cannot be shown is no error: its sentence is, in the window, and another can be dropped there.
+  explicit Viewer(Window& window) : window_(&window) {}
+  Result<void> run(const ViewerOptions& options);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void open(const std::filesystem::path& file, std::span<const Assignment> assignments);
+  Result<void> frame();
+  void step();
+  Result<void> draw();
+  Result<VkImage> picture(VkCommandBuffer commands, VkExtent2D size);
+  Result<void> record_rendered(VkCommandBuffer commands, VkExtent2D size);
+  void choose_scale();
+  VkExtent2D picture_size() const;
+  std::vector<Segments> lines();
+
+  // What the user does (input.cpp).
+  void obey_keys();
+  void obey_pointer();
+  Ray ray_under_pointer() const;
+  void set_playing(bool on);
+  void step_once();
+  void reset();
+  void frame_all();
+  void keep();
+  void go_back(std::size_t kept);
+  void change_scene();
+  void toggle_ball();
+
+  // The panels (panels.cpp).
+  void draw_panels();
+  void draw_player();
+  void draw_look();
+  void draw_figures();
+  void draw_scene();
+  void draw_messages();
+
+  /// What happened, for the status line and for those who read along on stdout.
+  void say(const std::string& what);
+  /// A sentence in red, and on stderr.
+  void complain(const std::string& sentence);
+  bool good(const Result<void>& done);   // complains
+
+  Window* window_;
+  std::unique_ptr<Stage> stage_;
+  std::unique_ptr<Workbench> workbench_;
+  std::unique_ptr<Shading> shading_;     // once it is asked for
+  VkExtent2D shading_size_{};
+  compute::DeviceImage rendered_;        // its picture, as bits that are no longer converted
+  std::uint64_t shown_ = 0;              // the stage's generation that these are of
+  Orbit orbit_;
+  Look look_;
+  bool is_rendered_ = false, shows_contacts_ = false, shows_bounds_ = false, shows_panels_ = true, shows_help_ = false;
+  bool is_playing_ = true, is_turning_ = false;
+  double speed_ = 1, due_ = 0;           // of real time; s of the simulation that are due
+  double simulated_ms_ = 0, wall_s_ = 0;
+  std::size_t scale_ = 0;
+  int slow_ = 0, fast_ = 0;              // frames in a row
+  std::uint32_t pictures_ = 0;
+  Clock::time_point last_ = Clock::now();
+  Scene draft_;                          // as the panel has it
+  std::string status_, save_as_;
+  std::vector<std::string> faults_;
+  float ball_radius_ = 0.1f;             // m
+  float grip_ = 1;
+};
+
+}  // namespace weft::view
