@@ -12,8 +12,6 @@ namespace {
 constexpr double kTurn = 3.2;     // radians a height of the window
 constexpr double kNotch = 0.88;   // of the distance, a notch of the wheel
 
-bool pressed(int key, bool again = false) { return ImGui::IsKeyPressed(key, again); }
-
 void toggle(bool& what) { what = !what; }
 
 }  // namespace
@@ -23,6 +21,12 @@ void Viewer::set_playing(bool on) {
   is_playing_ = on;
   due_ = 0;
   say((on ? "plays from frame " : "paused at frame ") + std::to_string(stage_ ? stage_->frame() : 0));
+}
+
+void Viewer::step_alone() {
+  set_playing(false);
+  step_once();
+  say("at frame " + std::to_string(stage_->frame()));
 }
 
 void Viewer::reset() {
@@ -62,37 +66,39 @@ void Viewer::toggle_ball() {
 }
 
 void Viewer::obey_keys() {
-  const ImGuiIO& io = ImGui::GetIO();
-  if (io.WantTextInput) return;
-  if (io.KeyCtrl) {
-    if (pressed(GLFW_KEY_Q)) window_->close();
-    return;
+  for (const Key& pressed : window_->take_keys()) {
+    if (pressed.with_control && pressed.key == GLFW_KEY_Q) window_->close();
+    if (!ImGui::GetIO().WantTextInput && !pressed.with_control && stage_) obey(pressed);
   }
-  if (pressed(GLFW_KEY_SPACE)) set_playing(!is_playing_);
-  if (pressed(GLFW_KEY_PERIOD, true)) {
-    set_playing(false);
-    step_once();
-    say("at frame " + std::to_string(stage_->frame()));
+}
+
+void Viewer::obey(const Key& pressed) {
+  if (pressed.key == GLFW_KEY_PERIOD) step_alone();   // as long as it is held
+  if (pressed.again) return;
+  if (pressed.key >= GLFW_KEY_1 && pressed.key <= GLFW_KEY_1 + VIEW_OCCLUSION) {
+    look_.colouring = static_cast<uint>(pressed.key - GLFW_KEY_1);
+    is_rendered_ = false;
   }
-  if (pressed(GLFW_KEY_R)) reset();
-  if (pressed(GLFW_KEY_F)) frame_all();
-  if (pressed(GLFW_KEY_K)) keep();
-  if (pressed(GLFW_KEY_BACKSPACE) && !stage_->kept().empty()) go_back(stage_->kept().size() - 1);
-  if (pressed(GLFW_KEY_G)) toggle_ball();
-  if (pressed(GLFW_KEY_TAB)) toggle(shows_panels_);
-  if (pressed(GLFW_KEY_H)) toggle(shows_help_);
-  if (pressed(GLFW_KEY_W)) toggle(look_.wires);
-  if (pressed(GLFW_KEY_N)) toggle(look_.spikes);
-  if (pressed(GLFW_KEY_A)) toggle(look_.anchors);
-  if (pressed(GLFW_KEY_C)) toggle(shows_contacts_);
-  if (pressed(GLFW_KEY_B)) toggle(shows_bounds_);
-  if (pressed(GLFW_KEY_O)) toggle(look_.colliders);
-  if (pressed(GLFW_KEY_0)) toggle(is_rendered_);
-  for (int k = 0; k <= VIEW_OCCLUSION; ++k)
-    if (pressed(GLFW_KEY_1 + k)) {
-      look_.colouring = static_cast<uint>(k);
-      is_rendered_ = false;
-    }
+  switch (pressed.key) {
+    case GLFW_KEY_SPACE: set_playing(!is_playing_); break;
+    case GLFW_KEY_R: reset(); break;
+    case GLFW_KEY_F: frame_all(); break;
+    case GLFW_KEY_K: keep(); break;
+    case GLFW_KEY_BACKSPACE:
+      if (!stage_->kept().empty()) go_back(stage_->kept().size() - 1);
+      break;
+    case GLFW_KEY_G: toggle_ball(); break;
+    case GLFW_KEY_TAB: toggle(shows_panels_); break;
+    case GLFW_KEY_H: toggle(shows_help_); break;
+    case GLFW_KEY_W: toggle(look_.wires); break;
+    case GLFW_KEY_N: toggle(look_.spikes); break;
+    case GLFW_KEY_A: toggle(look_.anchors); break;
+    case GLFW_KEY_C: toggle(shows_contacts_); break;
+    case GLFW_KEY_B: toggle(shows_bounds_); break;
+    case GLFW_KEY_O: toggle(look_.colliders); break;
+    case GLFW_KEY_0: toggle(is_rendered_); break;
+    default: break;
+  }
 }
 
 Ray Viewer::ray_under_pointer() const {

@@ -90,11 +90,7 @@ void Viewer::draw_panels() {
 void Viewer::draw_player() {
   if (ImGui::Button(is_playing_ ? "Pause" : "Play", ImVec2(64, 0))) set_playing(!is_playing_);
   ImGui::SameLine();
-  if (ImGui::Button("Step")) {
-    set_playing(false);
-    step_once();
-    say("at frame " + std::to_string(stage_->frame()));
-  }
+  if (ImGui::Button("Step")) step_alone();
   ImGui::SameLine();
   if (ImGui::Button("Reset")) reset();
   ImGui::SameLine();
@@ -169,7 +165,7 @@ void Viewer::draw_figures() {
   ImGui::Text("buffers %s", in_bytes(bytes).c_str());
   ImGui::Text("simulated in %.1f ms, drawn in %.1f ms", simulated_ms_, window_->drawn_ms());
   const VkExtent2D size = picture_size(), whole = window_->size();
-  if (size.width != whole.width) ImGui::TextDisabled("drawn at %u x %u of %u x %u", size.width, size.height, whole.width, whole.height);
+  if (size.width != whole.width && !is_still()) ImGui::TextDisabled("drawn at %u x %u of %u x %u", size.width, size.height, whole.width, whole.height);
   const Counts counts = simulation.counts();
   if (contacts_on(simulation.scene()))
     ImGui::Text("pairs at most %u, %u searches\nstopped short %u times, %u crossings", counts.contacts_most, counts.detections,

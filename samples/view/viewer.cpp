@@ -16,8 +16,26 @@ namespace {
 
 // A picture that takes longer than the simulation, and longer than this, is drawn smaller and stretched.
 constexpr double kDrawing = 33;   // ms
+// A picture that stands still is drawn as fine as this allows.
+constexpr double kDrawingAtRest = 250;   // ms
+constexpr double kRest = 0.3;            // s
 constexpr std::array kScales = {1.0, 0.75, 0.5, 0.35, 0.25};
 constexpr std::size_t kMostFaults = 8;
+// Copied to and from; its view, which every image here has, takes one more.
+constexpr VkImageUsageFlags kCopied =
+    VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+
+// Of the last thousand, so that a viewer that is left alone does not grow.
+void add(std::vector<double>& times, double time) {
+  if (times.size() >= 1000) times.erase(times.begin());
+  times.push_back(time);
+}
+
+double median(std::vector<double> times) {
+  if (times.empty()) return 0;
+  std::ranges::nth_element(times, times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2));
+  return times[times.size() / 2];
+}
 
 double milliseconds(std::chrono::steady_clock::duration time) { return std::chrono::duration<double, std::milli>(time).count(); }
 
@@ -62,18 +80,31 @@ Result<void> Viewer::run(const ViewerOptions& options) {
     if (auto done = frame(); !done) return done;
     if (options.frames && pictures_ >= *options.frames) break;
   }
+  const VkExtent2D size = picture_size();
+  char text[160];
+  std::snprintf(text, sizeof text, "%u pictures, the last of %u x %u; medians: simulated in %.1f ms, drawn in %.1f ms", pictures_, size.width,
+                size.height, median(simulated_times_), median(drawn_times_));
+  say(text);
   return {};
 }
 
 Result<void> Viewer::frame() {
   const bool idle = !is_playing_ || !stage_ || window_->is_minimised();
   window_->poll(idle ? 0.1 : 0);
-  for (const std::filesystem::path& file : window_->take_dropped()) open(file, {});
+  for (const std::filesystem::path& file : window_->take_dropped()) {
+    open(file, {});
+    is_settled_ = false;
+  }
   const Clock::time_point now = Clock::now();
   wall_s_ = std::min(std::chrono::duration<double>(now - last_).count(), 1.0);
   last_ = now;
+  if (window_->take_heard()) {
+    heard_ = now;
+    is_settled_ = false;
+  }
+  if (is_playing_) is_settled_ = false;
   if (stage_) step();
-  return draw();
+  return is_settled_ ? Result<void>() : draw();
 }
 
 // A frame of the simulation where one is due: as fast as real time, or as fast as it can.
@@ -92,16 +123,26 @@ void Viewer::step_once() {
   const Simulation& simulation = stage_->simulation();
   if (!good(compute::wait_for(window_->device(), simulation.ready_semaphore(), simulation.ready_value()))) set_playing(false);
   simulated_ms_ = milliseconds(Clock::now() - start);
+  add(simulated_times_, simulated_ms_);
+}
+
+// Nothing moves, and the user does nothing.
+bool Viewer::is_still() const { return !is_playing_ && std::chrono::duration<double>(Clock::now() - heard_).count() > kRest; }
+
+double Viewer::scale_at_rest() const {
+  const double whole = window_->drawn_ms() / (drawn_at_ * drawn_at_);   // at most: not all of it grows with the picture
+  return std::clamp(std::sqrt(kDrawingAtRest / std::max(whole, 1.0)), kScales[scale_], 1.0);
 }
 
 VkExtent2D Viewer::picture_size() const {
   const VkExtent2D whole = window_->size();
-  const auto part = [&](std::uint32_t pixels) { return std::max(16u, static_cast<std::uint32_t>(kScales[scale_] * pixels)); };
+  const auto part = [&](std::uint32_t pixels) { return std::max(16u, static_cast<std::uint32_t>(drawn_at_ * pixels)); };
   return {part(whole.width), part(whole.height)};
 }
 
 // Down at once, up late: a picture that changes its size every second is worse than a coarse one.
 void Viewer::choose_scale() {
+  if (is_settled_) return;   // its time says nothing of a picture that moves
   const double budget = std::max(kDrawing, is_playing_ ? simulated_ms_ : 0.0), took = window_->drawn_ms();
   slow_ = took > 1.2 * budget ? slow_ + 1 : 0;
   const double larger = scale_ == 0 ? 1 : kScales[scale_ - 1] / kScales[scale_];
@@ -118,16 +159,17 @@ Result<void> Viewer::draw() {
     return {};
   }
   draw_panels();   // what it changes is in this picture
-  if (stage_) {
-    obey_keys();
-    obey_pointer();
-  }
+  obey_keys();
+  if (stage_) obey_pointer();
   ImGui::Render();
+  is_settled_ = is_still();
+  drawn_at_ = is_settled_ ? scale_at_rest() : kScales[scale_];
   const VkExtent2D size = picture_size();
   auto image = picture(**commands, size);
   if (!image) return image.take_error();
   if (auto done = window_->finish(*image, size); !done) return done;
   ++pictures_;
+  add(drawn_times_, window_->drawn_ms());
   choose_scale();
   return {};
 }
@@ -154,8 +196,7 @@ Result<VkImage> Viewer::picture(VkCommandBuffer commands, VkExtent2D size) {
   }
   // Nothing to show: an empty picture.
   if (rendered_.handle() == VK_NULL_HANDLE || rendered_.request().size.width != size.width || rendered_.request().size.height != size.height) {
-    auto made = compute::DeviceImage::create(window_->device(), {"nothing", VK_FORMAT_R8G8B8A8_UNORM, size,
-                                                                 VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
+    auto made = compute::DeviceImage::create(window_->device(), {"nothing", VK_FORMAT_R8G8B8A8_UNORM, size, kCopied});
     if (!made) return made.take_error();
     rendered_ = std::move(*made);
   }
@@ -183,8 +224,7 @@ Result<void> Viewer::record_rendered(VkCommandBuffer commands, VkExtent2D size) 
     auto made = Shading::create(window_->device(), scene, cloths, size);
     if (!made) return made.take_error();
     shading_ = std::move(*made);
-    auto image = compute::DeviceImage::create(window_->device(), {"rendered", VK_FORMAT_R8G8B8A8_UNORM, size,
-                                                                  VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
+    auto image = compute::DeviceImage::create(window_->device(), {"rendered", VK_FORMAT_R8G8B8A8_UNORM, size, kCopied});
     if (!image) return image.take_error();
     rendered_ = std::move(*image);
     shading_size_ = size;

@@ -42,15 +42,19 @@ class Viewer {
   Result<VkImage> picture(VkCommandBuffer commands, VkExtent2D size);
   Result<void> record_rendered(VkCommandBuffer commands, VkExtent2D size);
   void choose_scale();
+  bool is_still() const;
+  double scale_at_rest() const;
   VkExtent2D picture_size() const;
   std::vector<Segments> lines();
 
   // What the user does (input.cpp).
   void obey_keys();
+  void obey(const Key& pressed);
   void obey_pointer();
   Ray ray_under_pointer() const;
   void set_playing(bool on);
   void step_once();
+  void step_alone();
   void reset();
   void frame_all();
   void keep();
@@ -85,7 +89,11 @@ class Viewer {
   bool is_playing_ = true, is_turning_ = false;
   double speed_ = 1, due_ = 0;           // of real time; s of the simulation that are due
   double simulated_ms_ = 0, wall_s_ = 0;
+  std::vector<double> simulated_times_, drawn_times_;   // ms, of the last thousand
   std::size_t scale_ = 0;
+  double drawn_at_ = 1;                  // scale of the last picture
+  Clock::time_point heard_ = Clock::now();   // when the user last did something
+  bool is_settled_ = false;              // nothing has changed since the last picture, which was drawn as fine as it may be
   int slow_ = 0, fast_ = 0;              // frames in a row
   std::uint32_t pictures_ = 0;
   Clock::time_point last_ = Clock::now();
@@ -93,7 +101,6 @@ class Viewer {
   std::string status_, save_as_;
   std::vector<std::string> faults_;
   float ball_radius_ = 0.1f;             // m
-  float grip_ = 1;
 };
 
 }  // namespace weft::view

@@ -70,11 +70,7 @@ Result<void> Window::create_surface(const WindowRequest& request) {
   glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
   window_ = glfwCreateWindow(request.width, request.height, request.title.c_str(), nullptr, nullptr);
   if (window_ == nullptr) return fail("the window could not be opened: ", glfw_fault());
-  glfwSetWindowUserPointer(window_, this);
-  glfwSetDropCallback(window_, [](GLFWwindow* window, int files, const char** paths) {
-    auto* self = static_cast<Window*>(glfwGetWindowUserPointer(window));
-    self->dropped_.insert(self->dropped_.end(), paths, paths + files);
-  });
+  listen();
   if (auto done = checked(glfwCreateWindowSurface(device_->instance(), window_, nullptr, &surface_), "making the window's surface"); !done)
     return done;
   VkBool32 presents = VK_FALSE;
@@ -92,6 +88,31 @@ Result<void> Window::create_surface(const WindowRequest& request) {
       break;
     }
   return {};
+}
+
+Window& Window::of(GLFWwindow* window) {
+  Window& self = *static_cast<Window*>(glfwGetWindowUserPointer(window));
+  self.is_heard_ = true;
+  return self;
+}
+
+// Before the interface listens: it calls these before its own.
+void Window::listen() {
+  glfwSetWindowUserPointer(window_, this);
+  glfwSetDropCallback(window_, [](GLFWwindow* window, int files, const char** paths) {
+    std::vector<std::filesystem::path>& dropped = of(window).dropped_;
+    dropped.insert(dropped.end(), paths, paths + files);
+  });
+  glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int modifiers) {
+    std::vector<Key>& keys = of(window).keys_;
+    if (action != GLFW_RELEASE) keys.push_back({key, (modifiers & GLFW_MOD_CONTROL) != 0, action == GLFW_REPEAT});
+  });
+  glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned) { of(window); });
+  glfwSetMouseButtonCallback(window_, [](GLFWwindow* window, int, int, int) { of(window); });
+  glfwSetScrollCallback(window_, [](GLFWwindow* window, double, double) { of(window); });
+  glfwSetCursorPosCallback(window_, [](GLFWwindow* window, double, double) { of(window); });
+  glfwSetWindowRefreshCallback(window_, [](GLFWwindow* window) { of(window); });
+  glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int, int) { of(window).is_stale_ = true; });
 }
 
 Result<void> Window::create_frame() {
@@ -270,6 +291,8 @@ void Window::poll(double seconds) {
   if (seconds > 0) glfwWaitEventsTimeout(seconds);
   else glfwPollEvents();
 }
+
+std::vector<Key> Window::take_keys() { return std::exchange(keys_, {}); }
 
 std::vector<std::filesystem::path> Window::take_dropped() { return std::exchange(dropped_, {}); }
 

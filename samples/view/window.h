@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "compute/commands.h"
@@ -18,6 +19,12 @@
 struct GLFWwindow;
 
 namespace weft::view {
+
+/// A key that went down, or repeats: GLFW's numbers.
+struct Key {
+  int key = 0;
+  bool with_control = false, again = false;
+};
 
 struct WindowRequest {
   std::string title;
@@ -45,6 +52,10 @@ class Window {
 
   /// Hears what the user did; waits for up to `seconds` where nothing was.
   void poll(double seconds);
+  /// Whether the user did anything, or the window must be drawn again, since the last call.
+  bool take_heard() { return std::exchange(is_heard_, false); }
+  /// Keys since the last call: all of them, also those that were up again before a frame saw them down.
+  std::vector<Key> take_keys();
   /// Files dropped since the last call.
   std::vector<std::filesystem::path> take_dropped();
 
@@ -60,6 +71,8 @@ class Window {
  private:
   Window() = default;
   Result<void> create_surface(const WindowRequest& request);
+  void listen();
+  static Window& of(GLFWwindow* window);
   Result<void> create_frame();
   Result<void> create_interface();
   Result<void> create_swapchain();
@@ -85,9 +98,10 @@ class Window {
   compute::OwnedSemaphore acquired_;
   compute::OwnedFence fence_;
   std::uint32_t target_ = 0;
-  bool is_under_way_ = false, is_stale_ = false, has_interface_ = false;
+  bool is_under_way_ = false, is_stale_ = false, has_interface_ = false, is_heard_ = true;
   double drawn_ms_ = 0;
   std::vector<std::filesystem::path> dropped_;
+  std::vector<Key> keys_;
 };
 
 }  // namespace weft::view

@@ -313,14 +313,15 @@ void Workbench::draw(VkCommandBuffer commands, const compute::OwnedPipeline& pip
 
 void Workbench::record_lines(VkCommandBuffer commands, const Look& look, std::span<const Segments> lines) const {
   const Vec2 pixel{2 * frame_.size.z, 2 * frame_.size.w};
-  if (look.spikes) draw(commands, lines_pipeline_, {{0.2f, 0.55f, 1}, edge_, pixel, 1.5f, VIEW_SPIKES}, 0, vertices_);
+  const float fine = std::clamp(frame_.size.y / 600, 0.6f, 2.0f);   // a small picture is stretched, and its lines with it
+  if (look.spikes) draw(commands, lines_pipeline_, {{0.2f, 0.55f, 1}, edge_, pixel, 1.5f * fine, VIEW_SPIKES}, 0, vertices_);
   std::uint32_t first = 0;
   for (const Segments& of : lines) {
     const auto count = static_cast<std::uint32_t>(of.ends.size() / 2);
-    draw(commands, lines_pipeline_, {of.colour, 0, pixel, 2, VIEW_SEGMENTS}, first, count);
+    draw(commands, lines_pipeline_, {of.colour, 0, pixel, 2 * fine, VIEW_SEGMENTS}, first, count);
     first += count;
   }
-  if (look.anchors) draw(commands, marks_pipeline_, {{1, 0.6f, 0.1f}, 0, pixel, 3, VIEW_MARKS}, 0, marks_);
+  if (look.anchors) draw(commands, marks_pipeline_, {{1, 0.6f, 0.1f}, 0, pixel, 3 * fine, VIEW_MARKS}, 0, marks_);
 }
 
 }  // namespace weft::view
