@@ -1,10 +1,10 @@
 // What the keys and the pointer do. The panels' buttons do the same.
+#include "samples/view/viewer.h"
+
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 
 #include <cmath>
-
-#include "samples/view/viewer.h"
 
 namespace weft::view {
 namespace {
@@ -131,7 +131,11 @@ void Viewer::obey_pointer() {
   if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) && stage_->is_grabbing() && good(stage_->let_go())) say("let go");
   if (!ImGui::IsMouseDown(ImGuiMouseButton_Left) && !ImGui::IsMouseDown(ImGuiMouseButton_Right)) is_turning_ = false;
 
-  const double right = io.MouseDelta.x / io.DisplaySize.y, down = io.MouseDelta.y / io.DisplaySize.y;
+  // How the pointer came to where a button went down is no part of a drag.
+  bool begins = false;
+  for (const ImGuiMouseButton button : {ImGuiMouseButton_Left, ImGuiMouseButton_Right, ImGuiMouseButton_Middle}) begins |= ImGui::IsMouseClicked(button);
+  const ImVec2 moved = begins ? ImVec2(0, 0) : io.MouseDelta;
+  const double right = moved.x / io.DisplaySize.y, down = moved.y / io.DisplaySize.y;
   const bool pans = ours && (ImGui::IsMouseDown(ImGuiMouseButton_Middle) || (io.KeyShift && ImGui::IsMouseDown(ImGuiMouseButton_Left)));
   if (pans) orbit_.pan(right, down);
   else if (is_turning_) orbit_.turn(kTurn * right, kTurn * down);

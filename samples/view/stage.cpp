@@ -94,7 +94,23 @@ Result<void> Stage::replace(const Scene& scene) {
   return {};
 }
 
+// What a simulation takes while it runs.
+bool Stage::differs_in_forces_alone(const Scene& scene) const {
+  Scene same = scene;
+  same.gravity = scene_.gravity;
+  if (same.air && scene_.air) same.air->wind = scene_.air->wind;
+  return scene_text(same) == scene_text(scene_);
+}
+
 Result<void> Stage::change(const Scene& scene) {
+  if (differs_in_forces_alone(scene)) {
+    if (auto done = simulation_->set_gravity(scene.gravity); !done) return done;
+    if (scene.air)
+      if (auto done = simulation_->set_wind(scene.air->wind); !done) return done;
+    scene_ = scene;
+    start_.reset();
+    return {};
+  }
   if (auto done = replace(scene); !done) return done;
   start_.reset();
   return {};

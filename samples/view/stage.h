@@ -41,7 +41,7 @@ class Stage {
   Result<void> step();
   /// The scene from its beginning.
   Result<void> reset();
-  /// Makes the simulation anew with another scene. With an error everything is as it was.
+  /// Another scene: a simulation made anew, but for gravity and wind, which it takes as it runs. With an error everything is as it was.
   Result<void> change(const Scene& scene);
   Result<void> time_passes(bool on);
   /// A ball of that radius (m) that the host moves; none: it goes.
@@ -71,6 +71,7 @@ class Stage {
   Scene prepared(const Scene& scene) const;
   Result<std::unique_ptr<Simulation>> make(const Scene& prepared) const;
   Result<void> replace(const Scene& scene);
+  bool differs_in_forces_alone(const Scene& scene) const;
 
   const compute::Device* device_;
   std::filesystem::path file_;

@@ -27,10 +27,13 @@ std::string in_words(double value) {
 
 // "0 ... 100 m/s", or "above 0, at most 1000 kg/m^2".
 std::string in_words(const Range& range) {
-  const std::string unit = range.unit.empty() ? "" : " " + std::string(range.unit);
-  if (!range.above && !range.below) return in_words(range.low) + " ... " + in_words(range.high) + unit;
-  return std::string(range.above ? "above " : "at least ") + in_words(range.low) + (range.below ? ", below " : ", at most ") +
-         in_words(range.high) + unit;
+  std::string words = in_words(range.low);
+  if (range.above) words.insert(0, "above ");
+  else if (range.below) words.insert(0, "at least ");
+  words += range.below ? ", below " : range.above ? ", at most " : " ... ";
+  words += in_words(range.high);
+  if (!range.unit.empty()) words.append(" ").append(range.unit);
+  return words;
 }
 
 // A value within the range; where an end is not in it, the next number inside.

@@ -37,6 +37,10 @@ double median(std::vector<double> times) {
   return times[times.size() / 2];
 }
 
+// As compute's, for every kind of copy: clears and blits, too.
+constexpr compute::ImageUse kWritten{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT};
+constexpr compute::ImageUse kRead{VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT};
+
 double milliseconds(std::chrono::steady_clock::duration time) { return std::chrono::duration<double, std::milli>(time).count(); }
 
 }  // namespace
@@ -200,11 +204,11 @@ Result<VkImage> Viewer::picture(VkCommandBuffer commands, VkExtent2D size) {
     if (!made) return made.take_error();
     rendered_ = std::move(*made);
   }
-  compute::change_use(window_->device(), commands, rendered_, compute::kUnused, compute::kCopyDestination);
+  compute::change_use(window_->device(), commands, rendered_, compute::kUnused, kWritten);
   const VkClearColorValue grey{{0.2f, 0.21f, 0.23f, 1}};
   const VkImageSubresourceRange whole{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
   vkCmdClearColorImage(commands, rendered_.handle(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &grey, 1, &whole);
-  compute::change_use(window_->device(), commands, rendered_, compute::kCopyDestination, compute::kCopySource);
+  compute::change_use(window_->device(), commands, rendered_, kWritten, kRead);
   return rendered_.handle();
 }
 
@@ -236,14 +240,13 @@ Result<void> Viewer::record_rendered(VkCommandBuffer commands, VkExtent2D size) 
                                               .sizes = simulation.collider_sizes()});
       !done)
     return done;
-  compute::change_use(window_->device(), commands, rendered_, compute::kUnused, compute::kCopyDestination);
+  compute::change_use(window_->device(), commands, rendered_, compute::kUnused, kWritten);
   VkImageCopy whole{};
   whole.srcSubresource = whole.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
   whole.extent = {size.width, size.height, 1};
   vkCmdCopyImage(commands, shading_->image(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, rendered_.handle(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                  1, &whole);
-  compute::change_use(window_->device(), commands, rendered_, compute::kCopyDestination,
-                      {VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT});
+  compute::change_use(window_->device(), commands, rendered_, kWritten, kRead);
   return {};
 }
 

@@ -1,7 +1,6 @@
 // See samples/view/window.h.
 #include "samples/view/window.h"
 
-#define GLFW_INCLUDE_VULKAN
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_vulkan.h>

@@ -1,0 +1,301 @@
+// The viewer in a real window, on a screen that nobody sees: driven as a user drives it, and looked at.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "engine/image.h"
+
+namespace weft {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int kWidth = 900, kHeight = 600;          // of the viewer's window
+constexpr std::array kScreen = {1000, 700};
+constexpr int kPanel = 350;                         // its panel's width
+
+class ViewWindow : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder = std::filesystem::path(testing::TempDir()) / ("weft_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::remove_all(folder);
+    std::filesystem::create_directories(folder);
+    start_screen();
+  }
+  void TearDown() override {
+    if (viewer > 0) kill(viewer, SIGKILL);
+    if (screen > 0) kill(screen, SIGTERM);   // it puts its lock and its socket away
+    for (const pid_t child : {viewer, screen})
+      if (child > 0) waitpid(child, nullptr, 0);
+    std::filesystem::remove_all(folder);
+  }
+
+  // Xvfb tells the number that it has found through a pipe.
+  void start_screen() {
+    std::array<int, 2> pipe_ends{};
+    ASSERT_EQ(pipe(pipe_ends.data()), 0);
+    screen = fork();
+    if (screen == 0) {
+      const std::string number = std::to_string(pipe_ends[1]), size = std::to_string(kScreen[0]) + "x" + std::to_string(kScreen[1]) + "x24";
+      if (freopen("/dev/null", "w", stderr) == nullptr) _exit(126);
+      execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", size.c_str(), "-nolisten", "tcp", nullptr);
+      _exit(127);
+    }
+    close(pipe_ends[1]);
+    std::string told;
+    for (char c = 0; read(pipe_ends[0], &c, 1) == 1 && c != '\n';) told += c;
+    close(pipe_ends[0]);
+    ASSERT_FALSE(told.empty()) << "Xvfb did not start; on Debian: apt install xvfb xdotool x11-apps";
+    setenv("DISPLAY", (":" + told).c_str(), 1);
+  }
+
+  void start(const std::vector<std::string>& arguments) {
+    std::vector<std::string> all = {"weft", "view", "--validation", "--width", std::to_string(kWidth), "--height", std::to_string(height)};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    viewer = fork();
+    if (viewer != 0) return;
+    std::vector<char*> given;
+    for (std::string& one : all) given.push_back(one.data());
+    given.push_back(nullptr);
+    if (freopen((folder / "said").c_str(), "w", stdout) == nullptr || freopen((folder / "complained").c_str(), "w", stderr) == nullptr) _exit(126);
+    execv(WEFT_BINARIES "/weft", given.data());
+    _exit(127);
+  }
+  int wait_for_end() {
+    int status = 0;
+    for (int tries = 0; tries < 1200; ++tries, std::this_thread::sleep_for(50ms))
+      if (waitpid(viewer, &status, WNOHANG) == viewer) {
+        viewer = 0;
+        return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+      }
+    return -1;
+  }
+
+  std::string text(const char* name) const {
+    std::ifstream stream(folder / name);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  std::string said() const { return text("said"); }
+  // That it is said once more than before.
+  testing::AssertionResult hears(const std::string& what, std::size_t from = 0) {
+    for (int tries = 0; tries < 1200; ++tries, std::this_thread::sleep_for(25ms))
+      if (said().find(what, from) != std::string::npos) return testing::AssertionSuccess();
+    return testing::AssertionFailure() << '"' << what << "\" was not said, but: " << said() << text("complained");
+  }
+  int do_it(const std::string& what) const { return std::system(("timeout 20 xdotool " + what + " >/dev/null 2>&1").c_str()); }
+  void focus() {
+    ASSERT_EQ(do_it("search --sync --onlyvisible --name '^Weft' windowfocus --sync"), 0) << "on Debian: apt install xdotool";
+  }
+
+  // The screen as it is.
+  Image look() const {
+    const std::string file = (folder / "screen.xwd").string();
+    EXPECT_EQ(std::system(("xwd -root -silent -out '" + file + "'").c_str()), 0) << "on Debian: apt install x11-apps";
+    std::ifstream stream(file, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+    // X11/XWDFile.h: the header is of big-endian words.
+    const auto word = [&](std::size_t k) {
+      std::uint32_t value = 0;
+      for (std::size_t b = 0; b < 4; ++b) value = value << 8 | static_cast<unsigned char>(bytes.at(4 * k + b));
+      return value;
+    };
+    const std::size_t header = word(0) + 12 * word(19), bits = word(11), row = word(12);
+    Image image{word(4), word(5), {}};
+    for (std::size_t y = 0; y < image.height; ++y)
+      for (std::size_t x = 0; x < image.width; ++x) {
+        const auto* pixel = reinterpret_cast<const unsigned char*>(bytes.data()) + header + y * row + x * bits / 8;
+        image.rgba.insert(image.rgba.end(), {pixel[2], pixel[1], pixel[0], 255});
+      }
+    return image;
+  }
+  // Looks until the picture does not change any more.
+  Image look_at_rest() const {
+    Image last = look();
+    for (int tries = 0; tries < 100; ++tries) {
+      std::this_thread::sleep_for(400ms);
+      Image next = look();
+      if (next.rgba == last.rgba) return next;
+      last = std::move(next);
+    }
+    ADD_FAILURE() << "the picture never stands still";
+    return last;
+  }
+  static std::array<int, 3> pixel(const Image& image, int x, int y) {
+    const std::size_t at = 4 * (static_cast<std::size_t>(y) * image.width + static_cast<std::size_t>(x));
+    return {image.rgba.at(at), image.rgba.at(at + 1), image.rgba.at(at + 2)};
+  }
+  // How many pixels right of the panel differ.
+  static std::size_t difference(const Image& a, const Image& b) {
+    std::size_t differ = 0;
+    for (int y = 0; y < kHeight - 60; ++y)   // without the line that says what was done
+      for (int x = kPanel; x < kWidth; ++x) differ += pixel(a, x, y) != pixel(b, x, y);
+    return differ;
+  }
+  static std::size_t count(const Image& image, bool (*wanted)(const std::array<int, 3>&)) {
+    std::size_t found = 0;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = kPanel; x < kWidth; ++x) found += wanted(pixel(image, x, y));
+    return found;
+  }
+
+  std::filesystem::path folder;
+  pid_t screen = 0, viewer = 0;
+  int height = kHeight;
+};
+
+std::string asset(const char* scene) { return std::string(WEFT_ASSETS "/scenes/") + scene; }
+
+// A red sheet in front of the camera, free of the panel, and held so that it hardly moves.
+constexpr const char* kSheet =
+    R"({"name":"sheet","gravity":[0,-1,0],"camera":{"eye":[-0.6,0,3],"target":[-0.6,0,0]},
+        "cloths":[{"grid":{"size":[1,1],"cells":[10,10],"upright":true},"anchors":[{"vertices":[0,10]}],
+                   "appearance":{"base_colour":[0.7,0.02,0.02]}}]})";
+
+bool is_red(const std::array<int, 3>& p) { return p[0] > 2 * p[1] && p[0] > 60; }
+bool is_bright(const std::array<int, 3>& p) { return p[0] > 180 && p[1] > 170 && p[2] > 150; }
+
+TEST_F(ViewWindow, plays_and_closes_by_itself_without_a_word_of_validation) {
+  start({asset("minimal.json"), "--frames", "20"});
+  EXPECT_EQ(wait_for_end(), 0) << said() << text("complained");
+  EXPECT_NE(said().find("opened minimal.json"), std::string::npos) << said();
+  EXPECT_NE(said().find("20 pictures"), std::string::npos) << said();
+  EXPECT_EQ(text("complained"), "");
+}
+
+TEST_F(ViewWindow, is_paused_stepped_turned_and_grabbed) {
+  std::ofstream(folder / "sheet.json") << kSheet;
+  start({(folder / "sheet.json").string(), "--paused"});
+  ASSERT_TRUE(hears("opened sheet.json"));
+  focus();
+  const Image still = look_at_rest();
+  const std::size_t red = count(still, is_red);
+  EXPECT_GT(red, 20000u);   // the sheet, where it belongs
+  EXPECT_TRUE(is_red(pixel(still, 600, 300)));
+  EXPECT_FALSE(is_red(pixel(still, 880, 20)));
+
+  do_it("key period");
+  ASSERT_TRUE(hears("at frame 1"));
+  // Turned by a drag of what is no cloth: seen from the side a sheet is narrow.
+  do_it("mousemove 880 30 mousedown 3");
+  for (int k = 0; k < 8; ++k) do_it("mousemove_relative -- -35 0 sleep 0.05");
+  do_it("mouseup 3");
+  const Image turned = look_at_rest();
+  EXPECT_GT(difference(still, turned), 10000u);
+  EXPECT_LT(count(turned, is_red), 3 * red / 4);
+  // Put back by opening the camera's own view: the other way.
+  do_it("mousemove 600 30 mousedown 3");
+  for (int k = 0; k < 8; ++k) do_it("mousemove_relative -- 35 0 sleep 0.05");
+  do_it("mouseup 3");
+  EXPECT_GT(count(look_at_rest(), is_red), 3 * red / 4);
+
+  do_it("key space");
+  ASSERT_TRUE(hears("plays from frame"));
+  do_it("mousemove 600 400 mousedown 1");
+  ASSERT_TRUE(hears("grabbed cloth"));
+  for (int k = 0; k < 10; ++k) do_it("mousemove_relative -- 20 5 sleep 0.1");
+  do_it("key space");
+  ASSERT_TRUE(hears("paused at frame"));
+  const Image pulled = look_at_rest();
+  EXPECT_TRUE(is_red(pixel(pulled, 790, 445)) || count(pulled, is_red) != red);
+  EXPECT_GT(difference(still, pulled), 2000u);
+  do_it("mouseup 1");
+  ASSERT_TRUE(hears("let go"));
+  do_it("key ctrl+q");
+  EXPECT_EQ(wait_for_end(), 0) << said() << text("complained");
+}
+
+TEST_F(ViewWindow, shows_strain_wires_anchors_bounds_and_the_rendered_picture) {
+  std::ofstream(folder / "sheet.json") << kSheet;
+  start({(folder / "sheet.json").string(), "--paused"});
+  ASSERT_TRUE(hears("opened sheet.json"));
+  focus();
+  const Image lit = look_at_rest();
+  do_it("key 2");
+  const Image strained = look_at_rest();
+  EXPECT_EQ(count(strained, is_red), 0u);            // nothing is stretched yet
+  EXPECT_GT(count(strained, is_bright), 20000u);     // and what is not is light grey
+  do_it("key 1 key w");
+  const Image wired = look_at_rest();
+  EXPECT_GT(difference(lit, wired), 2000u);
+  EXPECT_LT(difference(lit, wired), count(lit, is_red));
+  do_it("key w key a key b");
+  const Image marked = look_at_rest();
+  const auto is_orange = [](const std::array<int, 3>& p) { return p[0] > 230 && p[1] > 120 && p[1] < 180 && p[2] < 60; };
+  const auto is_green = [](const std::array<int, 3>& p) { return p[1] > 200 && p[0] < 110 && p[2] < 110; };
+  EXPECT_GT(count(marked, is_orange), 20u);          // two anchors, squares of some pixels
+  EXPECT_LT(count(marked, is_orange), 400u);
+  EXPECT_GT(count(marked, is_green), 200u);          // the box about it
+  do_it("key a key b key 0");
+  const Image rendered = look_at_rest();
+  EXPECT_GT(count(rendered, is_red), 15000u);
+  EXPECT_GT(difference(lit, rendered), 50000u);      // the sky is another
+  do_it("key ctrl+q");
+  EXPECT_EQ(wait_for_end(), 0) << said() << text("complained");
+}
+
+TEST_F(ViewWindow, survives_every_size_and_being_hidden) {
+  start({asset("minimal.json")});
+  ASSERT_TRUE(hears("opened minimal.json"));
+  focus();
+  for (const char* size : {"400 300", "64 64", "990 690", "120 650", "900 600"}) {
+    do_it("search --name '^Weft' windowsize --sync " + std::string(size));
+    std::this_thread::sleep_for(200ms);
+  }
+  do_it("search --name '^Weft' windowunmap --sync sleep 0.3 windowmap --sync");
+  focus();
+  const std::size_t heard = said().size();
+  do_it("key space");
+  EXPECT_TRUE(hears("paused at frame", heard));
+  do_it("key ctrl+q");
+  EXPECT_EQ(wait_for_end(), 0) << said() << text("complained");
+}
+
+TEST_F(ViewWindow, a_key_of_the_scene_is_changed_by_a_click_and_written_to_a_file) {
+  std::ofstream(folder / "sheet.json") << kSheet;
+  height = 690;   // all of the panel
+  start({(folder / "sheet.json").string(), "--paused"});
+  ASSERT_TRUE(hears("opened sheet.json"));
+  focus();
+  do_it("mousemove 60 381 sleep 0.2 mousedown 1 sleep 0.1 mouseup 1 sleep 0.5");   // the heading "Scene"
+  do_it("mousemove 25 650 sleep 0.2 mousedown 1 sleep 0.1 mouseup 1");             // "reactions"
+  ASSERT_TRUE(hears("changed; made anew"));
+  do_it("mousemove 50 427 sleep 0.2 mousedown 1 sleep 0.1 mouseup 1");             // "Save scene"
+  ASSERT_TRUE(hears("saved "));
+  EXPECT_NE(text("sheet.changed.json").find("\"reactions\":true"), std::string::npos) << text("sheet.changed.json");
+  do_it("key ctrl+q");
+  EXPECT_EQ(wait_for_end(), 0) << said() << text("complained");
+}
+
+TEST_F(ViewWindow, a_broken_scene_is_told_of_in_the_window_which_stays) {
+  std::ofstream(folder / "broken.json") << R"({"cloths":[{"grid":{"size":[1,1],"cells":[0,1]}}]})";
+  start({(folder / "broken.json").string()});
+  const auto is_fault = [](const std::array<int, 3>& p) { return p[0] > 200 && p[1] < 140 && p[2] < 120; };
+  std::size_t letters = 0;
+  for (int tries = 0; tries < 200 && letters < 200; ++tries, std::this_thread::sleep_for(100ms)) letters = count(look(), is_fault);
+  EXPECT_GE(letters, 200u);
+  EXPECT_NE(text("complained").find("cells"), std::string::npos) << text("complained");
+  focus();
+  do_it("key ctrl+q");
+  EXPECT_EQ(wait_for_end(), 0) << said() << text("complained");
+}
+
+TEST_F(ViewWindow, without_a_screen_a_sentence_says_so) {
+  unsetenv("DISPLAY");
+  start({asset("minimal.json")});
+  EXPECT_EQ(wait_for_end(), 1);
+  EXPECT_NE(text("complained").find("no window can be opened"), std::string::npos) << text("complained");
+}
+
+}  // namespace
+}  // namespace weft
