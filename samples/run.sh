@@ -29,7 +29,7 @@ for (( n = 1; n <= $#; n++ )); do
 done
 
 install_missing "${packages_to_run[@]}"
-build "$root" release weft_cli
+build "$root" release weft_cli weft_view
 "$root/build/release/bin/weft" run "$root/assets/scenes/curtain.json" "${default_out[@]}" "$@"
 
 if [[ -e $out/curtain.png ]]; then echo "The picture is $out/curtain.png"; fi

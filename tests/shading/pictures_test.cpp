@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <functional>
 #include <string>
@@ -152,6 +153,33 @@ TEST_F(Pictures, a_picture_is_bitwise_the_same_each_time) {
   ASSERT_TRUE(first && second);
   EXPECT_EQ(first->rgba, second->rgba);
   EXPECT_EQ(first->rgba, picture().rgba);
+}
+
+TEST_F(Pictures, a_recorded_picture_has_the_bits_of_a_drawn_one) {
+  make_sheet(wavy);
+  add_floor();
+  auto shading = create();
+  ASSERT_TRUE(shading) << shading.error();
+  auto drawn = (*shading)->draw(poses());
+  ASSERT_TRUE(drawn) << drawn.error();
+  const compute::BufferRequest pixels{"pixels", drawn->rgba.size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+  auto arena = compute::Arena::create(*device_, compute::Memory::readback, "pixels", {&pixels, 1});
+  ASSERT_TRUE(arena) << arena.error();
+  // The host's own copy, with no barrier but what record leaves.
+  auto done = compute::run_once(*device_, "host", [&](VkCommandBuffer commands) {
+    auto recorded = (*shading)->record(commands, poses());
+    EXPECT_TRUE(recorded) << recorded.error();
+    VkBufferImageCopy whole{};
+    whole.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    whole.imageExtent = {kSize.width, kSize.height, 1};
+    device_->vk().vkCmdCopyImageToBuffer(commands, (*shading)->image(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, (*arena)[0].handle, 1, &whole);
+  });
+  ASSERT_TRUE(done) << done.error();
+  EXPECT_EQ(std::memcmp((*arena)[0].mapped, drawn->rgba.data(), drawn->rgba.size()), 0);
+  auto again = (*shading)->draw(poses());
+  ASSERT_TRUE(again) << again.error();
+  EXPECT_EQ(again->rgba, drawn->rgba);
+  EXPECT_FALSE((*shading)->record(VK_NULL_HANDLE, poses()));
 }
 
 TEST_F(Pictures, no_pixel_is_black_and_all_are_opaque) {
