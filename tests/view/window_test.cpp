@@ -42,7 +42,7 @@ class ViewWindow : public testing::Test {
     std::filesystem::remove_all(folder);
   }
 
-  // Xvfb tells the number that it has found through a pipe.
+  // Xvfb tells the number that it has found through a pipe. It stays up when its last client goes.
   void start_screen() {
     std::array<int, 2> pipe_ends{};
     ASSERT_EQ(pipe(pipe_ends.data()), 0);
@@ -50,7 +50,7 @@ class ViewWindow : public testing::Test {
     if (screen == 0) {
       const std::string number = std::to_string(pipe_ends[1]), size = std::to_string(kScreen[0]) + "x" + std::to_string(kScreen[1]) + "x24";
       if (freopen("/dev/null", "w", stderr) == nullptr) _exit(126);
-      execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", size.c_str(), "-nolisten", "tcp", nullptr);
+      execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", size.c_str(), "-nolisten", "tcp", "-noreset", nullptr);
       _exit(127);
     }
     close(pipe_ends[1]);
