@@ -4,6 +4,7 @@
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace weft::view {
@@ -102,49 +103,70 @@ void Viewer::obey(const Key& pressed) {
 }
 
 Ray Viewer::ray_under_pointer() const {
-  const ImGuiIO& io = ImGui::GetIO();
-  return ray_through(orbit_.camera(), 2 * io.MousePos.x / io.DisplaySize.x - 1, 2 * io.MousePos.y / io.DisplaySize.y - 1,
-                     io.DisplaySize.x / io.DisplaySize.y);
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  return ray_through(orbit_.camera(), 2 * x_ / size.x - 1, 2 * y_ / size.y - 1, size.x / size.y);
+}
+
+bool Viewer::is_over_panels(double x, double y) const {
+  return std::ranges::any_of(panels_, [&](const Panel& one) { return x >= one.left && x < one.right && y >= one.top && y < one.bottom; });
 }
 
 void Viewer::obey_pointer() {
-  const ImGuiIO& io = ImGui::GetIO();
-  if (!ImGui::IsMousePosValid()) return;
+  for (const Pointed& pointed : window_->take_pointed())
+    if (stage_) obey(pointed);
+  if (!stage_) return;
   const Camera camera = orbit_.camera();
   const Vec3 ahead = camera.target - camera.eye;
   const Vec3 axis = (1 / length(ahead)) * ahead;
-  const bool ours = !io.WantCaptureMouse;
-  if (ours && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
-    if (io.KeyCtrl) {
-      auto done = stage_->pin_or_release(ray_under_pointer());
-      if (!done) complain(done.error());
-      else say(done->value_or("no cloth there"));
-    } else if (!io.KeyShift) {
-      auto held = stage_->grab(ray_under_pointer());
-      if (!held) complain(held.error());
-      else if (*held) say("grabbed cloth");
-      else is_turning_ = true;
-    }
-  }
-  if (ours && ImGui::IsMouseClicked(ImGuiMouseButton_Right)) is_turning_ = true;
   if (stage_->is_grabbing()) good(stage_->drag(ray_under_pointer(), axis));
-  if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) && stage_->is_grabbing() && good(stage_->let_go())) say("let go");
-  if (!ImGui::IsMouseDown(ImGuiMouseButton_Left) && !ImGui::IsMouseDown(ImGuiMouseButton_Right)) is_turning_ = false;
+  if (!stage_->ball() || is_over_panels(x_, y_)) return;
+  const Ray ray = ray_under_pointer();
+  good(stage_->move_ball(ray.origin + (static_cast<float>(orbit_.distance()) / dot(ray.direction, axis)) * ray.direction));
+}
 
-  // How the pointer came to where a button went down is no part of a drag.
-  bool begins = false;
-  for (const ImGuiMouseButton button : {ImGuiMouseButton_Left, ImGuiMouseButton_Right, ImGuiMouseButton_Middle}) begins |= ImGui::IsMouseClicked(button);
-  const ImVec2 moved = begins ? ImVec2(0, 0) : io.MouseDelta;
-  const double right = moved.x / io.DisplaySize.y, down = moved.y / io.DisplaySize.y;
-  const bool pans = ours && (ImGui::IsMouseDown(ImGuiMouseButton_Middle) || (io.KeyShift && ImGui::IsMouseDown(ImGuiMouseButton_Left)));
-  if (pans) orbit_.pan(right, down);
-  else if (is_turning_) orbit_.turn(kTurn * right, kTurn * down);
-  if (ours && io.MouseWheel != 0) orbit_.zoom(std::pow(kNotch, io.MouseWheel));
-  if (stage_->ball() && ours) {
-    const Ray ray = ray_under_pointer();
-    const float along = dot(ray.direction, axis);
-    good(stage_->move_ball(ray.origin + (static_cast<float>(orbit_.distance()) / along) * ray.direction));
+void Viewer::obey(const Pointed& pointed) {
+  switch (pointed.what) {
+    case Pointed::What::moved: move_to(pointed.x, pointed.y); break;
+    case Pointed::What::scrolled:
+      if (!is_over_panels(x_, y_)) orbit_.zoom(std::pow(kNotch, pointed.y));
+      break;
+    case Pointed::What::pressed:
+      x_ = pointed.x;   // how it came there is no part of a drag
+      y_ = pointed.y;
+      if (drag_ == Drag::nothing && !is_over_panels(x_, y_)) press(pointed);
+      break;
+    case Pointed::What::released:
+      if (drag_ == Drag::pulls && good(stage_->let_go())) say("let go");
+      drag_ = Drag::nothing;
+      break;
   }
+}
+
+void Viewer::press(const Pointed& pointed) {
+  const bool left = pointed.button == GLFW_MOUSE_BUTTON_LEFT;
+  if (pointed.button == GLFW_MOUSE_BUTTON_MIDDLE || (left && pointed.with_shift)) {
+    drag_ = Drag::pans;
+  } else if (left && pointed.with_control) {
+    auto done = stage_->pin_or_release(ray_under_pointer());
+    if (!done) complain(done.error());
+    else say(done->value_or("no cloth there"));
+  } else if (left) {
+    auto held = stage_->grab(ray_under_pointer());
+    if (!held) return complain(held.error());
+    drag_ = *held ? Drag::pulls : Drag::turns;
+    if (*held) say("grabbed cloth");
+  } else {
+    drag_ = Drag::turns;
+  }
+}
+
+void Viewer::move_to(double x, double y) {
+  const double height = ImGui::GetIO().DisplaySize.y;
+  const double right = (x - x_) / height, down = (y - y_) / height;
+  x_ = x;
+  y_ = y;
+  if (drag_ == Drag::turns) orbit_.turn(kTurn * right, kTurn * down);
+  if (drag_ == Drag::pans) orbit_.pan(right, down);
 }
 
 }  // namespace weft::view

@@ -62,7 +62,15 @@ std::string in_bytes(std::uint64_t bytes) {
 
 }  // namespace
 
+// Where it was: what the pointer does there is not the cloth's.
+void Viewer::end_panel() {
+  const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+  panels_.push_back({at.x, at.y, at.x + size.x, at.y + size.y});
+  ImGui::End();
+}
+
 void Viewer::draw_panels() {
+  panels_.clear();
   // The window's own frame of the interface has begun with begin().
   const ImGuiIO& io = ImGui::GetIO();
   if (shows_panels_) {
@@ -77,14 +85,14 @@ void Viewer::draw_panels() {
     } else {
       ImGui::TextWrapped("There is nothing to show. Drop a scene (.json) or a mesh (.gltf, .glb, .obj) here.");
     }
-    ImGui::End();
+    end_panel();
   }
   draw_messages();
   if (!shows_help_) return;
   ImGui::SetNextWindowPos(ImVec2(0.5f * io.DisplaySize.x, 0.4f * io.DisplaySize.y), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
   ImGui::Begin("Help", &shows_help_, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings);
   ImGui::TextUnformatted(kHelp);
-  ImGui::End();
+  end_panel();
 }
 
 void Viewer::draw_player() {
@@ -165,17 +173,22 @@ void Viewer::draw_figures() {
   ImGui::Text("buffers %s", in_bytes(bytes).c_str());
   ImGui::Text("simulated in %.1f ms, drawn in %.1f ms", simulated_ms_, window_->drawn_ms());
   const VkExtent2D size = picture_size(), whole = window_->size();
-  if (size.width != whole.width && !is_still()) ImGui::TextDisabled("drawn at %u x %u of %u x %u", size.width, size.height, whole.width, whole.height);
+  // Always a line: what lies below must not move under the pointer.
+  ImGui::TextDisabled("drawn at %u x %u of %u x %u", size.width, size.height, whole.width, whole.height);
   const Counts counts = simulation.counts();
   if (contacts_on(simulation.scene()))
     ImGui::Text("pairs at most %u, %u searches\nstopped short %u times, %u crossings", counts.contacts_most, counts.detections,
                 counts.truncated, counts.crossings);
   if (counts.non_finite + counts.contacts_overflowed > 0)
     ImGui::TextColored(ImVec4(1, 0.4f, 0.3f, 1), "%u not finite, %u pairs without room", counts.non_finite, counts.contacts_overflowed);
+  draw_times();
+}
+
+void Viewer::draw_times() {
   bool times = stage_->times_passes();
-  if (ImGui::Checkbox("time passes", &times)) good(stage_->time_passes(times));
+  if (ImGui::Checkbox("time passes", &times)) good(stage_->time_passes(times));   // another simulation from here on
   if (!times) return;
-  const std::vector<PassTiming> passes = simulation.timings();
+  const std::vector<PassTiming> passes = stage_->simulation().timings();
   double most = 1e-3;
   for (const PassTiming& pass : passes) most = std::max(most, pass.milliseconds);
   for (const PassTiming& pass : passes) {
@@ -208,7 +221,7 @@ void Viewer::draw_messages() {
   for (const std::string& fault : faults_) ImGui::TextColored(ImVec4(1, 0.45f, 0.35f, 1), "%s", fault.c_str());
   if (!faults_.empty() && ImGui::SmallButton("Dismiss")) faults_.clear();
   if (!status_.empty()) ImGui::TextUnformatted(status_.c_str());
-  ImGui::End();
+  end_panel();
 }
 
 }  // namespace weft::view

@@ -104,6 +104,7 @@ Result<void> Viewer::frame() {
   last_ = now;
   if (window_->take_heard()) {
     heard_ = now;
+    drawn_since_heard_ = 0;
     is_settled_ = false;
   }
   if (is_playing_) is_settled_ = false;
@@ -130,8 +131,10 @@ void Viewer::step_once() {
   add(simulated_times_, simulated_ms_);
 }
 
-// Nothing moves, and the user does nothing.
-bool Viewer::is_still() const { return !is_playing_ && std::chrono::duration<double>(Clock::now() - heard_).count() > kRest; }
+// Nothing moves, and the user does nothing. What a click does takes the interface up to three frames.
+bool Viewer::is_still() const {
+  return !is_playing_ && drawn_since_heard_ > 3 && std::chrono::duration<double>(Clock::now() - heard_).count() > kRest;
+}
 
 double Viewer::scale_at_rest() const {
   const double whole = window_->drawn_ms() / (drawn_at_ * drawn_at_);   // at most: not all of it grows with the picture
@@ -164,7 +167,7 @@ Result<void> Viewer::draw() {
   }
   draw_panels();   // what it changes is in this picture
   obey_keys();
-  if (stage_) obey_pointer();
+  obey_pointer();
   ImGui::Render();
   is_settled_ = is_still();
   drawn_at_ = is_settled_ ? scale_at_rest() : kScales[scale_];
@@ -173,6 +176,7 @@ Result<void> Viewer::draw() {
   if (!image) return image.take_error();
   if (auto done = window_->finish(*image, size); !done) return done;
   ++pictures_;
+  ++drawn_since_heard_;
   add(drawn_times_, window_->drawn_ms());
   choose_scale();
   return {};

@@ -51,6 +51,10 @@ class Viewer {
   void obey_keys();
   void obey(const Key& pressed);
   void obey_pointer();
+  void obey(const Pointed& pointed);
+  void press(const Pointed& pointed);
+  void move_to(double x, double y);
+  bool is_over_panels(double x, double y) const;
   Ray ray_under_pointer() const;
   void set_playing(bool on);
   void step_once();
@@ -64,9 +68,11 @@ class Viewer {
 
   // The panels (panels.cpp).
   void draw_panels();
+  void end_panel();
   void draw_player();
   void draw_look();
   void draw_figures();
+  void draw_times();
   void draw_scene();
   void draw_messages();
 
@@ -86,13 +92,21 @@ class Viewer {
   Orbit orbit_;
   Look look_;
   bool is_rendered_ = false, shows_contacts_ = false, shows_bounds_ = false, shows_panels_ = true, shows_help_ = false;
-  bool is_playing_ = true, is_turning_ = false;
+  bool is_playing_ = true;
+  enum class Drag { nothing, turns, pans, pulls };
+  Drag drag_ = Drag::nothing;
+  double x_ = 0, y_ = 0;                 // of the pointer, in screen coordinates
+  struct Panel {
+    float left, top, right, bottom;
+  };
+  std::vector<Panel> panels_;            // as they were drawn last
   double speed_ = 1, due_ = 0;           // of real time; s of the simulation that are due
   double simulated_ms_ = 0, wall_s_ = 0;
   std::vector<double> simulated_times_, drawn_times_;   // ms, of the last thousand
   std::size_t scale_ = 0;
   double drawn_at_ = 1;                  // scale of the last picture
   Clock::time_point heard_ = Clock::now();   // when the user last did something
+  std::uint32_t drawn_since_heard_ = 0;  // pictures
   bool is_settled_ = false;              // nothing has changed since the last picture, which was drawn as fine as it may be
   int slow_ = 0, fast_ = 0;              // frames in a row
   std::uint32_t pictures_ = 0;

@@ -98,6 +98,7 @@ Window& Window::of(GLFWwindow* window) {
 // Before the interface listens: it calls these before its own.
 void Window::listen() {
   glfwSetWindowUserPointer(window_, this);
+  glfwGetCursorPos(window_, &x_, &y_);
   glfwSetDropCallback(window_, [](GLFWwindow* window, int files, const char** paths) {
     std::vector<std::filesystem::path>& dropped = of(window).dropped_;
     dropped.insert(dropped.end(), paths, paths + files);
@@ -107,9 +108,20 @@ void Window::listen() {
     if (action != GLFW_RELEASE) keys.push_back({key, (modifiers & GLFW_MOD_CONTROL) != 0, action == GLFW_REPEAT});
   });
   glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned) { of(window); });
-  glfwSetMouseButtonCallback(window_, [](GLFWwindow* window, int, int, int) { of(window); });
-  glfwSetScrollCallback(window_, [](GLFWwindow* window, double, double) { of(window); });
-  glfwSetCursorPosCallback(window_, [](GLFWwindow* window, double, double) { of(window); });
+  glfwSetMouseButtonCallback(window_, [](GLFWwindow* window, int button, int action, int modifiers) {
+    const auto what = action == GLFW_PRESS ? Pointed::What::pressed : Pointed::What::released;
+    Window& self = of(window);   // glfwGetCursorPos would say where the pointer is by now
+    self.pointed_.push_back({what, button, self.x_, self.y_, (modifiers & GLFW_MOD_CONTROL) != 0, (modifiers & GLFW_MOD_SHIFT) != 0});
+  });
+  glfwSetScrollCallback(window_, [](GLFWwindow* window, double, double notches) {
+    of(window).pointed_.push_back({.what = Pointed::What::scrolled, .y = notches});
+  });
+  glfwSetCursorPosCallback(window_, [](GLFWwindow* window, double x, double y) {
+    Window& self = of(window);
+    self.x_ = x;
+    self.y_ = y;
+    self.pointed_.push_back({.what = Pointed::What::moved, .x = x, .y = y});
+  });
   glfwSetWindowRefreshCallback(window_, [](GLFWwindow* window) { of(window); });
   glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int, int) { of(window).is_stale_ = true; });
 }
@@ -290,6 +302,8 @@ void Window::poll(double seconds) {
   if (seconds > 0) glfwWaitEventsTimeout(seconds);
   else glfwPollEvents();
 }
+
+std::vector<Pointed> Window::take_pointed() { return std::exchange(pointed_, {}); }
 
 std::vector<Key> Window::take_keys() { return std::exchange(keys_, {}); }
 

@@ -26,6 +26,15 @@ struct Key {
   bool with_control = false, again = false;
 };
 
+/// What the pointer did, in the order in which it did: however slow frames are, a press is where it was.
+struct Pointed {
+  enum class What { moved, pressed, released, scrolled };
+  What what = What::moved;
+  int button = 0;                   // GLFW's number
+  double x = 0, y = 0;              // in screen coordinates, from the window's upper left corner; scrolled: notches
+  bool with_control = false, with_shift = false;
+};
+
 struct WindowRequest {
   std::string title;
   int width = 1280, height = 800;   // in screen coordinates
@@ -56,6 +65,7 @@ class Window {
   bool take_heard() { return std::exchange(is_heard_, false); }
   /// Keys since the last call: all of them, also those that were up again before a frame saw them down.
   std::vector<Key> take_keys();
+  std::vector<Pointed> take_pointed();
   /// Files dropped since the last call.
   std::vector<std::filesystem::path> take_dropped();
 
@@ -102,6 +112,8 @@ class Window {
   double drawn_ms_ = 0;
   std::vector<std::filesystem::path> dropped_;
   std::vector<Key> keys_;
+  std::vector<Pointed> pointed_;
+  double x_ = 0, y_ = 0;   // of the pointer, as last heard
 };
 
 }  // namespace weft::view
