@@ -6,7 +6,7 @@ packages_to_run=(build-essential cmake ninja-build libvulkan-dev mesa-vulkan-dri
   libeigen3-dev libassimp-dev zlib1g-dev nlohmann-json3-dev libcli11-dev libstb-dev python3
   libglfw3-dev libimgui-dev)
 # xvfb, xdotool, x11-apps: a screen that nobody sees, for the viewer's window.
-packages_to_test=(libgtest-dev libbenchmark-dev vulkan-validationlayers pkg-config xvfb xdotool x11-apps)
+packages_to_test=(libgtest-dev libbenchmark-dev vulkan-validationlayers pkg-config python3-numpy xvfb xdotool x11-apps)
 
 # Installs those of the named packages that are missing, and says which; asks nothing.
 install_missing() {

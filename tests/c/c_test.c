@@ -1,0 +1,159 @@
+/* Weft from C99, as a stranger uses it: the header alone, and libweft_c.so. Ends with 0, or tells what did not hold. */
+#include <weft.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int failures = 0;
+
+#define EXPECT(holds)                                                    \
+  do {                                                                   \
+    if (!(holds)) {                                                      \
+      printf("%s:%d: does not hold: %s\n", __FILE__, __LINE__, #holds);  \
+      ++failures;                                                        \
+    }                                                                    \
+  } while (0)
+#define MUST(call)                                                       \
+  do {                                                                   \
+    if ((call) != WEFT_OK) {                                             \
+      printf("%s:%d: %s: %s\n", __FILE__, __LINE__, #call, error.sentence); \
+      return 1;                                                          \
+    }                                                                    \
+  } while (0)
+
+static const char* const kScene =
+    "{\"pins\":2,\"grabs\":1,\"air\":{},\"cloths\":[{\"grid\":{\"size\":[1,1],\"cells\":[8,8]},\"anchors\":[{\"vertices\":[0,8]}]}],"
+    "\"colliders\":[{\"shape\":\"sphere\",\"radius\":0.1,\"centre\":[0,-5,0]}]}";
+
+static int simulates(weft_device* device) {
+  weft_error error;
+  weft_simulation *cloth = NULL, *again = NULL;
+  MUST(weft_simulation_create(device, kScene, NULL, &cloth, &error));
+  const weft_view positions = weft_positions(cloth), normals = weft_normals(cloth);
+  EXPECT(positions.count == 81 && positions.stride == 16 && positions.buffer != 0 && normals.count == 81);
+  EXPECT(weft_cloth_count(cloth) == 1 && weft_triangle_count(cloth) == 128 && weft_anchor_count(cloth) == 2 && weft_collider_count(cloth) == 1);
+  uint32_t first = 1, count = 0, corners[3 * 128];
+  MUST(weft_cloth_vertices(cloth, 0, &first, &count, &error));
+  EXPECT(first == 0 && count == 81);
+  MUST(weft_triangles(cloth, corners, 128, &error));
+  for (int k = 0; k < 3 * 128; ++k) EXPECT(corners[k] < 81);
+
+  float at[81][3], uv[81][2], n[81][3];
+  weft_advanced done;
+  MUST(weft_advance(cloth, 1.0 / 60, &done, &error));
+  EXPECT(done.substeps == 10 && fabs(done.simulated - 1.0 / 60) < 1e-9 && done.clamped == 0 && done.pairs_lost == 0);
+  for (int k = 0; k < 29; ++k) MUST(weft_advance(cloth, 1.0 / 60, NULL, NULL));
+  EXPECT(fabs(weft_time(cloth) - 0.5) < 1e-6);
+  MUST(weft_read_positions(cloth, at[0], 81, &error));
+  MUST(weft_read_normals(cloth, n[0], 81, &error));
+  MUST(weft_read_uvs(cloth, uv[0], 81, &error));
+  EXPECT(at[80][1] < -0.2f);   /* it has fallen */
+  EXPECT(fabsf(n[40][0] * n[40][0] + n[40][1] * n[40][1] + n[40][2] * n[40][2] - 1) < 1e-4f);
+  EXPECT(uv[0][0] == 0 && uv[8][0] == 1);
+  const weft_counts counts = weft_get_counts(cloth);
+  EXPECT(counts.non_finite == 0 && counts.contacts_overflowed == 0);
+
+  /* The same bits in another simulation, from a state of the first. */
+  void* state = NULL;
+  size_t size = 0;
+  uint64_t hash = 0, other = 1;
+  MUST(weft_save(cloth, &state, &size, &error));
+  MUST(weft_simulation_create(device, kScene, NULL, &again, &error));
+  MUST(weft_restore(again, state, size, &error));
+  for (int k = 0; k < 5; ++k) {
+    MUST(weft_advance(cloth, 1.0 / 60, NULL, &error));
+    MUST(weft_submit(again, 1.0 / 60, NULL, &error));
+  }
+  MUST(weft_hash(cloth, &hash, &error));
+  MUST(weft_hash(again, &other, &error));
+  EXPECT(hash == other && weft_ready_semaphore(again) != 0 && weft_ready_value(again) > 0);
+  ((char*)state)[size / 2] ^= 1;
+  EXPECT(weft_restore(again, state, size, &error) == WEFT_INPUT);
+  weft_free(state);
+
+  /* What a host moves. */
+  const float up[3] = {0, 9.81f, 0}, wind[3] = {3, 0, 0}, targets[2][3] = {{-0.5f, 1, -0.5f}, {0.5f, 1, -0.5f}};
+  const uint32_t one[1] = {80};
+  const float place[1][3] = {{0, 2, 0}};
+  MUST(weft_set_gravity(cloth, up, &error));
+  MUST(weft_set_wind(cloth, wind, &error));
+  MUST(weft_move_anchors(cloth, 0, targets[0], 2, &error));
+  MUST(weft_pin(cloth, one, 1, &error));
+  MUST(weft_advance(cloth, 1.0 / 60, NULL, &error));
+  MUST(weft_move_pins(cloth, one, place[0], 1, &error));
+  const weft_pose pose = {{1, 2, 3}, {0, 1, 0}, {0, 0, 0, 1}};
+  MUST(weft_move_collider(cloth, 0, &pose, &error));
+  MUST(weft_advance(cloth, 1.0 / 60, NULL, &error));
+  MUST(weft_read_positions(cloth, at[0], 81, &error));
+  EXPECT(at[80][1] == 2);
+  weft_pose now;
+  MUST(weft_collider_pose(cloth, 0, &now, &error));
+  EXPECT(now.centre[0] == 1 && now.centre[1] == 2 && now.centre[2] == 3);
+  MUST(weft_release(cloth, one, 1, &error));
+
+  /* Hands. */
+  const float above[3] = {at[40][0], at[40][1] + 1, at[40][2]}, down[3] = {0, -1, 0}, away[3] = {0, 1, 0};
+  weft_grabbed held;
+  MUST(weft_grab(cloth, above, away, NULL, &held, &error));
+  EXPECT(held.grab == WEFT_NOTHING);
+  const weft_grip grip = {100, 1, 5};
+  MUST(weft_grab(cloth, above, down, &grip, &held, &error));
+  EXPECT(held.grab == 0 && held.cloth == 0 && held.distance > 0);
+  MUST(weft_move_grab(cloth, held.grab, above, &error));
+  MUST(weft_let_go(cloth, held.grab, &error));
+  weft_simulation_destroy(again);
+  weft_simulation_destroy(cloth);
+  return 0;
+}
+
+static void refuses(weft_device* device) {
+  weft_error error;
+  weft_simulation* cloth = NULL;
+  weft_device* none = NULL;
+  float xyz[3] = {0, 0, 0};
+  EXPECT(weft_device_create("a GPU that nobody has", &none, &error) == WEFT_OTHER || strlen(error.sentence) > 0);
+  EXPECT(none == NULL && strstr(error.sentence, "a GPU that nobody has") != NULL);
+  EXPECT(weft_device_create(NULL, NULL, &error) == WEFT_INPUT && strstr(error.sentence, "device is null") != NULL);
+  EXPECT(weft_simulation_create(device, "{\"cloths\":[{\"grid\":{\"size\":[1,1],\"cells\":[0,1]}}]}", NULL, &cloth, &error) == WEFT_INPUT);
+  EXPECT(cloth == NULL && strstr(error.sentence, "cells") != NULL);
+  EXPECT(weft_simulation_create(device, "no scene", NULL, &cloth, NULL) == WEFT_INPUT);
+  EXPECT(weft_simulation_load(device, "there/is/none.json", &cloth, &error) == WEFT_INPUT);
+  EXPECT(weft_simulation_create(NULL, kScene, NULL, &cloth, &error) == WEFT_INPUT);
+  EXPECT(weft_advance(NULL, 1, NULL, &error) == WEFT_INPUT && strstr(error.sentence, "simulation is null") != NULL);
+  EXPECT(weft_simulation_create(device, kScene, NULL, &cloth, &error) == WEFT_OK);
+  EXPECT(error.sentence[0] == '\0');
+  EXPECT(weft_advance(cloth, NAN, NULL, &error) == WEFT_INPUT);
+  EXPECT(weft_record(cloth, NULL, 0.1, NULL, &error) == WEFT_INPUT);
+  EXPECT(weft_read_positions(cloth, xyz, 1, &error) == WEFT_INPUT && strstr(error.sentence, "81") != NULL);
+  EXPECT(weft_move_anchors(cloth, 2, xyz, 1, &error) == WEFT_INPUT);
+  EXPECT(weft_move_anchors(cloth, 0, NULL, 1, &error) == WEFT_INPUT);
+  EXPECT(weft_cloth_vertices(cloth, 1, NULL, NULL, &error) == WEFT_INPUT);
+  EXPECT(weft_restore(cloth, "no snapshot", 11, &error) == WEFT_INPUT);
+  EXPECT(weft_let_go(cloth, 0, &error) == WEFT_INPUT);
+  weft_simulation_destroy(cloth);
+  weft_simulation_destroy(NULL);
+  weft_device_destroy(NULL);
+  weft_free(NULL);
+  EXPECT(weft_positions(NULL).count == 0 && weft_time(NULL) == 0 && strcmp(weft_device_name(NULL), "") == 0);
+  /* A sentence that is longer than its room is cut, and ends. */
+  char* name = malloc(5001);
+  memset(name, 'x', 5000);
+  name[5000] = '\0';
+  EXPECT(weft_device_create(name, &none, &error) != WEFT_OK && strlen(error.sentence) <= 1023);
+  free(name);
+}
+
+int main(void) {
+  weft_error error;
+  weft_device* device = NULL;
+  EXPECT(weft_abi() == WEFT_ABI);
+  MUST(weft_device_create(NULL, &device, &error));
+  EXPECT(strlen(weft_device_name(device)) > 0);
+  if (simulates(device) != 0) ++failures;
+  refuses(device);
+  weft_device_destroy(device);
+  printf(failures == 0 ? "all holds\n" : "%d do not hold\n", failures);
+  return failures != 0;
+}
