@@ -94,6 +94,14 @@ Exit obey(int count, char** arguments) {
       "--checkpoint", run_options.checkpoint, "Leave a snapshot every K frames; the same command goes on with it after a kill");
   checkpoint_option->type_name("K")->check(CLI::Range(1u, kMostFrames));
   run_command->add_flag("--fresh", run_options.fresh, "Begin anew, whatever snapshot is in the folder already")->needs(checkpoint_option);
+  run_command
+      ->add_option("--cache", run_options.caches,
+                   "Write every frame's geometry for other programs, by the ending: .glb, .pc2, .mdd, .usda, or .ply and .obj with a file "
+                   "a frame; in the folder of --out, as often as wanted")
+      ->type_name("FILE")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
   run_command->add_option("--device", run_options.device, "Index or part of the name; weft info lists them");
 
   TimeOptions time_options;
