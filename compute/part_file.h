@@ -1,7 +1,7 @@
 // A file that is written piece by piece, over hours perhaps, and has its name only when it is whole.
 //
-// Until then it lies beside its place as a part, as with write_file (compute/file.h). Pieces may be written in any order and more than once.
-// A part that is kept has the one name NAME.part, under which a program that was killed finds it again and goes on.
+// Until then it lies beside its place as a part, as with write_file (compute/file.h). Pieces may be written in any order, and more than
+// once. A part that is kept has the one name NAME.part, under which a program that was killed finds it again and goes on.
 #pragma once
 
 #include <cstddef>

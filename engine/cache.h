@@ -63,7 +63,7 @@ struct CacheOptions {
 /// A frame: an entry a vertex in each list. Spans are read in the call only.
 struct CacheFrame {
   std::span<const Vec3> positions;   // m
-  std::span<const Vec3> normals;     // unit; needed where the mesh has normals and the format is glb or usda, else none will do
+  std::span<const Vec3> normals;     // unit; needed where the mesh has them and the format is glb, usda or obj
   std::span<const float> strain;     // fractions, for ply; or none
 };
 
@@ -73,7 +73,8 @@ class CacheWriter {
   /// positions or none. Its tangents are not read. Errors, before anything is written: the ending; no frame, a rate that is not above 0;
   /// lists that do not fit together, a position that is not finite; no triangle in a glb or usda; more than the format or the disk holds; a
   /// place that cannot be written.
-  static Result<std::unique_ptr<CacheWriter>> create(const std::filesystem::path& file, const RenderMesh& mesh, const CacheOptions& options);
+  static Result<std::unique_ptr<CacheWriter>> create(const std::filesystem::path& file, const RenderMesh& mesh,
+                                                     const CacheOptions& options);
   /// Goes on with what another writer with `resumable` left, after the first `done` frames, of which `last` is the last: bit by bit as if
   /// it had not stopped. Frames after it are written again. Errors: as create; the part is not there, or does not hold that frame.
   static Result<std::unique_ptr<CacheWriter>> resume(const std::filesystem::path& file, const RenderMesh& mesh, const CacheOptions& options,

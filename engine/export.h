@@ -19,7 +19,7 @@ namespace weft {
 Result<void> write_ply(const std::filesystem::path& file, std::span<const Vec3> positions, std::span<const Vec3> normals,
                        std::span<const float> strain, std::span<const Triangle> triangles);
 
-/// OBJ: a v, vt and vn line a vertex, numbers that are read back as the same bits; v of a texture coordinate turned to grow upwards, as there.
+/// OBJ: a v, vt and vn line a vertex, numbers that are read back as the same bits; v of a texture coordinate grows upwards there.
 /// Normals and UVs are as many as the positions, or none. Errors: as write_ply.
 Result<void> write_obj(const std::filesystem::path& file, std::span<const Vec3> positions, std::span<const Vec3> normals,
                        std::span<const Vec2> uvs, std::span<const Triangle> triangles);

@@ -4,6 +4,7 @@
 packages_to_run=(build-essential cmake ninja-build libvulkan-dev mesa-vulkan-drivers glslang-tools spirv-tools
   libeigen3-dev libassimp-dev zlib1g-dev nlohmann-json3-dev libcli11-dev libstb-dev python3)
 packages_to_test=(libgtest-dev libbenchmark-dev vulkan-validationlayers pkg-config)
+packages_for_interop=(blender python3-numpy)   # tests/run.sh --interop alone
 
 # Installs those of the named packages that are missing, and says which; asks nothing.
 install_missing() {

@@ -138,8 +138,9 @@ class Morphs : public Layout {
     return text;
   }
   Error too_large(std::uint64_t needed) const {
-    return fail(file_, " is not written: ", frames_, " frames of ", rest_.size(), " vertices take ", frames_ > kMostTargets ? "more than " : "",
-                frames_ > kMostTargets ? glb::kMostBytes : needed, " bytes, and a GLB has at most ", glb::kMostBytes,
+    const bool many = frames_ > kMostTargets;
+    return fail(file_, " is not written: ", frames_, " frames of ", rest_.size(), " vertices take ", many ? "more than " : "",
+                many ? glb::kMostBytes : needed, " bytes, and a GLB has at most ", glb::kMostBytes,
                 "; a .usda, a .pc2 or a .mdd has no such limit");
   }
 

@@ -4,7 +4,6 @@
 // attribute, which must stand together, have their places before the first is known.
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <string>
 #include <vector>
 
@@ -51,8 +50,10 @@ std::array<Vec3, 2> extent_of(std::span<const Vec3> positions) {
 // What a prim may be called.
 std::string identifier(std::string_view name) {
   std::string plain;
-  for (const char c : name) plain.push_back(std::isalnum(static_cast<unsigned char>(c)) != 0 && static_cast<unsigned char>(c) < 128 ? c : '_');
-  if (plain.empty() || std::isdigit(static_cast<unsigned char>(plain[0])) != 0) plain.insert(0, "_");
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  for (const char c : name) plain.push_back(is_digit(c) || is_letter(c) ? c : '_');
+  if (plain.empty() || is_digit(plain[0])) plain.insert(0, "_");
   return plain;
 }
 

@@ -25,8 +25,6 @@ constexpr std::pair<const char*, CacheFormat> kEndings[] = {{".glb", CacheFormat
                                                            {".ply", CacheFormat::ply},   {".obj", CacheFormat::obj}};
 constexpr double kFastest = 1e6;   // frames a second: floats tell the times of 16 million frames apart
 
-bool draws(CacheFormat format) { return format == CacheFormat::glb || format == CacheFormat::usda; }
-
 Result<void> check_mesh(const fs::path& file, const RenderMesh& mesh, CacheFormat format) {
   const std::size_t vertices = mesh.positions.size();
   if (vertices == 0) return fail(file.string(), " is not written: the mesh has no vertex");
@@ -72,7 +70,8 @@ Result<CacheFormat> cache_format(const fs::path& file) {
   for (char& c : ending) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
   for (const auto& [name, format] : kEndings)
     if (ending == name) return format;
-  return fail(file.string(), " has the extension \"", ending, "\"; caches are .glb, .pc2, .mdd, .usda, or .ply and .obj with a file a frame");
+  return fail(file.string(), " has the extension \"", ending,
+              "\"; caches are .glb, .pc2, .mdd, .usda, or .ply and .obj with a file a frame");
 }
 
 bool is_point_cache(CacheFormat format) { return format == CacheFormat::pc2 || format == CacheFormat::mdd; }
@@ -92,7 +91,8 @@ struct CacheWriter::State {
   std::size_t vertices = 0;
   bool has_normals = false;
   std::uint32_t done = 0;
-  RenderMesh shown;                            // of a sequence: what does not move
+  std::vector<Triangle> triangles;             // of a ply
+  parts::ObjFaces faces;                       // of an obj
   std::unique_ptr<caching::Layout> layout;     // null of a sequence
   std::optional<PartFile> part;
 
@@ -108,8 +108,9 @@ struct CacheWriter::State {
     state->format = *format;
     state->options = options;
     state->vertices = mesh.positions.size();
-    state->has_normals = draws(*format) && !mesh.normals.empty();
-    if (is_sequence(*format)) state->shown.uvs = mesh.uvs, state->shown.triangles = mesh.triangles;
+    state->has_normals = !is_point_cache(*format) && *format != CacheFormat::ply && !mesh.normals.empty();
+    if (*format == CacheFormat::ply) state->triangles = mesh.triangles;
+    if (*format == CacheFormat::obj) state->faces = parts::obj_faces(mesh.uvs, mesh.triangles, state->has_normals);
     state->layout = std::move(*layout);
     return state;
   }
@@ -128,8 +129,8 @@ struct CacheWriter::State {
   }
 
   std::string text_of(const CacheFrame& frame) const {
-    return format == CacheFormat::obj ? parts::obj_of(frame.positions, frame.normals, shown.uvs, shown.triangles)
-                                      : parts::ply_of(frame.positions, frame.normals, frame.strain, shown.triangles);
+    return format == CacheFormat::obj ? parts::obj_of(frame.positions, has_normals ? frame.normals : std::span<const Vec3>(), faces)
+                                      : parts::ply_of(frame.positions, frame.normals, frame.strain, triangles);
   }
 
   caching::Put writing() {

@@ -36,7 +36,8 @@ Result<void> points_are_there(const Mesh& mesh) {
     if (mesh.point_of_source[k] >= mesh.points.size() && mesh.point_of_source[k] != kNone)
       return fail("point_of_source[", k, "]: ", mesh.point_of_source[k], " is not one of the ", mesh.points.size(), " points");
   const auto loose = static_cast<std::size_t>(std::ranges::count(mesh.point_of_source, kNone));
-  if (loose != mesh.loose.size()) return fail("loose has ", mesh.loose.size(), " entries, and ", loose, " of point_of_source are of no point");
+  if (loose != mesh.loose.size())
+    return fail("loose has ", mesh.loose.size(), " entries, and ", loose, " of point_of_source are of no point");
   for (std::size_t k = 0; k < mesh.loose.size(); ++k)
     if (!is_finite(mesh.loose[k])) return far("loose", k, mesh.loose[k]);
   std::vector<bool> is_drawn(mesh.points.size());

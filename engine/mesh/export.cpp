@@ -22,6 +22,12 @@ void put(std::string& bytes, const T& value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
+void add_line(std::string& text, const char* keyword, std::initializer_list<float> numbers) {
+  text += keyword;
+  for (const float number : numbers) parts::add_number(text += ' ', number);
+  text.push_back('\n');
+}
+
 }   // namespace
 
 namespace parts {
@@ -58,32 +64,30 @@ std::string ply_of(std::span<const Vec3> positions, std::span<const Vec3> normal
   return bytes;
 }
 
-std::string obj_of(std::span<const Vec3> positions, std::span<const Vec3> normals, std::span<const Vec2> uvs,
-                   std::span<const Triangle> triangles) {
-  std::string text = "# Weft\n";
-  const auto add_line = [&](const char* keyword, std::initializer_list<float> numbers) {
-    text += keyword;
-    for (const float number : numbers) {
-      text.push_back(' ');
-      add_number(text, number);
-    }
-    text.push_back('\n');
-  };
-  for (const Vec3& p : positions) add_line("v", {p.x, p.y, p.z});
-  for (const Vec2& uv : uvs) add_line("vt", {uv.x, 1 - uv.y});   // an OBJ's points up
-  for (const Vec3& n : normals) add_line("vn", {n.x, n.y, n.z});
+ObjFaces obj_faces(std::span<const Vec2> uvs, std::span<const Triangle> triangles, bool has_normals) {
+  ObjFaces text;
+  for (const Vec2& uv : uvs) add_line(text.uvs, "vt", {uv.x, 1 - uv.y});   // an OBJ's points up
   for (const Triangle& triangle : triangles) {
-    text.push_back('f');
+    text.faces.push_back('f');
     for (const std::uint32_t v : triangle) {
       const std::string number = std::to_string(v + 1);
-      text += ' ' + number;
-      if (!uvs.empty() || !normals.empty()) text += '/';
-      if (!uvs.empty()) text += number;
-      if (!normals.empty()) text += '/' + number;
+      text.faces += ' ' + number;
+      if (!uvs.empty() || has_normals) text.faces += '/';
+      if (!uvs.empty()) text.faces += number;
+      if (has_normals) text.faces += '/' + number;
     }
-    text.push_back('\n');
+    text.faces.push_back('\n');
   }
   return text;
+}
+
+std::string obj_of(std::span<const Vec3> positions, std::span<const Vec3> normals, const ObjFaces& faces) {
+  std::string text = "# Weft\n";
+  text.reserve(text.size() + (positions.size() + normals.size()) * 40 + faces.uvs.size() + faces.faces.size());
+  for (const Vec3& p : positions) add_line(text, "v", {p.x, p.y, p.z});
+  text += faces.uvs;
+  for (const Vec3& n : normals) add_line(text, "vn", {n.x, n.y, n.z});
+  return text += faces.faces;
 }
 
 }   // namespace parts
@@ -106,7 +110,7 @@ Result<void> write_obj(const std::filesystem::path& file, std::span<const Vec3> 
   if (Result<void> checked = parts::check_length(file, "texture coordinates", uvs.size(), positions.size()); !checked) return checked;
   if (Result<void> checked = parts::check_indices(file, triangles, positions.size()); !checked) return checked;
 
-  const std::string text = parts::obj_of(positions, normals, uvs, triangles);
+  const std::string text = parts::obj_of(positions, normals, parts::obj_faces(uvs, triangles, !normals.empty()));
   return write_file(file, std::as_bytes(std::span(text)));
 } catch (...) {
   return caught("the mesh");

@@ -47,7 +47,10 @@ Result<void> check_indices(const std::filesystem::path& file, std::span<const Tr
 /// What write_ply and write_obj write, of lists that they have found good.
 std::string ply_of(std::span<const Vec3> positions, std::span<const Vec3> normals, std::span<const float> strain,
                    std::span<const Triangle> triangles);
-std::string obj_of(std::span<const Vec3> positions, std::span<const Vec3> normals, std::span<const Vec2> uvs,
-                   std::span<const Triangle> triangles);
+struct ObjFaces {   // what stays the same when vertices move
+  std::string uvs, faces;
+};
+ObjFaces obj_faces(std::span<const Vec2> uvs, std::span<const Triangle> triangles, bool has_normals);
+std::string obj_of(std::span<const Vec3> positions, std::span<const Vec3> normals, const ObjFaces& faces);
 
 }  // namespace weft::parts

@@ -123,7 +123,8 @@ Result<Mesh> load(const std::filesystem::path& file, BufferFiles buffer_files) {
   if (!harvest) return harvest.take_error();
   RenderMesh& render = harvest->render;
   if (Result<void> checked = parts::check_places(render.positions); !checked) return fail(file.string(), ": ", checked.why());
-  const std::vector<Vec3> source(render.positions.begin(), render.positions.begin() + static_cast<std::ptrdiff_t>(harvest->source_vertices));
+  const std::span<const Vec3> own = std::span(render.positions).first(harvest->source_vertices);
+  const std::vector<Vec3> source(own.begin(), own.end());
   std::vector<std::uint32_t> joined;   // what became of each vertex; empty: nothing
   if (render.positions.size() >= 3 * render.triangles.size()) joined = join_copies(render);
   Result<Mesh> mesh = weld_mesh(std::move(render));

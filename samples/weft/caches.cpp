@@ -130,9 +130,9 @@ Result<void> Caches::finish() {
     const std::uint32_t done = cache.writer->frames();
     if (done < frames_) {
       const Result<CacheFormat> format = cache_format(cache.file);
-      complain(cache.file.string() + (format && is_sequence(*format) ? " has " : resumable_ ? " will be written when the run goes on; its part has "
-                                                                                            : " is not written: it has ") +
-               std::to_string(done) + " of " + std::to_string(frames_) + " frames");
+      const char* fate = resumable_ ? " will be written when the run goes on; its part has " : " is not written: it has ";
+      if (format && is_sequence(*format)) fate = " has ";
+      complain(cache.file.string() + fate + std::to_string(done) + " of " + std::to_string(frames_) + " frames");
       continue;
     }
     if (Result<void> finished = cache.writer->finish(); !finished) return finished;

@@ -270,8 +270,9 @@ TEST(Cache, what_cannot_be_written_is_a_sentence_before_anything_is) {
     return cache ? "" : cache.error();
   };
   const std::string at = (folder / "").string();
-  EXPECT_EQ(refusal("a.abc", kWanted, motion.mesh), at + "a.abc has the extension \".abc\"; caches are .glb, .pc2, .mdd, .usda, or .ply and "
-                                                         ".obj with a file a frame");
+  EXPECT_EQ(refusal("a.abc", kWanted, motion.mesh),
+            at + "a.abc has the extension \".abc\"; caches are .glb, .pc2, .mdd, .usda, or .ply and "
+                 ".obj with a file a frame");
   EXPECT_TRUE(cache_format("A.PC2"));
   EXPECT_EQ(refusal("a.pc2", {.frames = 0}, motion.mesh),
             at + "a.pc2 is not written: a cache has at least one frame, and this one would have 0");
@@ -279,8 +280,8 @@ TEST(Cache, what_cannot_be_written_is_a_sentence_before_anything_is) {
   EXPECT_NE(refusal("a.pc2", {.frames = 3'000'000'000}, motion.mesh).find("at most 2147483647 of each"), std::string::npos);
   EXPECT_NE(refusal("a.usda", {.frames = 4'000'000'000}, motion.mesh).find(" bytes, and its disk has "), std::string::npos);
   EXPECT_EQ(refusal("a.glb", {.frames = 32'768}, motion.mesh),
-            at + "a.glb is not written: 32768 frames of 12 vertices take more than 4294967295 bytes, and a GLB has at most 4294967295; a .usda, "
-                 "a .pc2 or a .mdd has no such limit");
+            at + "a.glb is not written: 32768 frames of 12 vertices take more than 4294967295 bytes, and a GLB has at most 4294967295; a "
+                 ".usda, a .pc2 or a .mdd has no such limit");
   const RenderMesh large = make_grid(Grid{.cells_x = 199, .cells_y = 199}).render;
   EXPECT_NE(refusal("a.glb", {.frames = 5000}, large).find("5000 frames of 40000 vertices take 49"), std::string::npos);
   EXPECT_NE(refusal("a.glb", kWanted, {.positions = motion.mesh.positions, .normals = {}, .tangents = {}, .uvs = {}, .triangles = {}})

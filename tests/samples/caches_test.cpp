@@ -58,7 +58,8 @@ TEST_F(Caches, of_a_run_hold_the_frames_that_the_library_makes_to_the_last_bit) 
   write("strip.obj", kStrip);
   const std::string scene = write("scene.json", kScene);
   std::vector<std::string> call = {"run", scene, "--no-picture", "--out", out()};
-  for (const char* format : {"pc2", "mdd", "glb", "usda", "ply", "obj"}) call.insert(call.end(), {"--cache", std::string("cloth.") + format});
+  for (const char* name : {"cloth.pc2", "cloth.mdd", "cloth.glb", "cloth.usda", "cloth.ply", "cloth.obj"})
+    call.insert(call.end(), {"--cache", name});
   const Outcome outcome = weft(call);
   ASSERT_EQ(outcome.exit, 0) << outcome.error;
   EXPECT_NE(outcome.out.find("final.ply, cloth.pc2, cloth.mdd, cloth.glb, cloth.usda, cloth.ply, cloth.obj in "), std::string::npos)
@@ -166,17 +167,20 @@ TEST_F(Caches, that_cannot_be_written_are_refused_before_anything_runs) {
     EXPECT_FALSE(fs::exists(folder / "out/report.json")) << sentence;
     return outcome.out;
   };
-  EXPECT_EQ(expect("3", {"a.abc"}, 2, "--cache: " + at + "a.abc has the extension \".abc\"; caches are .glb, .pc2, .mdd, .usda, or .ply and "
-                                          ".obj with a file a frame"), "");
-  expect("0", {"a.pc2"}, 2, "--cache: " + at + "a.pc2 is not written: a cache has at least one frame, and the run has 0");
-  expect("3", {"a.pc2", "./a.pc2"}, 2, "--cache: " + at + "a.pc2 is asked for twice");
+  const std::string refused = "--cache: " + at;
+  EXPECT_EQ(expect("3", {"a.abc"}, 2,
+                   refused + "a.abc has the extension \".abc\"; caches are .glb, .pc2, .mdd, .usda, or .ply and .obj with a file a frame"),
+            "");
+  expect("0", {"a.pc2"}, 2, refused + "a.pc2 is not written: a cache has at least one frame, and the run has 0");
+  expect("3", {"a.pc2", "./a.pc2"}, 2, refused + "a.pc2 is asked for twice");
   fs::create_directories(folder / "out/a.usda");
   expect("3", {"a.usda"}, 1, at + "a.usda cannot be written: it is a folder");
   fs::create_directories(folder / "out/a_0002.ply");
   expect("3", {"a.ply"}, 1, at + "a_0002.ply cannot be written: it is a folder");
   expect("3", {"/proc/self/a.pc2"}, 1, "/proc/self/a.pc2 cannot be written: No such file or directory");
-  expect("40000", {"a.glb"}, 2, "--cache: " + at + "a.glb is not written: 40000 frames of 81 vertices take more than 4294967295 bytes, and a GLB "
-                                    "has at most 4294967295; a .usda, a .pc2 or a .mdd has no such limit");
+  expect("40000", {"a.glb"}, 2,
+         refused + "a.glb is not written: 40000 frames of 81 vertices take more than 4294967295 bytes, and a GLB has at most 4294967295; "
+                   "a .usda, a .pc2 or a .mdd has no such limit");
 }
 
 TEST_F(Caches, that_are_read_are_not_written) {
