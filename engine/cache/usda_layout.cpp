@@ -19,23 +19,23 @@ constexpr std::size_t kTuple = 3 * parts::kNumberLength + 5;   // "(x,y,z),"
 constexpr std::size_t kCode = 10;                              // digits of a time code
 constexpr std::string_view kClosing = "    }\n";
 
-void add_tuple(std::string& text, Vec3 p) {
-  char tuple[kTuple];
-  std::fill(std::begin(tuple), std::end(tuple), ' ');
-  tuple[0] = '(';
-  char* at = tuple + 1;
-  for (const float number : {p.x, p.y, p.z}) *(at = parts::put_number(number, at))++ = ',';
-  at[-1] = ')';
-  *at = ',';
-  text.append(tuple, kTuple);
-}
-
-// [(x,y,z),(x,y,z)]; the comma after the last becomes the bracket.
+// [(x,y,z),(x,y,z)], spaces behind every tuple; the comma after the last becomes the bracket.
 void add_list(std::string& text, std::span<const Vec3> list) {
-  text.push_back('[');
-  for (const Vec3& p : list) add_tuple(text, p);
+  std::size_t place = text.size() + 1;
+  text.resize(place + list.size() * kTuple);
+  text[place - 1] = '[';
+  char* at = text.data() + place - 1;
+  for (const Vec3& p : list) {
+    at = text.data() + place;
+    *at++ = '(';
+    for (const float number : {p.x, p.y, p.z}) *(at = parts::put_number(number, at))++ = ',';
+    at[-1] = ')';
+    *at = ',';
+    place += kTuple;
+    std::fill(at + 1, text.data() + place, ' ');   // numbers may leave digits behind their ends
+  }
   if (list.empty()) text.push_back(']');
-  else text[text.rfind(',')] = ']';
+  else *at = ']';
 }
 
 std::array<Vec3, 2> extent_of(std::span<const Vec3> positions) {

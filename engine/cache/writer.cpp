@@ -93,6 +93,7 @@ struct CacheWriter::State {
   std::uint32_t done = 0;
   std::vector<Triangle> triangles;             // of a ply
   parts::ObjFaces faces;                       // of an obj
+  std::string text;                            // of a sequence's frame
   std::unique_ptr<caching::Layout> layout;     // null of a sequence
   std::optional<PartFile> part;
 
@@ -128,9 +129,11 @@ struct CacheWriter::State {
     return {};
   }
 
-  std::string text_of(const CacheFrame& frame) const {
-    return format == CacheFormat::obj ? parts::obj_of(frame.positions, has_normals ? frame.normals : std::span<const Vec3>(), faces)
-                                      : parts::ply_of(frame.positions, frame.normals, frame.strain, triangles);
+  // Of a sequence's frame; in one place for all of them, since making room for megabytes takes as long as filling it.
+  const std::string& text_of(const CacheFrame& frame) {
+    if (format == CacheFormat::obj) parts::obj_of(frame.positions, has_normals ? frame.normals : std::span<const Vec3>(), faces, text);
+    else text = parts::ply_of(frame.positions, frame.normals, frame.strain, triangles);
+    return text;
   }
 
   caching::Put writing() {

@@ -22,10 +22,22 @@ void put(std::string& bytes, const T& value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-void add_line(std::string& text, const char* keyword, std::initializer_list<float> numbers) {
-  text += keyword;
-  for (const float number : numbers) parts::add_number(text += ' ', number);
-  text.push_back('\n');
+// A line a vertex: "v 1 2 3".
+template <class Vector>
+void add_lines(std::string& text, std::string_view keyword, std::span<const Vector> list) {
+  constexpr std::size_t numbers = sizeof(Vector) / sizeof(float);
+  const std::size_t before = text.size();
+  text.resize(before + list.size() * (keyword.size() + numbers * (1 + parts::kNumberLength) + 1));
+  char* at = text.data() + before;
+  for (const Vector& vector : list) {
+    at = std::copy(keyword.begin(), keyword.end(), at);
+    for (const float number : std::bit_cast<std::array<float, numbers>>(vector)) {
+      *at++ = ' ';
+      at = parts::put_number(number, at);
+    }
+    *at++ = '\n';
+  }
+  text.resize(static_cast<std::size_t>(at - text.data()));
 }
 
 }   // namespace
@@ -66,7 +78,9 @@ std::string ply_of(std::span<const Vec3> positions, std::span<const Vec3> normal
 
 ObjFaces obj_faces(std::span<const Vec2> uvs, std::span<const Triangle> triangles, bool has_normals) {
   ObjFaces text;
-  for (const Vec2& uv : uvs) add_line(text.uvs, "vt", {uv.x, 1 - uv.y});   // an OBJ's points up
+  std::vector<Vec2> upward(uvs.begin(), uvs.end());
+  for (Vec2& uv : upward) uv.y = 1 - uv.y;
+  add_lines(text.uvs, "vt", std::span<const Vec2>(upward));
   for (const Triangle& triangle : triangles) {
     text.faces.push_back('f');
     for (const std::uint32_t v : triangle) {
@@ -81,13 +95,13 @@ ObjFaces obj_faces(std::span<const Vec2> uvs, std::span<const Triangle> triangle
   return text;
 }
 
-std::string obj_of(std::span<const Vec3> positions, std::span<const Vec3> normals, const ObjFaces& faces) {
-  std::string text = "# Weft\n";
-  text.reserve(text.size() + (positions.size() + normals.size()) * 40 + faces.uvs.size() + faces.faces.size());
-  for (const Vec3& p : positions) add_line(text, "v", {p.x, p.y, p.z});
+void obj_of(std::span<const Vec3> positions, std::span<const Vec3> normals, const ObjFaces& faces, std::string& text) {
+  text = "# Weft\n";
+  text.reserve(text.size() + (positions.size() + normals.size()) * 56 + faces.uvs.size() + faces.faces.size());
+  add_lines(text, "v", positions);
   text += faces.uvs;
-  for (const Vec3& n : normals) add_line(text, "vn", {n.x, n.y, n.z});
-  return text += faces.faces;
+  add_lines(text, "vn", normals);
+  text += faces.faces;
 }
 
 }   // namespace parts
@@ -110,7 +124,8 @@ Result<void> write_obj(const std::filesystem::path& file, std::span<const Vec3> 
   if (Result<void> checked = parts::check_length(file, "texture coordinates", uvs.size(), positions.size()); !checked) return checked;
   if (Result<void> checked = parts::check_indices(file, triangles, positions.size()); !checked) return checked;
 
-  const std::string text = parts::obj_of(positions, normals, parts::obj_faces(uvs, triangles, !normals.empty()));
+  std::string text;
+  parts::obj_of(positions, normals, parts::obj_faces(uvs, triangles, !normals.empty()), text);
   return write_file(file, std::as_bytes(std::span(text)));
 } catch (...) {
   return caught("the mesh");

@@ -51,6 +51,6 @@ struct ObjFaces {   // what stays the same when vertices move
   std::string uvs, faces;
 };
 ObjFaces obj_faces(std::span<const Vec2> uvs, std::span<const Triangle> triangles, bool has_normals);
-std::string obj_of(std::span<const Vec3> positions, std::span<const Vec3> normals, const ObjFaces& faces);
+void obj_of(std::span<const Vec3> positions, std::span<const Vec3> normals, const ObjFaces& faces, std::string& text);
 
 }  // namespace weft::parts

@@ -174,6 +174,7 @@ def play(context, cloth, file):
     modifier = cloth.modifiers.get(MODIFIER)
     if modifier is None or modifier.type != "MESH_CACHE":
         modifier = cloth.modifiers.new(MODIFIER, "MESH_CACHE")
+    bpy.ops.object.modifier_move_to_index(modifier=modifier.name, index=0)   # it has the vertices of the mesh itself
     modifier.cache_format = "PC2"
     modifier.filepath = file
     modifier.frame_start = context.scene.frame_start + 1

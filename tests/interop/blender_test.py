@@ -91,10 +91,13 @@ def test_add_on():
     for frame, height in ((scene.frame_start, 5.7), (scene.frame_start + FRAMES, 5.8)):
         cube.location.z = height
         cube.keyframe_insert("location", frame=frame)
+    cloth.modifiers.new("finer", "SUBSURF")   # which comes after the cache, and is not simulated
     settings = scene.weft
     settings.program, settings.folder, settings.frames, settings.pins = PROGRAM, FOLDER, FRAMES, "pins"
     choose(cloth, cube)
     check(bpy.ops.weft.simulate() == {"FINISHED"}, "weft.simulate did not finish")
+    check([m.name for m in cloth.modifiers] == ["Weft", "finer"], "the order of its modifiers")
+    cloth.modifiers.remove(cloth.modifiers["finer"])
     modifier = cloth.modifiers["Weft"]
     check(modifier.type == "MESH_CACHE" and modifier.frame_start == 12, "its modifier")
     samples = read_pc2(modifier.filepath)
