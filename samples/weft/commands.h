@@ -28,6 +28,7 @@ struct RunOptions {
   std::optional<std::uint32_t> frames;   // none: the scene's
   std::uint32_t every = 0;      // 0: only the final frame is drawn
   bool picture = true;
+  bool movie = false;           // of the pictures of `every`
   bool check = false;           // count crossings of cloth at every frame
   std::uint32_t checkpoint = 0; // frames between snapshots that the run can go on from; 0: none
   bool fresh = false;           // do not go on with what is in `out`

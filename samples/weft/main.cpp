@@ -87,6 +87,8 @@ Exit obey(int count, char** arguments) {
   add_outside(*run_command, allow_outside);
   CLI::Option* every_option = run_command->add_option("--every", run_options.every, "Draw every K-th frame too, as frame_0000.png");
   every_option->type_name("K")->check(CLI::Range(1u, kMostFrames));
+  run_command->add_flag("--movie", run_options.movie, "Make an MP4 of the pictures of --every; needs the program ffmpeg")
+      ->needs(every_option);
   run_command->add_flag("--no-picture", no_picture, "Draw nothing: needs no graphics queue")->excludes(every_option);
   run_command->add_flag("--check", run_options.check,
                         "Count where cloth crosses cloth or a mesh collider, at the start and after every frame");

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstdio>
 
+#include "compute/part_file.h"
 #include "engine/export.h"
 #include "engine/reference/intersections.h"
 #include "samples/weft/caches.h"
@@ -15,6 +16,7 @@
 #include "samples/weft/commands.h"
 #include "samples/weft/console.h"
 #include "samples/weft/files.h"
+#include "samples/weft/movie.h"
 #include "samples/weft/outputs.h"
 #include "samples/weft/painter.h"
 #include "samples/weft/report.h"
@@ -135,10 +137,12 @@ std::filesystem::path checkpoint_file(const Scene& scene, const RunOptions& opti
 }
 
 std::string picture_name(const Scene& scene) { return file_name(scene.name) + ".png"; }
+std::string movie_name(const Scene& scene) { return file_name(scene.name) + ".mp4"; }
 
 std::vector<std::string> outputs_of(const Scene& scene, const RunOptions& options) {
   std::vector<std::string> names = {"final.ply", "timings.csv", "report.json"};
   if (options.picture) names.push_back(picture_name(scene));
+  if (options.movie) names.insert(names.end(), {movie_name(scene), part_of(movie_name(scene)).string()});
   if (options.checkpoint > 0) names.push_back(checkpoint_file(scene, options).filename().string());
   for (std::uint32_t frame = 0; options.every > 0 && frame < scene.frames; frame += options.every) names.push_back(frame_name(frame));
   return names;
@@ -180,6 +184,20 @@ Result<void> simulate(Simulation& simulation, Leavings& leavings, const RunOptio
   }
   if (options.checkpoint == 0 || state.tally.frames == 0 || !interrupted()) return {};
   return write_checkpoint(checkpoint_file(scene, options), simulation, state.tally);
+}
+
+// Of the pictures of all frames, those of an earlier run that this one went on with too.
+Result<void> make_movie(const Scene& scene, const RunOptions& options) {
+  if (!options.movie) return {};
+  const std::filesystem::path file = options.out / movie_name(scene);
+  if (interrupted()) {
+    complain(file.string() + " is not written: the run was interrupted");
+    return {};
+  }
+  std::vector<std::filesystem::path> pictures;
+  for (std::uint32_t frame = 0; frame < scene.frames; frame += options.every) pictures.push_back(options.out / frame_name(frame));
+  if (pictures.empty()) return {};
+  return write_movie(file, pictures, scene.solver.rate / options.every);
 }
 
 // Where the run begins: at the scene's start, or at the checkpoint of an earlier run.
@@ -238,6 +256,7 @@ Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& f
   if (const Result<void> drawn = leavings.painter.draw(simulation, options.out / picture_name(scene)); !drawn)
     return failed(drawn.error());
   if (const Result<void> finished = leavings.caches.finish(); !finished) return failed(finished.error());
+  if (const Result<void> made = make_movie(scene, options); !made) return failed(made.error());
   state.caches = leavings.caches.names();
   if (const Result<void> written = write_mesh(simulation, options.out / "final.ply"); !written) return failed(written.error());
   Result<Figures> measured = figures_of(simulation);
@@ -285,6 +304,7 @@ Exit run(const RunOptions& options) {
     return kBadInput;
   }
   if (options.frames) scene->frames = *options.frames;
+  if (options.movie && !has_ffmpeg()) return failed("--movie: the program ffmpeg, which makes it, is not installed");
   listen_for_interrupts();
   const std::vector<Input> inputs = inputs_of(options.file, *scene);
   if (const Exit exit = prepare_outputs(options.out, outputs_of(*scene, options), inputs); exit != kDone) return exit;

@@ -206,5 +206,35 @@ TEST_F(Caches, leave_no_half_file_on_a_full_disk) {
   }
 }
 
+// ffmpeg's place is taken by a script that keeps what it is given.
+TEST_F(Caches, are_joined_by_a_movie_of_the_pictures_where_there_is_ffmpeg) {
+  const std::string scene = write("sheet.json", kSheet);
+  const std::vector<std::string> call = {"run", scene, "--frames", "5", "--every", "2", "--movie", "--out", out()};
+  environment = {"PATH=" + folder.string()};
+  const Outcome missing = weft(call);
+  EXPECT_EQ(missing.exit, 1);
+  EXPECT_EQ(missing.error, "--movie: the program ffmpeg, which makes it, is not installed\n");
+  EXPECT_FALSE(fs::exists(out()));
+  EXPECT_EQ(weft({"run", scene, "--movie"}).exit, 2) << "there are no pictures";
+
+  const auto install = [&](const std::string& script) {
+    fs::permissions(write("ffmpeg", "#!/bin/sh\nPATH=/bin:/usr/bin\n" + script), fs::perms::owner_all);
+  };
+  install("for last; do :; done; echo \"$@\" > " + (folder / "words").string() + "; cat > \"$last\"\n");
+  const Outcome made = weft(call);
+  ASSERT_EQ(made.exit, 0) << made.error;
+  std::string pictures;
+  for (const char* name : {"frame_0000.png", "frame_0002.png", "frame_0004.png"}) pictures += read(folder / "out" / name);
+  EXPECT_EQ(read(folder / "out/sheet.mp4") == pictures, true);
+  EXPECT_NE(read(folder / "words").find("-framerate 30 "), std::string::npos) << read(folder / "words");
+  fs::remove(folder / "out/sheet.mp4");
+
+  install("exec 0<&-; exit 7\n");
+  const Outcome broken = weft(call);
+  EXPECT_EQ(broken.exit, 1);
+  EXPECT_NE(broken.error.find("sheet.mp4 is not written: ffmpeg ended with the code 7"), std::string::npos) << broken.error;
+  EXPECT_FALSE(fs::exists(folder / "out/sheet.mp4") || fs::exists(folder / "out/sheet.mp4.part"));
+}
+
 }  // namespace
 }  // namespace weft
