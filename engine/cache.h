@@ -62,9 +62,9 @@ struct CacheOptions {
 
 /// A frame: an entry a vertex in each list. Spans are read in the call only.
 struct CacheFrame {
-  std::span<const Vec3> positions;   // m
-  std::span<const Vec3> normals;     // unit; needed where the mesh has them and the format is glb, usda or obj
-  std::span<const float> strain;     // fractions, for ply; or none
+  std::span<const Vec3> positions = {};   // m
+  std::span<const Vec3> normals = {};     // unit; needed where the mesh has them and the format is glb, usda or obj
+  std::span<const float> strain = {};     // fractions, for ply; or none
 };
 
 class CacheWriter {

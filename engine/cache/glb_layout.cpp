@@ -5,6 +5,7 @@
 //
 // The text comes first and has each target's bounds: room is left for them, and spaces fill what they do not need.
 #include <algorithm>
+#include <cassert>
 #include <charconv>
 #include <limits>
 #include <string>
@@ -108,6 +109,7 @@ class Morphs : public Layout {
     for (std::size_t v = 0; v < normals_.size(); ++v) differences.push_back(content.normals[v] - normals_[v]);
 
     std::string record = accessor_at(offset) + ",\"min\":[" + numbers(low) + "],\"max\":[" + numbers(high) + "]}";
+    assert(record.size() <= kBoundedRecord);
     record.resize(kBoundedRecord, ' ');
     if (!normals_.empty()) record += accessor_at(offset + rest_.size() * sizeof(Vec3)) + "}";
     record.resize(record_bytes(), ' ');

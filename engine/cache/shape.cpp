@@ -1,5 +1,6 @@
 // Which vertices of a simulation a cache has, and in which order.
 #include <algorithm>
+#include <cassert>
 
 #include "engine/cache.h"
 
@@ -65,6 +66,7 @@ std::vector<Vec3> chosen(const CachedShape& shape, std::span<const Vec3> all, st
 }  // namespace
 
 CachedShape cached_shape(const CookedFabric& fabric, std::span<const Mesh> meshes, Vec3 origin, CacheFormat format) {
+  assert(meshes.size() == fabric.cloths.size() + fabric.collider_meshes.size() + fabric.render_meshes.size());
   CachedShape shape;
   for (std::size_t cloth = 0; cloth < fabric.cloths.size(); ++cloth) {
     const Shown shown = shown_of(fabric, meshes, cloth);

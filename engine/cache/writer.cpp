@@ -47,8 +47,9 @@ Result<void> check_options(const fs::path& file, const CacheOptions& options) {
 // Where the system says how much there is.
 Result<void> check_room(const fs::path& file, std::uint64_t bytes) {
   std::error_code none;
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  const fs::space_info space = fs::space(folder, none);
+  const Result<fs::path> target = file_target(file);
+  if (!target) return target.why();
+  const fs::space_info space = fs::space(target->has_parent_path() ? target->parent_path() : ".", none);
   if (none || space.capacity == 0 || bytes <= space.free) return {};
   return fail(ErrorKind::other, file.string(), " cannot be written: it takes ", bytes, " bytes, and its disk has ", space.free, " left");
 }
@@ -65,13 +66,15 @@ caching::LayoutResult layout_of(CacheFormat format, const fs::path& file, const 
 
 }  // namespace
 
-Result<CacheFormat> cache_format(const fs::path& file) {
+Result<CacheFormat> cache_format(const fs::path& file) try {
   std::string ending = file.extension().string();
   for (char& c : ending) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
   for (const auto& [name, format] : kEndings)
     if (ending == name) return format;
   return fail(file.string(), " has the extension \"", ending,
               "\"; caches are .glb, .pc2, .mdd, .usda, or .ply and .obj with a file a frame");
+} catch (...) {
+  return caught("a cache's name");
 }
 
 bool is_point_cache(CacheFormat format) { return format == CacheFormat::pc2 || format == CacheFormat::mdd; }

@@ -49,7 +49,7 @@ struct RunState {
   std::uint32_t timed_from = 0;      // frame
   std::optional<Snapshot> middle;    // at that frame; none where it is the scene's start
   std::optional<double> speed;       // m/s, over the last frame
-  std::string caches;                // ", flag.pc2": those that are whole
+  std::string also_left;             // ", flag.pc2, flag.mp4": what is whole
 };
 
 Result<void> advance(Simulation& simulation, RunState& state) {
@@ -257,7 +257,8 @@ Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& f
     return failed(drawn.error());
   if (const Result<void> finished = leavings.caches.finish(); !finished) return failed(finished.error());
   if (const Result<void> made = make_movie(scene, options); !made) return failed(made.error());
-  state.caches = leavings.caches.names();
+  state.also_left = leavings.caches.names();
+  if (options.movie && !interrupted()) state.also_left += ", " + movie_name(scene);
   if (const Result<void> written = write_mesh(simulation, options.out / "final.ply"); !written) return failed(written.error());
   Result<Figures> measured = figures_of(simulation);
   if (!measured) return failed(measured.error());
@@ -322,7 +323,7 @@ Exit run(const RunOptions& options) {
     return failed(written.error());
   print(figures, scene->solver.rate);
   std::printf("Written: %stimings.csv, report.json, final.ply%s in %s\n", options.picture ? (picture_name(*scene) + ", ").c_str() : "",
-              state.caches.c_str(), options.out.string().c_str());
+              state.also_left.c_str(), options.out.string().c_str());
   if (!interrupted()) {
     // A run that is over is not gone on with.
     std::error_code ignored;
