@@ -17,17 +17,6 @@ Error refuse(const fs::path& file, const std::string& reason) {
   return fail(ErrorKind::other, file.string(), " cannot be written: ", reason);
 }
 
-// The name that is replaced: a rename would put a file in the place of a device or a pipe.
-Result<fs::path> target_of(const fs::path& file, Link link) {
-  std::error_code problem;
-  const bool follow = link == Link::follow && fs::exists(file, problem);
-  const fs::path target = follow ? fs::canonical(file, problem) : file;
-  const fs::file_status status = fs::symlink_status(target, problem);
-  if (fs::is_directory(status)) return refuse(file, "it is a folder");
-  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_symlink(status)) return refuse(file, "it is no regular file");
-  return target;
-}
-
 // Makes a new file beside the target; nothing is left of it after an error.
 Result<fs::path> write_part(const fs::path& file, const fs::path& target, std::span<const std::byte> bytes) {
   fs::path part = target;
@@ -47,8 +36,19 @@ Result<fs::path> write_part(const fs::path& file, const fs::path& target, std::s
 
 }  // namespace
 
+// A rename would put a file in the place of a device or a pipe.
+Result<fs::path> file_target(const fs::path& file, Link link) {
+  std::error_code problem;
+  const bool follow = link == Link::follow && fs::exists(file, problem);
+  const fs::path target = follow ? fs::canonical(file, problem) : file;
+  const fs::file_status status = fs::symlink_status(target, problem);
+  if (fs::is_directory(status)) return refuse(file, "it is a folder");
+  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_symlink(status)) return refuse(file, "it is no regular file");
+  return target;
+}
+
 Result<void> write_file(const fs::path& file, std::span<const std::byte> bytes, Link link) {
-  const Result<fs::path> target = target_of(file, link);
+  const Result<fs::path> target = file_target(file, link);
   if (!target) return target.why();
   const Result<fs::path> part = write_part(file, *target, bytes);
   if (!part) return part.why();
@@ -60,7 +60,7 @@ Result<void> write_file(const fs::path& file, std::span<const std::byte> bytes, 
 }
 
 Result<void> probe_file(const fs::path& file, Link link) {
-  const Result<fs::path> target = target_of(file, link);
+  const Result<fs::path> target = file_target(file, link);
   if (!target) return target.why();
   const std::array<std::byte, 4096> page{};   // a full disk may still make a file without a byte
   const Result<fs::path> part = write_part(file, *target, page);

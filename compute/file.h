@@ -29,4 +29,7 @@ Result<void> write_file(const std::filesystem::path& file, std::span<const std::
 /// Finds out before long work whether write_file could write a page there now, and leaves nothing. Errors: as write_file's.
 Result<void> probe_file(const std::filesystem::path& file, Link link = Link::follow);
 
+/// The file whose name a finished one takes: `file`, or what a link in its place leads to. Errors: it is there and no regular file.
+Result<std::filesystem::path> file_target(const std::filesystem::path& file, Link link = Link::follow);
+
 }  // namespace weft

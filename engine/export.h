@@ -1,6 +1,6 @@
-// Meshes as files that other programs open: PLY for a look at strain, GLB for a cloth in its moved pose.
+// Meshes as files that other programs open: PLY for a look at strain, OBJ and GLB for a cloth in its moved pose.
 //
-// Both are written under a temporary name beside the target and renamed when complete, so a full disk or a read-only folder
+// They are written under a temporary name beside the target and renamed when complete, so a full disk or a read-only folder
 // never leaves half a file under the name that was asked for.
 #pragma once
 
@@ -18,6 +18,11 @@ namespace weft {
 /// target that is no regular file).
 Result<void> write_ply(const std::filesystem::path& file, std::span<const Vec3> positions, std::span<const Vec3> normals,
                        std::span<const float> strain, std::span<const Triangle> triangles);
+
+/// OBJ: a v, vt and vn line a vertex, numbers that are read back as the same bits; v of a texture coordinate grows upwards there.
+/// Normals and UVs are as many as the positions, or none. Errors: as write_ply.
+Result<void> write_obj(const std::filesystem::path& file, std::span<const Vec3> positions, std::span<const Vec3> normals,
+                       std::span<const Vec2> uvs, std::span<const Triangle> triangles);
 
 /// GLB (glTF 2.0): one node, one mesh, one double-sided material without textures; positions, normals, UVs, 32-bit indices.
 /// Tangents are not written: a reader makes them from the UVs. Normals and UVs are as many as the positions, or none.

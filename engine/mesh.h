@@ -109,6 +109,7 @@ struct Mesh {
   RenderMesh render;
   std::vector<std::uint32_t> point_of;          // render vertex -> point; every point has at least one render vertex
   std::vector<std::uint32_t> point_of_source;   // vertex of the file (or of what weld_mesh was given) -> point; kNone: of no triangle
+  std::vector<Vec3> loose;                      // m, rest pose: of the file's vertices that are of no triangle, one after another
   std::vector<Vec3> points;                     // m, rest pose; numbered in the order of their first render vertices, where they lie
   std::vector<Triangle> triangles;              // over points: render.triangles[i] through point_of; each valid, no two the same
   std::vector<WingedEdge> edges;                // manifold after repair; each pair of points once, sorted by (smaller, greater) point

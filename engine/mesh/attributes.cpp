@@ -137,6 +137,7 @@ void transform_mesh(Mesh& mesh, const Transform& transform) {
   const auto move = [&](Vec3& p) { p = narrow(turn * (transform.scale * wide(p)) + shift); };
   for (Vec3& p : mesh.points) move(p);
   for (Vec3& p : mesh.render.positions) move(p);
+  for (Vec3& p : mesh.loose) move(p);
   for (Vec3& n : mesh.render.normals) n = narrow((turn * wide(n)).normalized());
   for (Vec4& t : mesh.render.tangents) {
     const Vec3 moved = narrow((turn * Vector3d(t.x, t.y, t.z)).normalized());

@@ -35,6 +35,11 @@ Result<void> points_are_there(const Mesh& mesh) {
   for (std::size_t k = 0; k < mesh.point_of_source.size(); ++k)
     if (mesh.point_of_source[k] >= mesh.points.size() && mesh.point_of_source[k] != kNone)
       return fail("point_of_source[", k, "]: ", mesh.point_of_source[k], " is not one of the ", mesh.points.size(), " points");
+  const auto loose = static_cast<std::size_t>(std::ranges::count(mesh.point_of_source, kNone));
+  if (loose != mesh.loose.size())
+    return fail("loose has ", mesh.loose.size(), " entries, and ", loose, " of point_of_source are of no point");
+  for (std::size_t k = 0; k < mesh.loose.size(); ++k)
+    if (!is_finite(mesh.loose[k])) return far("loose", k, mesh.loose[k]);
   std::vector<bool> is_drawn(mesh.points.size());
   for (std::size_t k = 0; k < mesh.point_of.size(); ++k) {
     if (mesh.point_of[k] >= mesh.points.size())

@@ -1,4 +1,4 @@
-// PLY and GLB, written by hand: both are a text header and raw little-endian arrays.
+// PLY, OBJ and GLB, written by hand.
 #include "engine/export.h"
 
 #include <algorithm>
@@ -8,7 +8,8 @@
 #include <string>
 
 #include "compute/file.h"
-#include "engine/json_tree.h"
+#include "engine/mesh/glb.h"
+#include "engine/mesh/number_text.h"
 
 namespace weft {
 namespace {
@@ -21,10 +22,27 @@ void put(std::string& bytes, const T& value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-template <class T>
-void put_all(std::string& bytes, std::span<const T> values) {
-  bytes.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
+// A line a vertex: "v 1 2 3".
+template <class Vector>
+void add_lines(std::string& text, std::string_view keyword, std::span<const Vector> list) {
+  constexpr std::size_t numbers = sizeof(Vector) / sizeof(float);
+  const std::size_t before = text.size();
+  text.resize(before + list.size() * (keyword.size() + numbers * (1 + parts::kNumberLength) + 1));
+  char* at = text.data() + before;
+  for (const Vector& vector : list) {
+    at = std::copy(keyword.begin(), keyword.end(), at);
+    for (const float number : std::bit_cast<std::array<float, numbers>>(vector)) {
+      *at++ = ' ';
+      at = parts::put_number(number, at);
+    }
+    *at++ = '\n';
+  }
+  text.resize(static_cast<std::size_t>(at - text.data()));
 }
+
+}   // namespace
+
+namespace parts {
 
 Result<void> check_length(const std::filesystem::path& file, const char* name, std::size_t count, std::size_t vertices) {
   if (count == 0 || count == vertices) return {};
@@ -38,14 +56,8 @@ Result<void> check_indices(const std::filesystem::path& file, std::span<const Tr
   return {};
 }
 
-}   // namespace
-
-Result<void> write_ply(const std::filesystem::path& file, std::span<const Vec3> positions, std::span<const Vec3> normals,
-                       std::span<const float> strain, std::span<const Triangle> triangles) try {
-  if (Result<void> checked = check_length(file, "normals", normals.size(), positions.size()); !checked) return checked;
-  if (Result<void> checked = check_length(file, "strains", strain.size(), positions.size()); !checked) return checked;
-  if (Result<void> checked = check_indices(file, triangles, positions.size()); !checked) return checked;
-
+std::string ply_of(std::span<const Vec3> positions, std::span<const Vec3> normals, std::span<const float> strain,
+                   std::span<const Triangle> triangles) {
   std::string bytes = "ply\nformat binary_little_endian 1.0\ncomment strain is a fraction of the rest length\nelement vertex " +
                       std::to_string(positions.size()) + "\nproperty float x\nproperty float y\nproperty float z\n";
   if (!normals.empty()) bytes += "property float nx\nproperty float ny\nproperty float nz\n";
@@ -61,69 +73,76 @@ Result<void> write_ply(const std::filesystem::path& file, std::span<const Vec3> 
     bytes.push_back(3);
     put(bytes, triangle);
   }
+  return bytes;
+}
+
+ObjFaces obj_faces(std::span<const Vec2> uvs, std::span<const Triangle> triangles, bool has_normals) {
+  ObjFaces text;
+  std::vector<Vec2> upward(uvs.begin(), uvs.end());
+  for (Vec2& uv : upward) uv.y = 1 - uv.y;
+  add_lines(text.uvs, "vt", std::span<const Vec2>(upward));
+  for (const Triangle& triangle : triangles) {
+    text.faces.push_back('f');
+    for (const std::uint32_t v : triangle) {
+      const std::string number = std::to_string(v + 1);
+      text.faces += ' ' + number;
+      if (!uvs.empty() || has_normals) text.faces += '/';
+      if (!uvs.empty()) text.faces += number;
+      if (has_normals) text.faces += '/' + number;
+    }
+    text.faces.push_back('\n');
+  }
+  return text;
+}
+
+void obj_of(std::span<const Vec3> positions, std::span<const Vec3> normals, const ObjFaces& faces, std::string& text) {
+  text = "# Weft\n";
+  text.reserve(text.size() + (positions.size() + normals.size()) * 56 + faces.uvs.size() + faces.faces.size());
+  add_lines(text, "v", positions);
+  text += faces.uvs;
+  add_lines(text, "vn", normals);
+  text += faces.faces;
+}
+
+}   // namespace parts
+
+Result<void> write_ply(const std::filesystem::path& file, std::span<const Vec3> positions, std::span<const Vec3> normals,
+                       std::span<const float> strain, std::span<const Triangle> triangles) try {
+  if (Result<void> checked = parts::check_length(file, "normals", normals.size(), positions.size()); !checked) return checked;
+  if (Result<void> checked = parts::check_length(file, "strains", strain.size(), positions.size()); !checked) return checked;
+  if (Result<void> checked = parts::check_indices(file, triangles, positions.size()); !checked) return checked;
+
+  const std::string bytes = parts::ply_of(positions, normals, strain, triangles);
   return write_file(file, std::as_bytes(std::span(bytes)));
 } catch (...) {
   return caught("the mesh");
 }
 
+Result<void> write_obj(const std::filesystem::path& file, std::span<const Vec3> positions, std::span<const Vec3> normals,
+                       std::span<const Vec2> uvs, std::span<const Triangle> triangles) try {
+  if (Result<void> checked = parts::check_length(file, "normals", normals.size(), positions.size()); !checked) return checked;
+  if (Result<void> checked = parts::check_length(file, "texture coordinates", uvs.size(), positions.size()); !checked) return checked;
+  if (Result<void> checked = parts::check_indices(file, triangles, positions.size()); !checked) return checked;
+
+  std::string text;
+  parts::obj_of(positions, normals, parts::obj_faces(uvs, triangles, !normals.empty()), text);
+  return write_file(file, std::as_bytes(std::span(text)));
+} catch (...) {
+  return caught("the mesh");
+}
+
 Result<void> write_glb(const std::filesystem::path& file, const RenderMesh& mesh) try {
-  using json = nlohmann::json;
-  const std::size_t vertices = mesh.positions.size();
-  if (mesh.triangles.empty() || vertices == 0)
-    return fail(file.string(), " is not written: a mesh of ", vertices, " vertices and ", mesh.triangles.size(),
-                " triangles has nothing to draw");
-  if (Result<void> checked = check_length(file, "normals", mesh.normals.size(), vertices); !checked) return checked;
-  if (Result<void> checked = check_length(file, "texture coordinates", mesh.uvs.size(), vertices); !checked) return checked;
-  if (Result<void> checked = check_indices(file, mesh.triangles, vertices); !checked) return checked;
-
-  constexpr int float_type = 5126, integer_type = 5125, vertex_target = 34962, index_target = 34963;
-  std::string binary;
-  JsonTree accessors = json::array(), views = json::array();
-  const auto add = [&](auto values, int component, const char* type, std::size_t count, int target) {
-    JsonTree view = object_of("buffer", 0, "byteOffset", binary.size(), "byteLength", values.size_bytes(), "target", target);
-    JsonTree accessor = object_of("bufferView", views.root.size(), "componentType", component, "count", count, "type", type);
-    views.root.push_back(std::move(view.root));
-    accessors.root.push_back(std::move(accessor.root));
-    put_all(binary, values);
-    return accessors.root.size() - 1;
-  };
-  JsonTree shown = json::object();
-  json& attributes = shown.root;
-  attributes["POSITION"] = add(std::span<const Vec3>(mesh.positions), float_type, "VEC3", vertices, vertex_target);
-  Vec3 low = mesh.positions.front(), high = low;
-  for (const Vec3& p : mesh.positions) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  for (const auto& [key, bound] : {std::pair{"min", low}, std::pair{"max", high}}) {
-    json& place = accessors.root.back()[key];
-    place = {bound.x, bound.y, bound.z};
-  }
-  if (!mesh.normals.empty()) attributes["NORMAL"] = add(std::span<const Vec3>(mesh.normals), float_type, "VEC3", vertices, vertex_target);
-  if (!mesh.uvs.empty()) attributes["TEXCOORD_0"] = add(std::span<const Vec2>(mesh.uvs), float_type, "VEC2", vertices, vertex_target);
-  const std::size_t indices =
-      add(std::span<const Triangle>(mesh.triangles), integer_type, "SCALAR", mesh.triangles.size() * 3, index_target);
-
-  JsonTree look = object_of("metallicFactor", 0, "roughnessFactor", 0.8);
-  JsonTree materials = list_of(object_of("doubleSided", true, "pbrMetallicRoughness", std::move(look)));
-  JsonTree primitives = list_of(object_of("attributes", std::move(shown), "indices", indices, "material", 0));
-  const JsonTree document = object_of(
-      "asset", object_of("version", "2.0", "generator", "Weft"), "scene", 0, "scenes", list_of(object_of("nodes", list_of(json(0)))),
-      "nodes", list_of(object_of("mesh", 0)), "materials", std::move(materials), "meshes",
-      list_of(object_of("primitives", std::move(primitives))), "accessors", std::move(accessors), "bufferViews", std::move(views),
-      "buffers", list_of(object_of("byteLength", binary.size())));
-
+  Result<glb::Scene> scene = glb::scene_of(file, mesh);
+  if (!scene) return scene.take_error();
+  JsonTree document = glb::document_of(*scene, scene->binary.size(), "");
+  put(document, "accessors", std::move(scene->accessors));
   std::string text = document.root.dump();
   text.resize((text.size() + 3) / 4 * 4, ' ');
-  const std::size_t size = 12 + 8 + text.size() + 8 + binary.size();
-  if (size > 0xffffffffu)
-    return fail(file.string(), " is not written: it would have ", size, " bytes, and a GLB has at most ", 0xffffffffu);
-  std::string bytes = "glTF";
-  for (const std::size_t value : {std::size_t{2}, size, text.size()}) put(bytes, static_cast<std::uint32_t>(value));
-  bytes += "JSON" + text;
-  put(bytes, static_cast<std::uint32_t>(binary.size()));
-  bytes.append("BIN\0", 4);
-  bytes += binary;
+  const std::size_t size = glb::kHeadBytes + text.size() + glb::kBinaryHeadBytes + scene->binary.size();
+  if (size > glb::kMostBytes)
+    return fail(file.string(), " is not written: it would have ", size, " bytes, and a GLB has at most ", glb::kMostBytes);
+  const std::string bytes =
+      glb::head_of(text.size(), scene->binary.size()) + text + glb::binary_head_of(scene->binary.size()) + scene->binary;
   return write_file(file, std::as_bytes(std::span(bytes)));
 } catch (...) {
   return caught("the mesh");

@@ -123,6 +123,8 @@ Result<Mesh> load(const std::filesystem::path& file, BufferFiles buffer_files) {
   if (!harvest) return harvest.take_error();
   RenderMesh& render = harvest->render;
   if (Result<void> checked = parts::check_places(render.positions); !checked) return fail(file.string(), ": ", checked.why());
+  const std::span<const Vec3> own = std::span(render.positions).first(harvest->source_vertices);
+  const std::vector<Vec3> source(own.begin(), own.end());
   std::vector<std::uint32_t> joined;   // what became of each vertex; empty: nothing
   if (render.positions.size() >= 3 * render.triangles.size()) joined = join_copies(render);
   Result<Mesh> mesh = weld_mesh(std::move(render));
@@ -130,6 +132,7 @@ Result<Mesh> load(const std::filesystem::path& file, BufferFiles buffer_files) {
   for (std::uint32_t& v : joined) v = mesh->point_of_source[v];
   if (!joined.empty()) mesh->point_of_source = std::move(joined);
   mesh->point_of_source.resize(harvest->source_vertices);
+  parts::keep_loose(*mesh, source);
   take_over(*harvest, *mesh);
   mesh->skin_fault = harvest->skin_fault;
 

@@ -91,6 +91,9 @@ Result<void> check_skin(const Skin& skin, std::size_t points);
 /// Whether all are finite and nearer than kTooLarge (engine/finite.h); else a sentence with the first that is not.
 Result<void> check_places(std::span<const Vec3> positions);
 
+/// Sets Mesh::loose, from where the file has its vertices.
+void keep_loose(Mesh& mesh, std::span<const Vec3> source);
+
 /// Cuts a face of three or more corners into triangles over these, which keep its winding; every corner is one of a triangle. False
 /// when the face crosses itself: then triangles lie on each other, or face the other way.
 bool cut_face(std::span<const Vec3> face, std::vector<Triangle>& triangles);

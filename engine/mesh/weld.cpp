@@ -259,6 +259,12 @@ Result<void> check_places(std::span<const Vec3> positions) {
   return {};
 }
 
+void keep_loose(Mesh& mesh, std::span<const Vec3> source) {
+  mesh.loose.clear();
+  for (std::size_t v = 0; v < mesh.point_of_source.size(); ++v)
+    if (mesh.point_of_source[v] == kNone) mesh.loose.push_back(source[v]);
+}
+
 }   // namespace parts
 
 Result<Mesh> weld_mesh(RenderMesh render) try {
@@ -279,6 +285,7 @@ Result<Mesh> weld_mesh(RenderMesh render) try {
   const std::size_t triangle_count = render.triangles.size(), vertex_count = render.positions.size();
   render.triangles = sound_triangles(render, lowest, diagonal, mesh.mended);
   if (render.triangles.empty()) return fail("none of the ", triangle_count, " triangles has an area");
+  const std::vector<Vec3> source = render.positions;
   const std::vector<std::uint32_t> old_index = drop_unused(render);
   if (const std::size_t unused = vertex_count - old_index.size())
     mesh.mended.push_back(count_of(unused, "vertex", "vertices") + " belonged to no triangle (or to dropped ones) and " +
@@ -296,6 +303,7 @@ Result<Mesh> weld_mesh(RenderMesh render) try {
     mesh.point_of.push_back(point);
     mesh.point_of_source[old_index[v]] = point;
   }
+  parts::keep_loose(mesh, source);
   mesh.render = std::move(render);
   mesh.triangles.reserve(mesh.render.triangles.size());
   for (const Triangle& t : mesh.render.triangles) mesh.triangles.push_back({mesh.point_of[t[0]], mesh.point_of[t[1]], mesh.point_of[t[2]]});

@@ -51,6 +51,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const compute::Device& de
       Mesh& mesh = meshes[k];
       for (Vec3& p : mesh.points) p = p - origin;
       for (Vec3& p : mesh.render.positions) p = p - origin;
+      for (Vec3& p : mesh.loose) p = p - origin;
       if (mesh.skin) mesh.skin->place.origin = mesh.skin->place.origin - origin;
     }
   return create_at(device, scene, origin, std::move(meshes), options);

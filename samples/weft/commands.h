@@ -28,9 +28,11 @@ struct RunOptions {
   std::optional<std::uint32_t> frames;   // none: the scene's
   std::uint32_t every = 0;      // 0: only the final frame is drawn
   bool picture = true;
+  bool movie = false;           // of the pictures of `every`
   bool check = false;           // count crossings of cloth at every frame
   std::uint32_t checkpoint = 0; // frames between snapshots that the run can go on from; 0: none
   bool fresh = false;           // do not go on with what is in `out`
+  std::vector<std::filesystem::path> caches;   // animated geometry: engine/cache.h; relative ones lie in `out`
   std::string device;           // as compute::DeviceChoice::name
   BufferFiles buffer_files = BufferFiles::below_its_folder;
   std::vector<Assignment> assignments;

@@ -30,7 +30,7 @@ Result<Side> side_of(const compute::Device& device, Scene scene, bool contacts) 
   return Side{std::move(*created), {}};
 }
 
-Result<ContactPrice> price_of(const Side& side) {
+Result<ContactPrice> cost_of(const Side& side) {
   ContactPrice price;
   price.frame = spread_of({side.frames.begin() + 1, side.frames.end()});
   const auto positions = side.simulation->read_positions();
@@ -56,7 +56,7 @@ Result<ContactPrices> contact_prices(const compute::Device& device, const Scene&
       if (auto done = side->advance(1 / scene.solver.rate); !done) return done.take_error();
     progress.step();
   }
-  auto price_without = price_of(*without), price_with = price_of(*with);
+  auto price_without = cost_of(*without), price_with = cost_of(*with);
   if (!price_without) return price_without.take_error();
   if (!price_with) return price_with.take_error();
   prices.without = *price_without;

@@ -70,6 +70,8 @@ Exit obey(int count, char** arguments) {
   add_outside(*run_command, allow_outside);
   CLI::Option* every_option = run_command->add_option("--every", run_options.every, "Draw every K-th frame too, as frame_0000.png");
   every_option->type_name("K")->check(CLI::Range(1u, kMostFrames));
+  run_command->add_flag("--movie", run_options.movie, "Make an MP4 of the pictures of --every; needs the program ffmpeg")
+      ->needs(every_option);
   run_command->add_flag("--no-picture", no_picture, "Draw nothing: needs no graphics queue")->excludes(every_option);
   run_command->add_flag("--check", run_options.check,
                         "Count where cloth crosses cloth or a mesh collider, at the start and after every frame");
@@ -77,6 +79,14 @@ Exit obey(int count, char** arguments) {
       "--checkpoint", run_options.checkpoint, "Leave a snapshot every K frames; the same command goes on with it after a kill");
   checkpoint_option->type_name("K")->check(CLI::Range(1u, kMostFrames));
   run_command->add_flag("--fresh", run_options.fresh, "Begin anew, whatever snapshot is in the folder already")->needs(checkpoint_option);
+  run_command
+      ->add_option("--cache", run_options.caches,
+                   "Write every frame's geometry for other programs, by the ending: .glb, .pc2, .mdd, .usda, or .ply and .obj with a file "
+                   "a frame; in the folder of --out, as often as wanted")
+      ->type_name("FILE")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
   run_command->add_option("--device", run_options.device, "Index or part of the name; weft info lists them");
 
   TimeOptions time_options;

@@ -8,12 +8,15 @@
 #include <chrono>
 #include <cstdio>
 
+#include "compute/part_file.h"
 #include "engine/export.h"
 #include "engine/reference/intersections.h"
+#include "samples/weft/caches.h"
 #include "samples/weft/checkpoint.h"
 #include "samples/weft/commands.h"
 #include "samples/weft/console.h"
 #include "samples/weft/files.h"
+#include "samples/weft/movie.h"
 #include "samples/weft/outputs.h"
 #include "samples/weft/painter.h"
 #include "samples/weft/report.h"
@@ -46,6 +49,7 @@ struct RunState {
   std::uint32_t timed_from = 0;      // frame
   std::optional<Snapshot> middle;    // at that frame; none where it is the scene's start
   std::optional<double> speed;       // m/s, over the last frame
+  std::string also_left;             // ", flag.pc2, flag.mp4": what is whole
 };
 
 Result<void> advance(Simulation& simulation, RunState& state) {
@@ -133,27 +137,36 @@ std::filesystem::path checkpoint_file(const Scene& scene, const RunOptions& opti
 }
 
 std::string picture_name(const Scene& scene) { return file_name(scene.name) + ".png"; }
+std::string movie_name(const Scene& scene) { return file_name(scene.name) + ".mp4"; }
 
 std::vector<std::string> outputs_of(const Scene& scene, const RunOptions& options) {
   std::vector<std::string> names = {"final.ply", "timings.csv", "report.json"};
   if (options.picture) names.push_back(picture_name(scene));
+  if (options.movie) names.insert(names.end(), {movie_name(scene), part_of(movie_name(scene)).string()});
   if (options.checkpoint > 0) names.push_back(checkpoint_file(scene, options).filename().string());
   for (std::uint32_t frame = 0; options.every > 0 && frame < scene.frames; frame += options.every) names.push_back(frame_name(frame));
   return names;
 }
 
-// What follows a frame: crossings are counted, a picture is drawn, a checkpoint is written.
-Result<void> after_frame(Simulation& simulation, Painter& painter, const RunOptions& options, Tally& tally) {
+// What a run leaves of its frames while it goes.
+struct Leavings {
+  Painter painter;
+  Caches caches;
+};
+
+// What follows a frame: crossings are counted, caches get it, a picture is drawn, a checkpoint is written.
+Result<void> after_frame(Simulation& simulation, Leavings& leavings, const RunOptions& options, Tally& tally) {
   if (tally.intersections)
     if (Result<void> counted = count(simulation, *tally.intersections); !counted) return counted;
+  if (Result<void> added = leavings.caches.add(simulation); !added) return added;
   const std::uint32_t frame = tally.frames - 1;
   if (options.every > 0 && frame % options.every == 0)
-    if (Result<void> drawn = painter.draw(simulation, options.out / frame_name(frame)); !drawn) return drawn;
+    if (Result<void> drawn = leavings.painter.draw(simulation, options.out / frame_name(frame)); !drawn) return drawn;
   if (options.checkpoint == 0 || tally.frames % options.checkpoint != 0) return {};
   return write_checkpoint(checkpoint_file(simulation.scene(), options), simulation, tally);
 }
 
-Result<void> simulate(Simulation& simulation, Painter& painter, const RunOptions& options, RunState& state) {
+Result<void> simulate(Simulation& simulation, Leavings& leavings, const RunOptions& options, RunState& state) {
   const Scene& scene = simulation.scene();
   state.timed_from = std::max(state.tally.frames, scene.frames > kMostTimed ? (scene.frames - kMostTimed) / 2 : 0);
   Progress progress("simulating " + scene.name, scene.frames);
@@ -166,11 +179,25 @@ Result<void> simulate(Simulation& simulation, Painter& painter, const RunOptions
     }
     const bool last = state.tally.frames + 1 == scene.frames;
     if (Result<void> done = last ? advance_and_time_particles(simulation, state) : advance(simulation, state); !done) return done;
-    if (Result<void> done = after_frame(simulation, painter, options, state.tally); !done) return done;
+    if (Result<void> done = after_frame(simulation, leavings, options, state.tally); !done) return done;
     progress.step();
   }
   if (options.checkpoint == 0 || state.tally.frames == 0 || !interrupted()) return {};
   return write_checkpoint(checkpoint_file(scene, options), simulation, state.tally);
+}
+
+// Of the pictures of all frames, those of an earlier run that this one went on with too.
+Result<void> make_movie(const Scene& scene, const RunOptions& options) {
+  if (!options.movie) return {};
+  const std::filesystem::path file = options.out / movie_name(scene);
+  if (interrupted()) {
+    complain(file.string() + " is not written: the run was interrupted");
+    return {};
+  }
+  std::vector<std::filesystem::path> pictures;
+  for (std::uint32_t frame = 0; frame < scene.frames; frame += options.every) pictures.push_back(options.out / frame_name(frame));
+  if (pictures.empty()) return {};
+  return write_movie(file, pictures, scene.solver.rate / options.every);
 }
 
 // Where the run begins: at the scene's start, or at the checkpoint of an earlier run.
@@ -210,23 +237,28 @@ Exit simulate_and_draw(const Scene& scene, const RunOptions& options, Figures& f
   const Started started = start(**device, scene, false);
   if (!started.simulation) return started.exit;
   Simulation& simulation = *started.simulation;
-  Painter painter;
+  Leavings leavings;
   if (options.picture)
-    if (const Exit exit = painter.create(**device, simulation, kPictureSize); exit != kDone) return exit;
+    if (const Exit exit = leavings.painter.create(**device, simulation, kPictureSize); exit != kDone) return exit;
 
   const CookedFabric& fabric = simulation.fabric();
   std::printf("%s: %s on %s\n", scene.name.c_str(), summary_of(simulation.scene(), fabric).c_str(), (*device)->name().c_str());
   const std::size_t notes_before = fabric.notes.size();
   for (const std::string& note : fabric.notes) std::printf("note: %s\n", note.c_str());
   if (const Exit exit = begin(simulation, options, state); exit != kDone) return exit;
+  if (const Exit exit = leavings.caches.open(simulation, options, state.resumed_at); exit != kDone) return exit;
   const std::string crossing = state.resumed_at ? "" : crossing_note(simulation.scene(), fabric);
   if (!crossing.empty()) std::printf("note: %s\n", crossing.c_str());
   std::fflush(stdout);
-  if (const Result<void> done = simulate(simulation, painter, options, state); !done) return failed(done.error());
+  if (const Result<void> done = simulate(simulation, leavings, options, state); !done) return failed(done.error());
   for (const std::string& note : std::span(fabric.notes).subspan(notes_before)) std::printf("note: %s\n", note.c_str());
 
-  if (const Result<void> drawn = painter.draw(simulation, options.out / picture_name(scene)); !drawn)
+  if (const Result<void> drawn = leavings.painter.draw(simulation, options.out / picture_name(scene)); !drawn)
     return failed(drawn.error());
+  if (const Result<void> finished = leavings.caches.finish(); !finished) return failed(finished.error());
+  if (const Result<void> made = make_movie(scene, options); !made) return failed(made.error());
+  state.also_left = leavings.caches.names();
+  if (options.movie && !interrupted()) state.also_left += ", " + movie_name(scene);
   if (const Result<void> written = write_mesh(simulation, options.out / "final.ply"); !written) return failed(written.error());
   Result<Figures> measured = figures_of(simulation);
   if (!measured) return failed(measured.error());
@@ -273,9 +305,11 @@ Exit run(const RunOptions& options) {
     return kBadInput;
   }
   if (options.frames) scene->frames = *options.frames;
+  if (options.movie && !has_ffmpeg()) return failed("--movie: the program ffmpeg, which makes it, is not installed");
   listen_for_interrupts();
-  if (const Exit exit = prepare_outputs(options.out, outputs_of(*scene, options), inputs_of(options.file, *scene)); exit != kDone)
-    return exit;
+  const std::vector<Input> inputs = inputs_of(options.file, *scene);
+  if (const Exit exit = prepare_outputs(options.out, outputs_of(*scene, options), inputs); exit != kDone) return exit;
+  if (const Exit exit = Caches::prepare(*scene, options, inputs); exit != kDone) return exit;
 
   Figures figures;
   PassTimes times({});
@@ -288,8 +322,8 @@ Exit run(const RunOptions& options) {
   if (const Result<void> written = write_text(options.out / "report.json", report_json(figures, times)); !written)
     return failed(written.error());
   print(figures, scene->solver.rate);
-  std::printf("Written: %stimings.csv, report.json, final.ply in %s\n", options.picture ? (picture_name(*scene) + ", ").c_str() : "",
-              options.out.string().c_str());
+  std::printf("Written: %stimings.csv, report.json, final.ply%s in %s\n", options.picture ? (picture_name(*scene) + ", ").c_str() : "",
+              state.also_left.c_str(), options.out.string().c_str());
   if (!interrupted()) {
     // A run that is over is not gone on with.
     std::error_code ignored;

@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <type_traits>
 #include <utility>
 
 #include "compute/result.h"
@@ -11,7 +12,10 @@ namespace weft::bench {
 
 template <class T>
 T need(Result<T> result) {
-  if (result) return std::move(*result);
+  if (result) {
+    if constexpr (std::is_void_v<T>) return;
+    else return std::move(*result);
+  }
   std::fprintf(stderr, "weft_bench: %s\n", result.error().c_str());
   std::exit(1);
 }

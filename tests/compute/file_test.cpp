@@ -1,5 +1,6 @@
 // write_file: all of a file or nothing, whatever happens on the way.
 #include "compute/file.h"
+#include "compute/part_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -81,6 +82,46 @@ TEST(File, a_program_that_is_killed_while_it_writes_leaves_what_was_there_and_th
   EXPECT_EQ(entries(folder / ""), 2) << "and the part that was written";
   ASSERT_TRUE(write(folder / "text", "after"));
   EXPECT_EQ(slurp(folder / "text"), "after");
+}
+
+TEST(File, a_part_has_its_name_when_it_is_whole_and_a_link_stays_a_link) {
+  const Folder folder;
+  folder.write("there", "old, and longer");
+  std::filesystem::create_symlink("there", folder / "link");
+  const auto put = [](PartFile& part, std::uint64_t offset, const std::string& text) {
+    return part.write(offset, std::as_bytes(std::span(text)));
+  };
+  {
+    Result<PartFile> part = PartFile::create(folder / "link", false);
+    ASSERT_TRUE(part) << part.error();
+    ASSERT_TRUE(put(*part, 4, "later"));
+    EXPECT_EQ(entries(folder / ""), 3);
+  }
+  EXPECT_EQ(entries(folder / ""), 2) << "the part is gone";
+  folder.write("there.part", "of an earlier run");
+  Result<PartFile> part = PartFile::create(folder / "link", true);
+  ASSERT_TRUE(part) << part.error();
+  ASSERT_TRUE(put(*part, 4, "later, cut off"));
+  ASSERT_TRUE(put(*part, 0, "new "));
+  EXPECT_EQ(slurp(folder / "link"), "old, and longer");
+  ASSERT_TRUE(part->finish(9));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
+  EXPECT_EQ(slurp(folder / "there"), "new later");
+  EXPECT_EQ(entries(folder / ""), 2);
+}
+
+TEST(File, a_part_that_was_kept_is_found_again_and_one_in_the_wrong_place_is_a_sentence) {
+  const Folder folder;
+  EXPECT_EQ(PartFile::reopen(folder / "file").error(), (folder / "file.part").string() + " is not there");
+  { const Result<PartFile> part = PartFile::create(folder / "file", true); }
+  EXPECT_TRUE(std::filesystem::exists(folder / "file.part"));
+  EXPECT_TRUE(PartFile::reopen(folder / "file"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "file"));
+  std::filesystem::remove(folder / "file.part");
+  std::filesystem::create_directory(folder / "file.part");
+  EXPECT_EQ(PartFile::create(folder / "file", true).error(), (folder / "file.part").string() + " cannot be written: File exists");
+  std::filesystem::create_directory(folder / "taken");
+  EXPECT_EQ(PartFile::create(folder / "taken", false).error(), (folder / "taken").string() + " cannot be written: it is a folder");
 }
 
 TEST(File, a_folder_in_which_nothing_can_be_made_is_a_sentence) {

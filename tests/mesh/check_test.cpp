@@ -27,6 +27,8 @@ const Flaw kFlaws[] = {
     {"render.positions[2]: (1e+20", [](Mesh& m) { m.render.positions[2].x = 1e20f; }},
     {"point_of[3]: 9 is not one of the 9 points", [](Mesh& m) { m.point_of[3] = 9; }},
     {"point_of_source[3]: 9 is not one of the 9 points", [](Mesh& m) { m.point_of_source[3] = 9; }},
+    {"loose has 0 entries, and 1 of point_of_source are of no point", [](Mesh& m) { m.point_of_source[3] = kNone; }},
+    {"loose[0]: (inf", [](Mesh& m) { m.point_of_source[3] = kNone, m.loose = {{INFINITY, 0, 0}}; }},
     {"points[9]: no render vertex belongs to it", [](Mesh& m) { m.points.push_back({}); }},
     {"triangles[5]: 4294967295 is not one of the 9 points", [](Mesh& m) { m.triangles[5][1] = kNone; }},
     {"render.triangles[0]: 100 is not one of the 9 vertices", [](Mesh& m) { m.render.triangles[0][2] = 100; }},

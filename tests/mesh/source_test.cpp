@@ -129,6 +129,7 @@ TEST(SourceVertices, that_no_triangle_has_keep_their_number_and_cannot_be_anchor
   ASSERT_TRUE(mesh) << mesh.error();
   EXPECT_EQ(mesh->point_of_source, (std::vector<std::uint32_t>{kNone, 0, 1, 1, 2, 3}));   // two lie at one place
   EXPECT_EQ(mesh->mended, (std::vector<std::string>{"1 vertex belonged to no triangle (or to dropped ones) and was dropped"}));
+  EXPECT_EQ(mesh->loose, (std::vector<Vec3>{{9, 9, 9}}));
   EXPECT_EQ(anchored(*mesh, {5}), (std::vector<Vec3>{{1, 1, 0}}));
   Cloth cloth;
   cloth.anchors.resize(1);
@@ -185,6 +186,7 @@ TEST(SourceVertices, of_primitives_that_share_their_accessors_are_there_once) {
   mesh = load_mesh(gltf.write(folder));
   ASSERT_TRUE(mesh) << mesh.error();
   EXPECT_EQ(mesh->point_of_source, (std::vector<std::uint32_t>{0, kNone, 1, 2, 0, 3, 1, kNone}));
+  EXPECT_EQ(mesh->loose, (std::vector<Vec3>{{1, 0, 0}, {0, 1, 0}}));
 }
 
 TEST(SourceVertices, of_a_primitive_without_indices_keep_their_numbers_when_they_are_joined) {

@@ -1,4 +1,5 @@
-// Runs a frame, and asks what draws for a picture of nothing, which is refused.
+// Runs a frame, knows a cache by its name, and asks what draws for a picture of nothing, which is refused.
+#include "engine/cache.h"
 #include "engine/shading/shading.h"
 #include "engine/simulation.h"
 
@@ -10,5 +11,6 @@ int main() {
   auto cloth = weft::Simulation::create(**device, scene);
   if (!cloth) return 1;
   if (!(*cloth)->advance(1.0 / 60)) return 1;
+  if (!weft::cache_format("cloth.pc2")) return 1;
   return weft::Shading::create(**device, scene, {}, {64, 64}) ? 1 : 0;
 }
