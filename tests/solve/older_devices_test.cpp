@@ -31,7 +31,6 @@ struct Asked {
 
 constexpr std::uint32_t k11 = VK_API_VERSION_1_1, k12 = VK_API_VERSION_1_2, k13 = VK_API_VERSION_1_3;
 constexpr Asked kHosts[] = {
-    {"all", k13, true, true, true, true},
     {"no_synchronization2", k13, false, true, true, true},
     {"no_timeline_semaphore", k13, true, false, true, true},
     {"no_host_query_reset", k13, true, true, false, true},
