@@ -6,9 +6,10 @@
 // effect that owns it, in engine/effects/. SI units.
 //
 // Structs have the layouts of Vulkan 1.1, std430 in storage buffers and push constants and std140 in uniform buffers, and the same in C++,
-// where every member is aligned to 4 bytes. So a vec3 or a vec4 stands where its alignment of 16 bytes divides the offset and a scalar or
-// another of them follows, a uvec2 where 8 does; elsewhere its place is taken by packed_vec3 and the like, which the shader unpacks.
-// A pass whose elements are of another size than in C++ is refused (engine/solve/plan.cpp).
+// where members are aligned to 4 bytes and those that are WEFT_ALIGNED to 16. So a vec3 or a vec4 stands where 16 divides the offset, a
+// uvec2 where 8 does. Where it does not, its place is taken by packed_vec3 and the like, which the shader unpacks: three loads in place of
+// one, for what is read once a frame or by few threads. A pass whose elements are of another size than in C++ is refused
+// (engine/solve/plan.cpp).
 #ifndef WEFT_SHARED_H
 #define WEFT_SHARED_H
 
@@ -78,6 +79,7 @@ struct vec4 { float x, y, z, w; };
 using packed_uvec2 = uvec2;
 using packed_vec3 = vec3;
 using packed_vec4 = vec4;
+#define WEFT_ALIGNED alignas(16)
 #define WEFT_INLINE inline
 #define WEFT_FLOAT(bits) std::bit_cast<float>(bits)
 #define WEFT_BITS(value) std::bit_cast<std::uint32_t>(value)
@@ -93,6 +95,7 @@ vec3 unpack(packed_vec3 v) { return vec3(v.x, v.y, v.z); }
 vec4 unpack(packed_vec4 v) { return vec4(v.x, v.y, v.z, v.w); }
 packed_vec3 pack(vec3 v) { return packed_vec3(v.x, v.y, v.z); }
 
+#define WEFT_ALIGNED
 #define WEFT_INLINE
 #define WEFT_FLOAT(bits) uintBitsToFloat(bits)
 #define WEFT_BITS(value) floatBitsToUint(value)
@@ -195,13 +198,15 @@ struct LastPull {
 // The buffer holds all planes, then all spheres, capsules and boxes; how many of each is a constant. A particle is put out of them in this
 // order, so that where two overlap the later one decides.
 struct Collider {
+  vec3 centre_from;   // m
   float radius;       // m, spheres and capsules; of one with two radii their mean
+  vec3 centre_to;     // m
   float friction;     // Coulomb
-  packed_vec3 centre_from, centre_to;   // m
-  packed_vec3 normal_from, normal_to;   // unit, planes
-  packed_vec3 spin;          // rad over the frame, about the centre: where capsules and boxes end follows from it
-  packed_vec4 rotation_from; // unit quaternion, capsules and boxes
-  packed_vec3 half_size;     // m: half a box's sides; y: half a capsule's length; of one with two radii x where its middle is along its axis,
+  WEFT_ALIGNED vec3 normal_from;     // unit, planes
+  WEFT_ALIGNED vec3 normal_to;
+  WEFT_ALIGNED vec3 spin;            // rad over the frame, about the centre: where capsules and boxes end follows from it
+  WEFT_ALIGNED vec4 rotation_from;   // unit quaternion, capsules and boxes
+  vec3 half_size;     // m: half a box's sides; y: half a capsule's length; of one with two radii x where its middle is along its axis,
                       // and z the sine of its taper (collide/round_cone.glsl)
 };
 
@@ -526,13 +531,15 @@ SLICE(Air, air)
 #ifdef __cplusplus
 
 static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28);
-static_assert(sizeof(Grab) == 44 && sizeof(Collider) == 96 && sizeof(BodySize) == 16);
+static_assert(sizeof(Grab) == 44 && sizeof(Collider) == 112 && sizeof(BodySize) == 16);
 static_assert(sizeof(SkinPoint) == 76 && sizeof(Joint) == 96 && sizeof(MotionLimits) == 8 && sizeof(Reaction) == 48);
 static_assert(sizeof(MorphDelta) == 16 && sizeof(Carried) == 48 && sizeof(FrameChange) == 96);
 static_assert(sizeof(Gas) == 32 && sizeof(GasPart) == 16 && sizeof(GasState) == 8 && sizeof(GasSum) == 24);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 40);
 static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 316 && sizeof(Acceleration) == 48);
-static_assert(offsetof(Motion, origin) == 16 && offsetof(Motion, relaxation) == 36 && offsetof(Air, drag) == 16);   // as std140 has them
+// As std430 and std140 have them.
+static_assert(offsetof(Collider, normal_from) == 32 && offsetof(Collider, rotation_from) == 80 && offsetof(Collider, half_size) == 96);
+static_assert(offsetof(Motion, origin) == 16 && offsetof(Motion, relaxation) == 36 && offsetof(Air, drag) == 16);
 static_assert(std::is_trivially_copyable_v<Push>);
 
 namespace constant {

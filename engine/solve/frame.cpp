@@ -158,7 +158,7 @@ void Simulation::State::move_scene(double seconds, FrameInput& input) {
     bodies.pending_sizes[k].reset();
     const gpu::BodySize size = body_size(described.shape, bodies.sizes[k]);
     const Rotation& start = from.rotation;
-    bodies.colliders.push_back({size.radius, static_cast<float>(described.friction), gpu_vector(from.centre), gpu_vector(to.centre),
+    bodies.colliders.push_back({gpu_vector(from.centre), size.radius, gpu_vector(to.centre), static_cast<float>(described.friction),
                                 gpu_vector(from.normal), gpu_vector(to.normal), gpu_vector(spin), {start.x, start.y, start.z, start.w},
                                 size.half_size});
   }

@@ -8,7 +8,7 @@
 float shown_radius(Collider body, uint shape, vec3 way) {
   const float pi = 3.1415927;
   if (shape == 0) return body.radius;
-  const vec3 d = rotate(inverse_of(unpack(body.rotation_from)), way), half_size = unpack(body.half_size);
+  const vec3 d = rotate(inverse_of(body.rotation_from), way), half_size = body.half_size;
   if (shape == 1) return sqrt(body.radius * (body.radius + 4 / pi * half_size.y * length(d.xz)));
   const vec3 a = 4 * abs(d) * half_size.yzx * half_size.zxy;
   return sqrt((a.x + a.y + a.z) / pi);
@@ -32,7 +32,7 @@ float lee_at(vec3 x, bool ends) {
   for (uint k = planes; k < planes + spheres + capsules + boxes; ++k) {
     const uint shape = k < planes + spheres ? 0 : k < planes + spheres + capsules ? 1 : 2;
     const Collider body = collider_at(k, ends ? 1 : 0);
-    left *= 1 - deficit_at(x - unpack(ends ? body.centre_to : body.centre_from), way, shown_radius(body, shape, way));
+    left *= 1 - deficit_at(x - (ends ? body.centre_to : body.centre_from), way, shown_radius(body, shape, way));
   }
   return left;
 }

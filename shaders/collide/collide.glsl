@@ -26,10 +26,10 @@ vec3 between(vec3 from, vec3 to, float fraction) { return from + fraction * (to 
 
 Surface surface_at(Collider collider, Particle v) {
   Surface s;
-  s.point = v.to == 1 ? unpack(collider.centre_to) : between(unpack(collider.centre_from), unpack(collider.centre_to), v.to);
-  s.moved = (v.to - v.from) * (unpack(collider.centre_to) - unpack(collider.centre_from));
-  s.normal = normalize(between(unpack(collider.normal_from), unpack(collider.normal_to), v.to));
-  s.spin = (v.to - v.from) * unpack(collider.spin);
+  s.point = v.to == 1 ? collider.centre_to : between(collider.centre_from, collider.centre_to, v.to);
+  s.moved = (v.to - v.from) * (collider.centre_to - collider.centre_from);
+  s.normal = normalize(between(collider.normal_from, collider.normal_to, v.to));
+  s.spin = (v.to - v.from) * collider.spin;
   s.friction = sqrt(collider.friction * v.friction);
   return s;
 }
@@ -79,11 +79,10 @@ vec3 rotate(vec4 q, vec3 v) {
 vec4 inverse_of(vec4 q) { return vec4(-q.xyz, q.w); }
 
 vec4 rotation_at(Collider collider, float fraction) {
-  const vec3 spin = unpack(collider.spin);
-  const float angle = fraction * length(spin);
+  const float angle = fraction * length(collider.spin);
   // Below 1e-4 rad sin(x/2)/x is 1/2 to the last bit.
-  const vec4 rotation = vec4((angle > 1e-4 ? fraction * sin(0.5 * angle) / angle : 0.5 * fraction) * spin, cos(0.5 * angle));
-  const vec4 q = unpack(collider.rotation_from);
+  const vec4 rotation = vec4((angle > 1e-4 ? fraction * sin(0.5 * angle) / angle : 0.5 * fraction) * collider.spin, cos(0.5 * angle));
+  const vec4 q = collider.rotation_from;
   return vec4(rotation.w * q.xyz + q.w * rotation.xyz + cross(rotation.xyz, q.xyz), rotation.w * q.w - dot(rotation.xyz, q.xyz));
 }
 
@@ -128,7 +127,7 @@ Hit capsule_entry(Collider c, vec3 a, vec3 segment) {
 #include "collide/round_cone.glsl"
 
 Hit box_distance(Collider c, vec3 p) {
-  const vec3 q = abs(p) - unpack(c.half_size), side = vec3(p.x < 0 ? -1 : 1, p.y < 0 ? -1 : 1, p.z < 0 ? -1 : 1);
+  const vec3 q = abs(p) - c.half_size, side = vec3(p.x < 0 ? -1 : 1, p.y < 0 ? -1 : 1, p.z < 0 ? -1 : 1);
   const vec3 outside = max(q, 0);
   const float len = length(outside);
   if (len > 0) return Hit(side * outside / len, len);
@@ -138,10 +137,9 @@ Hit box_distance(Collider c, vec3 p) {
 
 // Slab test: the segment is between the two faces of each axis for an interval; it is inside from the last begin to the first end.
 Hit box_entry(Collider c, vec3 a, vec3 segment) {
-  const vec3 half_size = unpack(c.half_size);
   const vec3 towards = vec3(segment.x < 0 ? -1 : 1, segment.y < 0 ? -1 : 1, segment.z < 0 ? -1 : 1);
   const vec3 slope = towards / max(abs(segment), 1e-20);
-  const vec3 begin = (-towards * half_size - a) * slope, end = (towards * half_size - a) * slope;
+  const vec3 begin = (-towards * c.half_size - a) * slope, end = (towards * c.half_size - a) * slope;
   const float t = max(begin.x, max(begin.y, begin.z));
   if (t < 0 || t >= 1 || t > min(end.x, min(end.y, end.z))) return Hit(vec3(0), kNever);
   return Hit(-towards * (t == begin.x ? vec3(1, 0, 0) : t == begin.y ? vec3(0, 1, 0) : vec3(0, 0, 1)), t);
@@ -188,8 +186,8 @@ vec3 out_of_capsule(Collider collider, Particle v, vec3 p) {
   const Surface s = surface_at(collider, v);
   const Relative r = relative_to_body(collider, s, v, p);
   if (has_tapered) {
-    const Hit here = round_cone_distance(collider.radius, unpack(collider.half_size), r.b);
-    return out_of_body(r, here, round_cone_entry(collider.radius, unpack(collider.half_size), r.a, r.b - r.a), v, p, s.friction);
+    const Hit here = round_cone_distance(collider.radius, collider.half_size, r.b);
+    return out_of_body(r, here, round_cone_entry(collider.radius, collider.half_size, r.a, r.b - r.a), v, p, s.friction);
   }
   return out_of_body(r, capsule_distance(collider, r.b), capsule_entry(collider, r.a, r.b - r.a), v, p, s.friction);
 }

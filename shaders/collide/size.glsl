@@ -8,12 +8,10 @@ Collider collider_at(uint k, float fraction) {
   Collider c = colliders[k];
   if (resizes) {
     c.radius = body_sizes[k].radius + fraction * (c.radius - body_sizes[k].radius);
-    c.half_size = pack(between(unpack(body_sizes[k].half_size), unpack(c.half_size), fraction));
+    c.half_size = between(unpack(body_sizes[k].half_size), c.half_size, fraction);
   }
   return c;
 }
 
 // Of a box: what a place of it at the substep's start is multiplied by to be the same place at its end, in its axes.
-vec3 growth_of(uint k, float from, float to) {
-  return resizes ? unpack(collider_at(k, to).half_size) / unpack(collider_at(k, from).half_size) : vec3(1);
-}
+vec3 growth_of(uint k, float from, float to) { return resizes ? collider_at(k, to).half_size / collider_at(k, from).half_size : vec3(1); }

@@ -17,8 +17,8 @@ Body body_at(uint k, Particle v) {
   const Collider collider = collider_at(planes + k, v.to);
   const Surface s = surface_at(collider, v);
   const bool is_sphere = k < spheres, is_box = k >= spheres + capsules;
-  return Body(pose_of(collider, s, v.from, v.to), is_sphere ? vec3(0) : unpack(collider.half_size), is_box ? 0 : collider.radius,
-              s.friction, k + 1);
+  return Body(pose_of(collider, s, v.from, v.to), is_sphere ? vec3(0) : collider.half_size, is_box ? 0 : collider.radius, s.friction,
+              k + 1);
 }
 
 // Of cloth `material`, in this substep.

@@ -152,13 +152,17 @@ TEST(Plan, every_pass_is_valid_on_a_device_of_vulkan_1_1_without_features) {
   std::string said;
   tools.SetMessageConsumer([&](spv_message_level_t, const char*, const spv_position_t&, const char* text) { said += text; });
   std::set<std::vector<std::uint32_t>> seen;
-  for_every_plan([&](const Plan& plan, const Calls&, bool) {
+  std::ptrdiff_t most_buffers = 0;
+  for_every_plan([&](const Plan& plan, const Calls&, bool texels) {
     for (const PlannedPass& planned : plan.passes) {
+      const auto is_storage = [](const PlannedPass::Resource& r) { return r.binding.kind == compute::Binding::Kind::storage_buffer; };
+      if (texels) most_buffers = std::max(most_buffers, std::ranges::count_if(planned.resources, is_storage));
       if (!seen.insert(std::vector<std::uint32_t>(planned.spirv.begin(), planned.spirv.end())).second) continue;
       EXPECT_TRUE(tools.Validate(planned.spirv.data(), planned.spirv.size())) << planned.label << ": " << said;
     }
   });
   EXPECT_GT(seen.size(), 50u);
+  EXPECT_EQ(most_buffers, 15) << "engine/README.md says so";
 }
 
 TEST(Plan, code_shrinks_with_what_a_scene_leaves_out) {
