@@ -1,6 +1,8 @@
 // Command pools, fences and semaphores. See commands.h.
 #include "compute/commands.h"
 
+#include "compute/synchronization.h"
+
 namespace weft::compute {
 namespace {
 
@@ -38,10 +40,7 @@ void full_barrier(const Device& device, VkCommandBuffer commands) {
   barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
   barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_2_HOST_BIT;
   barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT | VK_ACCESS_2_HOST_READ_BIT;
-  auto dependency = typed<VkDependencyInfo>(VK_STRUCTURE_TYPE_DEPENDENCY_INFO);
-  dependency.memoryBarrierCount = 1;
-  dependency.pMemoryBarriers = &barrier;
-  device.vk().vkCmdPipelineBarrier2(commands, &dependency);
+  record_barrier(device, commands, barrier);
 }
 
 }  // namespace

@@ -25,6 +25,7 @@ class CommandPool {
 Result<OwnedFence> create_fence(const Device& device, std::string_view name, bool signalled = false);
 /// One that the device sets and the host asks for and resets.
 Result<OwnedEvent> create_event(const Device& device, std::string_view name);
+/// Takes the feature timelineSemaphore (Device::features).
 Result<OwnedSemaphore> create_timeline(const Device& device, std::string_view name, uint64_t value = 0);
 /// For a swapchain.
 Result<OwnedSemaphore> create_binary_semaphore(const Device& device, std::string_view name);

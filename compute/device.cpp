@@ -8,6 +8,7 @@
 
 #include "compute/inventory.h"
 #include "compute/labels.h"
+#include "compute/synchronization.h"
 
 namespace weft::compute {
 
@@ -58,21 +59,20 @@ Result<VkDevice> create_device(const Functions& fn, const Candidate& candidate, 
     extensions.push_back(wanted.c_str());
   }
 
+  // Those that Weft makes use of, as far as there are any.
   auto v13 = typed<VkPhysicalDeviceVulkan13Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES);
-  v13.synchronization2 = VK_TRUE;
+  v13.synchronization2 = candidate.description.features.synchronization2;
   v13.dynamicRendering = candidate.description.draws;
   auto v12 = typed<VkPhysicalDeviceVulkan12Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
-  v12.pNext = &v13;
-  v12.timelineSemaphore = VK_TRUE;
-  v12.hostQueryReset = VK_TRUE;
-  v12.scalarBlockLayout = VK_TRUE;
+  if (candidate.version >= VK_API_VERSION_1_3) v12.pNext = &v13;
+  v12.timelineSemaphore = candidate.description.features.timeline_semaphore;
   const float priority = 1.0f;
   auto queue = typed<VkDeviceQueueCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO);
   queue.queueFamilyIndex = candidate.queue_family;
   queue.queueCount = 1;
   queue.pQueuePriorities = &priority;
   auto create = typed<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO);
-  create.pNext = &v12;
+  if (candidate.version >= VK_API_VERSION_1_2) create.pNext = &v12;
   create.queueCreateInfoCount = 1;
   create.pQueueCreateInfos = &queue;
   create.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
@@ -84,6 +84,13 @@ Result<VkDevice> create_device(const Functions& fn, const Candidate& candidate, 
     return fail("the Vulkan device ", candidate.description.name, " could not be created: ", result_name(result));
   }
   return device;
+}
+
+// A feature is of use with its functions alone: a host may have enabled it for a version of Vulkan that its instance does not ask for.
+void drop_features_without_functions(const Functions& fn, Features& features) {
+  features.synchronization2 &= fn.vkQueueSubmit2 != nullptr && fn.vkCmdPipelineBarrier2 != nullptr;
+  features.timeline_semaphore &= fn.vkWaitSemaphores != nullptr && fn.vkGetSemaphoreCounterValue != nullptr;
+  features.dynamic_rendering &= fn.vkCmdBeginRendering != nullptr && fn.vkCmdEndRendering != nullptr;
 }
 
 void drop_labels_unless_they_hold(Functions& fn, VkInstance instance, VkPhysicalDevice physical) {
@@ -113,6 +120,7 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceChoice& choice) try {
   if (!device) return device.take_error();
   state->device = *device;
   if (Result<void> loaded = state->fn.load_device(*device); !loaded) return loaded.take_error();
+  drop_features_without_functions(state->fn, state->features);
   drop_labels_unless_they_hold(state->fn, state->instance, state->candidate.physical);
   state->fn.vkGetDeviceQueue(state->device, state->candidate.queue_family, 0, &state->queue);
   return std::unique_ptr<Device>(new Device(std::move(state)));
@@ -132,14 +140,13 @@ Result<std::unique_ptr<Device>> Device::borrow(const BorrowedDevice& lent) try {
   if (Result<void> loaded = state->fn.load_instance(lent.instance); !loaded) return loaded.take_error();
   if (Result<void> loaded = state->fn.load_device(lent.device); !loaded) return loaded.take_error();
   drop_labels_unless_they_hold(state->fn, lent.instance, lent.physical);
-  state->candidate = describe(state->fn, lent.physical, 0, lent.queue_family);
+  state->candidate = describe(state->fn, lent.physical, 0, {lent.queue_family, state->fn.version_of(lent.device)});
   const DeviceDescription& description = state->candidate.description;
   if (!description.refusal.empty()) {
     return fail("the device lent to Weft, ", description.name, ", cannot be used: ", description.refusal);
   }
-  state->features = lent.created_with != nullptr ? enabled_features(*lent.created_with) : supported_features(state->fn, lent.physical);
-  if (const std::string missing = missing_of(state->features); !missing.empty())
-    return fail("the device lent to Weft, ", description.name, ", was created without ", missing, ", which Weft needs enabled");
+  state->features = lent.created_with != nullptr ? enabled_features(*lent.created_with) : state->candidate.description.features;
+  drop_features_without_functions(state->fn, state->features);
   state->instance = lent.instance;
   state->device = lent.device;
   state->queue = lent.queue;
@@ -165,7 +172,7 @@ const DeviceLimits& Device::limits() const { return state_->candidate.descriptio
 const VkPhysicalDeviceProperties& Device::properties() const { return state_->candidate.properties; }
 const VkPhysicalDeviceMemoryProperties& Device::memory() const { return state_->candidate.memory; }
 bool Device::is_software() const { return properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
-bool Device::draws() const { return description().draws; }
+bool Device::draws() const { return can_draw(state_->candidate, features()); }
 bool Device::is_borrowed() const { return !state_->own; }
 double Device::timestamp_period_ns() const { return limits().timestamp_period_ns; }
 
@@ -181,11 +188,13 @@ void Device::name_object_raw(VkObjectType type, uint64_t handle, std::string_vie
 } catch (const std::bad_alloc&) {
 }
 
-Result<void> Device::submit(const VkSubmitInfo2& work, VkFence fence) const {
+Result<void> Device::submit(const VkSubmitInfo2& work, VkFence fence) const try {
   const std::lock_guard lock(state_->queue_mutex);
-  const VkResult result = heard(vk().vkQueueSubmit2(queue(), 1, &work, fence));
+  const VkResult result = heard(submit_to(vk(), features(), queue(), work, fence));
   if (result != VK_SUCCESS) return fail("submitting to ", name(), " failed: ", result_name(result));
   return {};
+} catch (...) {
+  return caught("a submit");
 }
 
 VkResult Device::present(const VkPresentInfoKHR& what) const {

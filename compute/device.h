@@ -4,8 +4,9 @@
 // virtual, then the software driver), and name() says which. A borrowed device belongs to the host: nothing of it is
 // destroyed, vkDeviceWaitIdle is never called, and its queue is touched only inside submit().
 //
-// Needed: Vulkan 1.3 with synchronization2, timelineSemaphore, hostQueryReset and scalarBlockLayout, and a queue family
-// with compute. A host must have enabled these four features. Everything else is optional.
+// Needed: Vulkan 1.1, of the instance and of the device, and a queue family with compute. No feature and no extension need be enabled.
+// With synchronization2 and timelineSemaphore, of their versions of Vulkan or of their KHR extensions, Weft makes use of them: its
+// barriers are then as fine as Features says, and the results are the same bits.
 #pragma once
 
 #include <functional>
@@ -28,7 +29,7 @@ struct DeviceChoice {
   /// Khronos validation with synchronization validation; the sentence says so if the layer is not installed.
   /// Under a layer before 1.3.243 no labels are recorded (compute/labels.h).
   bool validation = false;
-  /// Also asks for dynamic rendering and a queue that draws. Without it a compute-only device is good enough, though
+  /// Also asks for Vulkan 1.3, dynamic rendering and a queue that draws. Without it a compute-only device is good enough, though
   /// both are still taken where there is a choice.
   bool graphics = false;
   /// For a window: what the window library asks for, and VK_KHR_swapchain.
@@ -47,9 +48,10 @@ struct BorrowedDevice {
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
   uint32_t queue_family = 0;
-  /// What the host gave vkCreateDevice, looked at in borrow alone: the four features must be enabled there, and so must those that
-  /// the host's readers need (compute/readers.h). Null: what the device supports is taken to be enabled, since Vulkan does not tell
-  /// what a device was created with.
+  /// What the host gave vkCreateDevice, looked at in borrow alone: features that it enables there are made use of, and those that the
+  /// host's readers need (compute/readers.h) must be among them. Null: what the device supports is taken to be enabled, since Vulkan does
+  /// not tell what a device was created with. Whoever has not enabled synchronization2 and timelineSemaphore, or does not know, as a
+  /// plug-in of an engine, gives one that enables nothing: an empty VkDeviceCreateInfo.
   const VkDeviceCreateInfo* created_with = nullptr;
 };
 
@@ -58,7 +60,7 @@ struct DeviceLimits {
   VkDeviceSize max_storage_buffer_bytes = 0;     ///< maxStorageBufferRange
   uint32_t max_texel_buffer_elements = 0;        ///< maxTexelBufferElements
   VkDeviceSize max_allocation_bytes = 0;         ///< maxMemoryAllocationSize
-  VkDeviceSize max_buffer_bytes = 0;             ///< maxBufferSize (Vulkan 1.3)
+  VkDeviceSize max_buffer_bytes = 0;             ///< maxBufferSize (Vulkan 1.3); before that as max_allocation_bytes
   VkDeviceSize storage_buffer_alignment = 1;     ///< minStorageBufferOffsetAlignment
   VkDeviceSize texel_buffer_alignment = 1;       ///< minTexelBufferOffsetAlignment
   uint32_t max_storage_buffers_per_stage = 0;    ///< maxPerStageDescriptorStorageBuffers
@@ -80,7 +82,8 @@ struct DeviceDescription {
   std::string driver;  ///< name and version, as the driver says them
   VkDeviceSize memory_bytes = 0;  ///< the largest device-local heap
   DeviceLimits limits;
-  bool draws = false;  ///< a queue with graphics and dynamic rendering
+  Features features;   ///< that it supports
+  bool draws = false;  ///< Vulkan 1.3 with dynamicRendering, and a queue with graphics
   std::string refusal; ///< why Weft cannot use it; empty when it can
 };
 
@@ -92,8 +95,8 @@ class Device {
   /// Errors: no loader, no driver, no device that the choice names or that has what Weft needs; an extension or the validation layer that
   /// is wanted and not there; memory; what Vulkan refuses.
   static Result<std::unique_ptr<Device>> create(const DeviceChoice& choice = {});
-  /// Errors: a handle that is null; a device without Vulkan 1.3, the four features or compute on that queue family, or created without
-  /// a feature (`created_with`); a Vulkan function that is missing; memory.
+  /// Errors: a handle that is null; an instance or a device without Vulkan 1.1; a queue family without compute; a Vulkan function that is
+  /// missing; memory.
   static Result<std::unique_ptr<Device>> borrow(const BorrowedDevice& lent);
   ~Device();
   Device(const Device&) = delete;
@@ -107,7 +110,8 @@ class Device {
   uint32_t queue_family() const;
   /// What the queue family can do.
   VkQueueFlags queue_flags() const;
-  /// Those that are enabled. Of a borrowed device without BorrowedDevice::created_with only the host knows; then those that it supports.
+  /// Those that are enabled and that the device has the functions of. Of a borrowed device without BorrowedDevice::created_with only the
+  /// host knows what is enabled; then it is what the device supports.
   const Features& features() const;
 
   const std::string& name() const;
@@ -117,8 +121,7 @@ class Device {
   const VkPhysicalDeviceMemoryProperties& memory() const;
   /// A CPU that plays GPU (lavapipe, SwiftShader).
   bool is_software() const;
-  /// The queue draws and dynamic rendering is enabled. Of a borrowed device only the host knows; then it is what the
-  /// device supports.
+  /// Whether Shading can draw: Vulkan 1.3, a queue that draws, and synchronization2 and dynamicRendering among features().
   bool draws() const;
   bool is_borrowed() const;
   /// Nanoseconds per timestamp tick, 0 when the queue has no timestamps.
@@ -130,7 +133,8 @@ class Device {
     name_object_raw(type, reinterpret_cast<uint64_t>(handle), name);
   }
 
-  /// The only place where the queue is touched. Serialised: any thread may call it. Errors: no memory, a lost device.
+  /// The only place where the queue is touched. Serialised: any thread may call it. Without synchronization2 it goes to vkQueueSubmit
+  /// (compute/synchronization.h). Errors: no memory, a lost device.
   Result<void> submit(const VkSubmitInfo2& work, VkFence fence = VK_NULL_HANDLE) const;
   /// Presents under the same lock; the caller reads VK_SUBOPTIMAL_KHR and VK_ERROR_OUT_OF_DATE_KHR from the result.
   VkResult present(const VkPresentInfoKHR& what) const;

@@ -30,25 +30,21 @@ Features features_in(const void* chain) {
       case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES: {
         const auto& told = as<VkPhysicalDeviceVulkan12Features>(in);
         add_to(on.timeline_semaphore, told.timelineSemaphore);
-        add_to(on.host_query_reset, told.hostQueryReset);
-        add_to(on.scalar_block_layout, told.scalarBlockLayout);
         add_to(on.buffer_device_address, told.bufferDeviceAddress);
         break;
       }
       case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES:
         add_to(on.synchronization2, as<VkPhysicalDeviceVulkan13Features>(in).synchronization2);
+        add_to(on.dynamic_rendering, as<VkPhysicalDeviceVulkan13Features>(in).dynamicRendering);
+        break;
+      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DYNAMIC_RENDERING_FEATURES:
+        add_to(on.dynamic_rendering, as<VkPhysicalDeviceDynamicRenderingFeatures>(in).dynamicRendering);
         break;
       case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SYNCHRONIZATION_2_FEATURES:
         add_to(on.synchronization2, as<VkPhysicalDeviceSynchronization2Features>(in).synchronization2);
         break;
       case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_FEATURES:
         add_to(on.timeline_semaphore, as<VkPhysicalDeviceTimelineSemaphoreFeatures>(in).timelineSemaphore);
-        break;
-      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_HOST_QUERY_RESET_FEATURES:
-        add_to(on.host_query_reset, as<VkPhysicalDeviceHostQueryResetFeatures>(in).hostQueryReset);
-        break;
-      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SCALAR_BLOCK_LAYOUT_FEATURES:
-        add_to(on.scalar_block_layout, as<VkPhysicalDeviceScalarBlockLayoutFeatures>(in).scalarBlockLayout);
         break;
       case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_BUFFER_DEVICE_ADDRESS_FEATURES:
         add_to(on.buffer_device_address, as<VkPhysicalDeviceBufferDeviceAddressFeatures>(in).bufferDeviceAddress);
@@ -75,7 +71,7 @@ Features enabled_features(const VkDeviceCreateInfo& created_with) {
   return on;
 }
 
-Features supported_features(const Functions& fn, VkPhysicalDevice physical) {
+Features supported_features(const Functions& fn, VkPhysicalDevice physical, uint32_t version) {
   auto all = typed<VkPhysicalDeviceFeatures2>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2);
   auto v12 = typed<VkPhysicalDeviceVulkan12Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
   auto v13 = typed<VkPhysicalDeviceVulkan13Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES);
@@ -83,36 +79,26 @@ Features supported_features(const Functions& fn, VkPhysicalDevice physical) {
   auto rays = typed<VkPhysicalDeviceRayTracingPipelineFeaturesKHR>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR);
   auto structures =
       typed<VkPhysicalDeviceAccelerationStructureFeaturesKHR>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR);
-  all.pNext = &v12;
-  v12.pNext = &v13;
-  // Structures of extensions may be asked for only where there is the extension.
+  void** last = &all.pNext;
+  const auto ask = [&](auto& structure) {
+    *last = &structure;
+    last = &structure.pNext;
+  };
+  // Structures of a version or an extension may be asked for only where there is that.
+  if (version >= VK_API_VERSION_1_2) ask(v12);
+  if (version >= VK_API_VERSION_1_3) ask(v13);
   uint32_t count = 0;
   fn.vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
   std::vector<VkExtensionProperties> offered(count);
   fn.vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, offered.data());
-  void** last = &v13.pNext;
   const auto ask_too = [&](std::string_view extension, auto& structure) {
-    if (std::none_of(offered.begin(), offered.end(), [&](const auto& one) { return extension == one.extensionName; })) return;
-    *last = &structure;
-    last = &structure.pNext;
+    if (std::any_of(offered.begin(), offered.end(), [&](const auto& one) { return extension == one.extensionName; })) ask(structure);
   };
   ask_too(VK_EXT_MESH_SHADER_EXTENSION_NAME, mesh);
   ask_too(VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME, rays);
   ask_too(VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME, structures);
   fn.vkGetPhysicalDeviceFeatures2(physical, &all);
   return features_in(&all);
-}
-
-std::string missing_of(const Features& features) {
-  std::string missing;
-  const auto need = [&](bool present, const char* name) {
-    if (!present) missing += missing.empty() ? name : std::string(" and ") + name;
-  };
-  need(features.synchronization2, "synchronization2");
-  need(features.timeline_semaphore, "timelineSemaphore");
-  need(features.host_query_reset, "hostQueryReset");
-  need(features.scalar_block_layout, "scalarBlockLayout");
-  return missing;
 }
 
 }  // namespace weft::compute

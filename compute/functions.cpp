@@ -31,7 +31,7 @@ void close_library(void* library) { dlclose(library); }
 #endif
 
 Error missing(const char* name, const char* of) {
-  return fail("the Vulkan ", of, " has no ", name, ": Weft needs Vulkan 1.3");
+  return fail("the Vulkan ", of, " has no ", name, ": Weft needs Vulkan 1.1");
 }
 
 }  // namespace
@@ -64,10 +64,23 @@ Result<void> Functions::load_device(VkDevice device) {
   WEFT_FIND(name)       \
   if (name == nullptr) return missing(#name, "device");
   WEFT_DEVICE_FUNCTIONS(WEFT_LOAD)
+#define WEFT_FIND_LATER(name) \
+  WEFT_FIND(name)             \
+  if (name == nullptr) name = reinterpret_cast<PFN_##name>(vkGetDeviceProcAddr(device, #name "KHR"));
+  WEFT_LATER_DEVICE_FUNCTIONS(WEFT_FIND_LATER)
+#undef WEFT_FIND_LATER
   WEFT_OPTIONAL_DEVICE_FUNCTIONS(WEFT_FIND)
 #undef WEFT_LOAD
 #undef WEFT_FIND
   return {};
+}
+
+// Vulkan does not tell what version an instance was created for, but vkGetDeviceProcAddr knows no function of a later one.
+uint32_t Functions::version_of(VkDevice device) const {
+  const auto has = [&](const char* name) { return vkGetDeviceProcAddr(device, name) != nullptr; };
+  if (has("vkCmdPipelineBarrier2")) return VK_API_VERSION_1_3;
+  if (has("vkGetSemaphoreCounterValue")) return VK_API_VERSION_1_2;
+  return has("vkGetBufferMemoryRequirements2") ? VK_API_VERSION_1_1 : VK_API_VERSION_1_0;
 }
 
 Result<Loader> Loader::open() {

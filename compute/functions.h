@@ -22,16 +22,16 @@ namespace weft::compute {
   X(vkCreateInstance) X(vkEnumerateInstanceVersion) X(vkEnumerateInstanceLayerProperties) \
   X(vkEnumerateInstanceExtensionProperties)
 
-/// Looked up once per instance; a device of Vulkan 1.3 has all of them.
+/// Looked up once per instance; Vulkan 1.1 has all of them.
 #define WEFT_INSTANCE_FUNCTIONS(X) \
   X(vkDestroyInstance) X(vkEnumeratePhysicalDevices) X(vkEnumerateDeviceExtensionProperties) \
   X(vkGetPhysicalDeviceProperties) X(vkGetPhysicalDeviceProperties2) X(vkGetPhysicalDeviceFeatures) \
   X(vkGetPhysicalDeviceFeatures2) X(vkGetPhysicalDeviceMemoryProperties) X(vkGetPhysicalDeviceFormatProperties) \
   X(vkGetPhysicalDeviceQueueFamilyProperties) X(vkCreateDevice) X(vkGetDeviceProcAddr)
 
-/// Looked up once per device.
+/// Looked up once per device; Vulkan 1.1 has all of them.
 #define WEFT_DEVICE_FUNCTIONS(X) \
-  X(vkDestroyDevice) X(vkDeviceWaitIdle) X(vkGetDeviceQueue) X(vkQueueSubmit2) X(vkQueueWaitIdle) \
+  X(vkDestroyDevice) X(vkDeviceWaitIdle) X(vkGetDeviceQueue) X(vkQueueSubmit) X(vkQueueWaitIdle) \
   X(vkAllocateMemory) X(vkFreeMemory) X(vkMapMemory) X(vkUnmapMemory) X(vkFlushMappedMemoryRanges) \
   X(vkInvalidateMappedMemoryRanges) \
   X(vkCreateBuffer) X(vkDestroyBuffer) X(vkGetBufferMemoryRequirements) X(vkBindBufferMemory) \
@@ -47,16 +47,21 @@ namespace weft::compute {
   X(vkCreateCommandPool) X(vkDestroyCommandPool) X(vkResetCommandPool) X(vkAllocateCommandBuffers) \
   X(vkFreeCommandBuffers) X(vkBeginCommandBuffer) X(vkEndCommandBuffer) X(vkResetCommandBuffer) \
   X(vkCreateFence) X(vkDestroyFence) X(vkResetFences) X(vkGetFenceStatus) X(vkWaitForFences) \
-  X(vkCreateEvent) X(vkDestroyEvent) X(vkGetEventStatus) X(vkResetEvent) X(vkCmdSetEvent2) \
-  X(vkCreateSemaphore) X(vkDestroySemaphore) X(vkGetSemaphoreCounterValue) X(vkWaitSemaphores) X(vkSignalSemaphore) \
-  X(vkCreateQueryPool) X(vkDestroyQueryPool) X(vkResetQueryPool) X(vkGetQueryPoolResults) \
+  X(vkCreateEvent) X(vkDestroyEvent) X(vkGetEventStatus) X(vkResetEvent) X(vkCmdSetEvent) \
+  X(vkCreateSemaphore) X(vkDestroySemaphore) X(vkCreateQueryPool) X(vkDestroyQueryPool) X(vkGetQueryPoolResults) \
   X(vkCmdBindPipeline) X(vkCmdBindDescriptorSets) X(vkCmdPushConstants) X(vkCmdDispatch) X(vkCmdDispatchIndirect) \
-  X(vkCmdPipelineBarrier2) X(vkCmdCopyBuffer) X(vkCmdFillBuffer) X(vkCmdUpdateBuffer) X(vkCmdCopyImage) \
+  X(vkCmdPipelineBarrier) X(vkCmdCopyBuffer) X(vkCmdFillBuffer) X(vkCmdUpdateBuffer) X(vkCmdCopyImage) \
   X(vkCmdCopyBufferToImage) X(vkCmdCopyImageToBuffer) X(vkCmdBlitImage) X(vkCmdResolveImage) \
-  X(vkCmdClearColorImage) X(vkCmdResetQueryPool) X(vkCmdWriteTimestamp2) X(vkCmdExecuteCommands) \
-  X(vkCmdBeginRendering) X(vkCmdEndRendering) X(vkCmdBeginRenderPass) X(vkCmdNextSubpass) X(vkCmdEndRenderPass) \
+  X(vkCmdClearColorImage) X(vkCmdResetQueryPool) X(vkCmdWriteTimestamp) X(vkCmdExecuteCommands) \
+  X(vkCmdBeginRenderPass) X(vkCmdNextSubpass) X(vkCmdEndRenderPass) \
   X(vkCmdBindVertexBuffers) X(vkCmdBindIndexBuffer) X(vkCmdDraw) X(vkCmdDrawIndexed) X(vkCmdDrawIndirect) \
-  X(vkCmdDrawIndexedIndirect) X(vkCmdSetViewport) X(vkCmdSetScissor) X(vkCmdSetDepthBias) X(vkCmdSetCullMode)
+  X(vkCmdDrawIndexedIndirect) X(vkCmdSetViewport) X(vkCmdSetScissor) X(vkCmdSetDepthBias)
+
+/// Of Vulkan 1.2 and 1.3, or of the KHR extension that they come from; null where the device has neither. Features that are enabled have
+/// theirs (Device::features).
+#define WEFT_LATER_DEVICE_FUNCTIONS(X) \
+  X(vkGetSemaphoreCounterValue) X(vkWaitSemaphores) X(vkSignalSemaphore) \
+  X(vkQueueSubmit2) X(vkCmdPipelineBarrier2) X(vkCmdBeginRendering) X(vkCmdEndRendering)
 
 /// Null unless their extension was enabled.
 #define WEFT_OPTIONAL_INSTANCE_FUNCTIONS(X) \
@@ -76,6 +81,7 @@ struct Functions {
   WEFT_GLOBAL_FUNCTIONS(WEFT_MEMBER)
   WEFT_INSTANCE_FUNCTIONS(WEFT_MEMBER)
   WEFT_DEVICE_FUNCTIONS(WEFT_MEMBER)
+  WEFT_LATER_DEVICE_FUNCTIONS(WEFT_MEMBER)
   WEFT_OPTIONAL_INSTANCE_FUNCTIONS(WEFT_MEMBER)
   WEFT_OPTIONAL_DEVICE_FUNCTIONS(WEFT_MEMBER)
 #undef WEFT_MEMBER
@@ -84,6 +90,10 @@ struct Functions {
   Result<void> load_global(PFN_vkGetInstanceProcAddr from);
   Result<void> load_instance(VkInstance instance);
   Result<void> load_device(VkDevice device);
+
+  /// Of Vulkan, whose functions the device has: the lower of the physical device's version and that which the host's VkApplicationInfo
+  /// asked for. VK_API_VERSION_1_0 ... VK_API_VERSION_1_3.
+  uint32_t version_of(VkDevice device) const;
 };
 
 // clang-format on

@@ -51,7 +51,7 @@ bool has_layer(const Functions& fn, std::string_view name) {
 
 }  // namespace
 
-Result<Instance> Instance::create(const DeviceChoice& choice) {
+Result<Instance> Instance::create(const DeviceChoice& choice, uint32_t version) {
   Result<Loader> loader = Loader::open();
   if (!loader) return loader.take_error();
   Instance made(std::move(*loader));
@@ -100,7 +100,7 @@ Result<Instance> Instance::create(const DeviceChoice& choice) {
   auto application = typed<VkApplicationInfo>(VK_STRUCTURE_TYPE_APPLICATION_INFO);
   application.pApplicationName = "weft";
   application.pEngineName = "weft";
-  application.apiVersion = VK_API_VERSION_1_3;
+  application.apiVersion = version;
   auto create = typed<VkInstanceCreateInfo>(VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO);
   create.pNext = choice.validation ? &features : nullptr;
   create.pApplicationInfo = &application;

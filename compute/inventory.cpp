@@ -48,32 +48,28 @@ std::string list(std::span<const DeviceDescription> devices) {
   return text;
 }
 
-/// Asked only of devices of Vulkan 1.3: older ones do not know these structures.
-struct Modern {
+/// What a device of Vulkan 1.1 says beyond its VkPhysicalDeviceProperties, and one of a later version.
+struct Further {
   VkPhysicalDeviceProperties2 properties =
       typed<VkPhysicalDeviceProperties2>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2);
-  VkPhysicalDeviceVulkan11Properties v11 =
-      typed<VkPhysicalDeviceVulkan11Properties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES);
-  VkPhysicalDeviceVulkan12Properties v12 =
-      typed<VkPhysicalDeviceVulkan12Properties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES);
-  VkPhysicalDeviceVulkan13Properties v13 =
-      typed<VkPhysicalDeviceVulkan13Properties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES);
-  VkPhysicalDeviceFeatures2 features =
-      typed<VkPhysicalDeviceFeatures2>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2);
-  VkPhysicalDeviceVulkan12Features f12 =
-      typed<VkPhysicalDeviceVulkan12Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
-  VkPhysicalDeviceVulkan13Features f13 =
-      typed<VkPhysicalDeviceVulkan13Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES);
+  VkPhysicalDeviceMaintenance3Properties memory =
+      typed<VkPhysicalDeviceMaintenance3Properties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES);
+  VkPhysicalDeviceSubgroupProperties subgroup =
+      typed<VkPhysicalDeviceSubgroupProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES);
+  VkPhysicalDeviceDriverProperties driver =
+      typed<VkPhysicalDeviceDriverProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES);
+  VkPhysicalDeviceMaintenance4Properties buffers =
+      typed<VkPhysicalDeviceMaintenance4Properties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES);
 
-  void ask(const Functions& fn, VkPhysicalDevice physical) {
-    properties.pNext = &v11;
-    v11.pNext = &v12;
-    v12.pNext = &v13;
-    features.pNext = &f12;
-    f12.pNext = &f13;
+  Further(const Functions& fn, VkPhysicalDevice physical, uint32_t version) {
+    properties.pNext = &memory;
+    memory.pNext = &subgroup;
+    if (version >= VK_API_VERSION_1_2) subgroup.pNext = &driver;
+    if (version >= VK_API_VERSION_1_3) driver.pNext = &buffers;
     fn.vkGetPhysicalDeviceProperties2(physical, &properties);
-    fn.vkGetPhysicalDeviceFeatures2(physical, &features);
   }
+  Further(const Further&) = delete;   // they point at each other
+  Further& operator=(const Further&) = delete;
 };
 
 /// A family that also draws is preferred; nothing when none has compute.
@@ -90,7 +86,7 @@ std::optional<uint32_t> best_family(std::span<const VkQueueFamilyProperties> fam
 
 }  // namespace
 
-Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t index, std::optional<uint32_t> lent_family) {
+Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t index, const Lent& lent) {
   Candidate found;
   found.physical = physical;
   fn.vkGetPhysicalDeviceProperties(physical, &found.properties);
@@ -117,25 +113,23 @@ Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t inde
   limits.shared_memory_bytes = from.maxComputeSharedMemorySize;
   limits.max_workgroup_invocations = from.maxComputeWorkGroupInvocations;
   limits.max_workgroups_x = from.maxComputeWorkGroupCount[0];
-  if (properties.apiVersion < VK_API_VERSION_1_3) {
-    out.refusal = "it has Vulkan " + out.api + ", and Weft needs 1.3";
+  found.version = std::min(properties.apiVersion, lent.version);
+  if (found.version < VK_API_VERSION_1_1) {
+    out.refusal = "it has Vulkan " + version_text(found.version) + ", and Weft needs 1.1";
     return found;
   }
-  Modern modern;
-  modern.ask(fn, physical);
-  out.driver = std::string(modern.v12.driverName) + " " + modern.v12.driverInfo;
-  limits.max_allocation_bytes = std::min(modern.v11.maxMemoryAllocationSize, kEndless);
-  limits.max_buffer_bytes = std::min(modern.v13.maxBufferSize, kEndless);
-  limits.subgroup_size = modern.v11.subgroupSize;
-  if (const std::string missing = missing_of(features_in(&modern.features)); !missing.empty()) {
-    out.refusal = "it lacks the feature " + missing;
-    return found;
-  }
+  const Further further(fn, physical, found.version);
+  if (found.version >= VK_API_VERSION_1_2) out.driver = std::string(further.driver.driverName) + " " + further.driver.driverInfo;
+  limits.max_allocation_bytes = std::min(further.memory.maxMemoryAllocationSize, kEndless);
+  limits.max_buffer_bytes = limits.max_allocation_bytes;
+  if (found.version >= VK_API_VERSION_1_3) limits.max_buffer_bytes = std::min(further.buffers.maxBufferSize, kEndless);
+  limits.subgroup_size = further.subgroup.subgroupSize;
+  out.features = supported_features(fn, physical, found.version);
   uint32_t count = 0;
   fn.vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   fn.vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
-  const std::optional<uint32_t> family = lent_family ? lent_family : best_family(families);
+  const std::optional<uint32_t> family = lent.queue_family ? lent.queue_family : best_family(families);
   if (!family) {
     out.refusal = "it has no queue with compute among its " + std::to_string(count) + " queue families";
     return found;
@@ -148,7 +142,7 @@ Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t inde
   found.queue_flags = families[*family].queueFlags;
   limits.timestamp_bits = families[*family].timestampValidBits;
   limits.timestamp_period_ns = limits.timestamp_bits > 0 ? static_cast<double>(from.timestampPeriod) : 0.0;
-  out.draws = (families[*family].queueFlags & VK_QUEUE_GRAPHICS_BIT) && modern.f13.dynamicRendering;
+  out.draws = can_draw(found, out.features);
   return found;
 }
 
@@ -173,8 +167,8 @@ Result<uint32_t> choose_device(std::span<const DeviceDescription> devices, std::
     return device.refusal.empty() && (device.draws || !graphics);
   };
   const auto why_not = [&](const DeviceDescription& device) {
-    return device.refusal.empty() ? std::string("it cannot draw: no queue with graphics, or no dynamic rendering")
-                                  : device.refusal;
+    if (!device.refusal.empty()) return device.refusal;
+    return std::string("it cannot draw: no queue with graphics, or not the features of Vulkan 1.3 that pictures take");
   };
   const bool is_number =
       !wanted.empty() && std::all_of(wanted.begin(), wanted.end(), [](unsigned char c) { return std::isdigit(c) != 0; });

@@ -23,7 +23,8 @@ struct Messages {
 /// An instance of our own, with its loader; destroyed together.
 class Instance {
  public:
-  static Result<Instance> create(const DeviceChoice& choice);
+  /// `version`: of Vulkan, that VkApplicationInfo asks for.
+  static Result<Instance> create(const DeviceChoice& choice, uint32_t version = VK_API_VERSION_1_3);
   Instance(Instance&& other) noexcept;
   Instance& operator=(Instance&&) = delete;
   ~Instance();
@@ -47,12 +48,22 @@ struct Candidate {
   VkPhysicalDeviceMemoryProperties memory{};
   uint32_t queue_family = 0;
   VkQueueFlags queue_flags = 0;  // of that family
+  uint32_t version = 0;          // of Vulkan, that it may be used as
   DeviceDescription description;
 };
 
-/// `lent_family`: the queue family a host lends; without it the best one is taken.
-Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t index,
-                   std::optional<uint32_t> lent_family = std::nullopt);
+/// Of a device that a host lends: its queue family, and Functions::version_of. Of others the best family is taken.
+struct Lent {
+  std::optional<uint32_t> queue_family;
+  uint32_t version = UINT32_MAX;
+};
+Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t index, const Lent& lent = {});
+
+/// Whether Shading can draw on it with these features enabled.
+inline bool can_draw(const Candidate& device, const Features& features) {
+  return device.version >= VK_API_VERSION_1_3 && (device.queue_flags & VK_QUEUE_GRAPHICS_BIT) != 0 && features.dynamic_rendering &&
+         features.synchronization2;
+}
 
 Result<std::vector<Candidate>> find_candidates(const Functions& fn, VkInstance instance);
 

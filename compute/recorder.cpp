@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "compute/synchronization.h"
+
 namespace weft::compute {
 namespace {
 
@@ -32,28 +34,25 @@ bool has(Use uses, Use one) { return (static_cast<uint32_t>(uses) & static_cast<
 Scope operator|(Scope a, Scope b) { return {a.stages | b.stages, a.writes | b.writes, a.all | b.all}; }
 
 /// A queue that cannot draw knows no vertex stages.
-Scope scope_of(const Users& users, bool draws) {
+Scope scope_of(const Users& users, VkQueueFlags queue) {
   const Use uses = users.uses;
   Scope scope{users.readers.stages, 0, users.readers.accesses};
   if (has(uses, Use::compute)) scope = scope | kCompute;
   if (has(uses, Use::indirect)) scope = scope | kIndirect;
   if (has(uses, Use::transfer)) scope = scope | kTransfer;
   if (has(uses, Use::host)) scope = scope | kHost;
-  if (has(uses, Use::vertex) && draws) scope = scope | kVertex;
+  if (has(uses, Use::vertex) && (queue & VK_QUEUE_GRAPHICS_BIT) != 0) scope = scope | kVertex;
   return scope;
 }
 
-void record_barrier(const Functions& fn, VkCommandBuffer commands, Scope from, Scope to) {
+void record_barrier(const Device& device, VkCommandBuffer commands, Scope from, Scope to) {
   auto barrier = typed<VkMemoryBarrier2>(VK_STRUCTURE_TYPE_MEMORY_BARRIER_2);
   barrier.srcStageMask = from.stages;
   barrier.srcAccessMask = from.writes;
   barrier.dstStageMask = to.stages;
   // Without a write there is nothing to make visible: the barrier then only orders execution.
   barrier.dstAccessMask = from.writes != 0 ? to.all : 0;
-  auto dependency = typed<VkDependencyInfo>(VK_STRUCTURE_TYPE_DEPENDENCY_INFO);
-  dependency.memoryBarrierCount = 1;
-  dependency.pMemoryBarriers = &barrier;
-  fn.vkCmdPipelineBarrier2(commands, &dependency);
+  record_barrier(device, commands, barrier);
 }
 
 }  // namespace
@@ -99,17 +98,13 @@ Result<Timestamps> Timestamps::create(const Device& device, std::string_view nam
   made.pool_ = OwnedQueryPool(device, pool);
   made.capacity_ = passes;
   made.slots_.reserve(passes);
-  made.reset();
   return made;
 }
 
-void Timestamps::rewind() {
+void Timestamps::rewind(VkCommandBuffer commands) {
   slots_.clear();
   dropped_ = 0;
-}
-
-void Timestamps::reset() const {
-  if (supported()) device_->vk().vkResetQueryPool(device_->handle(), pool_.get(), 0, 2 * capacity_);
+  if (supported()) device_->vk().vkCmdResetQueryPool(commands, pool_.get(), 0, 2 * capacity_);
 }
 
 uint32_t Timestamps::begin(VkCommandBuffer commands, std::string_view name) {
@@ -123,14 +118,14 @@ uint32_t Timestamps::begin(VkCommandBuffer commands, std::string_view name) {
   const uint32_t slot = static_cast<uint32_t>(slots_.size());
   slots_.push_back(static_cast<uint32_t>(known - names_.begin()));
   if (known == names_.end()) names_.emplace_back(name);
-  // All commands, at both ends: the pair then encloses the pass alone, not the tail of the pass before it.
-  device_->vk().vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_.get(), 2 * slot);
+  // Behind all commands, at both ends: the pair then encloses the pass alone, not the tail of the pass before it.
+  device_->vk().vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, pool_.get(), 2 * slot);
   return slot;
 }
 
 void Timestamps::end(VkCommandBuffer commands, uint32_t slot) {
   if (slot == kNoSlot) return;
-  device_->vk().vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_.get(), 2 * slot + 1);
+  device_->vk().vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, pool_.get(), 2 * slot + 1);
 }
 
 Result<std::vector<PassTime>> Timestamps::read() const {
@@ -167,7 +162,7 @@ void Recorder::begin_pass(const char* name, const Touches& touches) {
     const bool reads_arguments = !touches.arguments.empty();
     const Scope from = hazards_.waits_for_indirect() ? kCompute | kIndirect : kCompute;
     const Scope to = reads_arguments ? kCompute | kIndirect : kCompute;
-    record_barrier(fn, commands_, from, to);
+    record_barrier(*device_, commands_, from, to);
     hazards_.barrier(reads_arguments);
     ++barriers_;
   }
@@ -216,27 +211,19 @@ void Recorder::dispatch_indirect(VkBuffer arguments, VkDeviceSize offset) {
 
 void Recorder::barrier(Users from, Users to) {
   finish();
-  Scope before = scope_of(from, device_->draws());
-  const Scope after = scope_of(to, device_->draws());
+  Scope before = scope_of(from, device_->queue_flags());
+  const Scope after = scope_of(to, device_->queue_flags());
   const bool between_shaders = has(from.uses, Use::compute) && has(to.uses, Use::compute);
   if (between_shaders && hazards_.waits_for_indirect()) before = before | kIndirect;
   if (before.stages == 0 || after.stages == 0) return;
-  record_barrier(device_->vk(), commands_, before, after);
+  record_barrier(*device_, commands_, before, after);
   if (between_shaders) hazards_.barrier(has(to.uses, Use::indirect));
   ++barriers_;
 }
 
 void Recorder::tell_host(VkEvent event) {
   finish();
-  auto memory = typed<VkMemoryBarrier2>(VK_STRUCTURE_TYPE_MEMORY_BARRIER_2);
-  memory.srcStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
-  memory.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
-  memory.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT;
-  memory.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT;
-  auto dependency = typed<VkDependencyInfo>(VK_STRUCTURE_TYPE_DEPENDENCY_INFO);
-  dependency.memoryBarrierCount = 1;
-  dependency.pMemoryBarriers = &memory;
-  device_->vk().vkCmdSetEvent2(commands_, event, &dependency);
+  device_->vk().vkCmdSetEvent(commands_, event, VK_PIPELINE_STAGE_TRANSFER_BIT);
 }
 
 }  // namespace weft::compute

@@ -56,7 +56,7 @@ struct PassTime {
 /// A pair of timestamps per pass. On a queue without timestamps supported() is false and nothing is recorded: the caller
 /// times on the CPU and says so.
 ///
-/// Recording: rewind(), hand it to a Recorder. Each submit: reset() before it, read() when its fence has signalled.
+/// Recording: rewind() into the command buffer, then hand it to a Recorder of the same. It may be submitted once; read() when that is done.
 class Timestamps {
  public:
   /// Up to `passes` passes per recording; more are counted in dropped().
@@ -64,10 +64,8 @@ class Timestamps {
   Timestamps() = default;
 
   bool supported() const { return static_cast<bool>(pool_); }
-  /// Forgets what was recorded; before recording anew.
-  void rewind();
-  /// Host reset; the GPU must be done with the last submit.
-  void reset() const;
+  /// Forgets what was recorded, and records that the device does: before recording anew. The GPU must be done with the last submit.
+  void rewind(VkCommandBuffer commands);
   /// In order of recording. Empty when unsupported. An error when the submit has not finished.
   Result<std::vector<PassTime>> read() const;
   const std::vector<std::string>& names() const { return names_; }
@@ -135,7 +133,8 @@ class Recorder {
   /// Everything `from` wrote is seen by `to`, and `to` waits until `from` has read. Ends the current pass.
   void barrier(Users from, Users to);
 
-  /// Sets the event when all copies before it are done and the host can read what they wrote. Ends the current pass.
+  /// Sets the event when all copies before it are done and the host can read what they wrote, which a barrier behind them, from transfer to
+  /// transfer and host, must have said. Ends the current pass.
   void tell_host(VkEvent event);
 
   VkCommandBuffer commands() const { return commands_; }

@@ -8,7 +8,7 @@
 //
 // Everything is allocated and compiled in create; a frame only records. Three ways to run a frame:
 //   advance  submits and waits; for tools and tests
-//   submit   submits and returns at once; ready_semaphore() is signalled when the frame can be drawn
+//   submit   submits and returns at once; the frame can be drawn by what is later on the queue, and ready_semaphore() tells others
 //   record   records into the host's own command buffer, which the host submits on Weft's queue family
 //
 // Time: a simulation takes fixed substeps of 1 / (rate substeps) seconds, so that the material does not change with the
@@ -29,6 +29,10 @@
 // device's, a lost device. What it was to change is then as it was, or whole, or its comment says otherwise. After an
 // error of advance, submit or record the simulation is consistent and can go on: the clock has moved by that frame, the cloth
 // may not have. After a lost device every call fails; the simulation can only be destroyed.
+//
+// A host's device (compute/device.h) need not have any feature enabled. Without synchronization2 barriers have the nearest stages and
+// accesses of Vulkan 1.0, and the semaphore of `submit` is signalled after all that is earlier on the queue; without timelineSemaphore
+// there is none, and what follows on the queue needs none. The results are the same bits.
 //
 // Limitations: a mesh collider that rotates moves each vertex along a straight line to its place at the frame's
 // end; hosts that record must record frames in the order they submit
@@ -149,6 +153,9 @@ class Simulation {
   /// number of meshes, or one that check(mesh) refuses.
   static Result<std::unique_ptr<Simulation>> create(const compute::Device& device, const Scene& scene, std::vector<Mesh> meshes,
                                                     const SimulationOptions& options = {});
+  /// Waits for the frames that Weft has submitted; those that a host has recorded must be done. The software driver of Mesa 22.3 has a look
+  /// at a timeline semaphore when it has signalled it already: a host that lent its device there, with timelineSemaphore, and has called
+  /// advance or submit, calls vkQueueWaitIdle first. Fences, by which Weft waits on a device without that feature, need no such care.
   ~Simulation();
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
@@ -157,14 +164,18 @@ class Simulation {
   /// frame. Errors: `seconds` not finite or negative; memory; what Vulkan refuses.
   Result<Advance> advance(double seconds);
 
-  /// Simulates `seconds`, waiting on the GPU for `waits` first; returns at once. The frame can be drawn once
-  /// ready_semaphore(), a timeline, has reached ready_value(). At most two frames are in flight: a third waits for the first, and has
-  /// more room where that one's candidate pairs took more than a third of it. The frame begins and ends as with record: the stages of each of `waits`
-  /// must include one that it waits for there. The semaphore is signalled after all earlier commands on the queue; with readers, and
-  /// without timings, after the earlier compute shaders and copies alone.
+  /// Simulates `seconds`, waiting on the GPU for `waits` first (timelines or binary semaphores); returns at once. What is submitted to the
+  /// queue afterwards may draw the frame; others may once ready_semaphore(), a timeline, has reached ready_value(). At most two frames are
+  /// in flight: a third waits for the first, and has more room where that one's candidate pairs took more than a third of it. The frame
+  /// begins and ends as with record: the stages of each of `waits` must include one that it waits for there. The semaphore is signalled
+  /// after all earlier commands on the queue; with readers, without timings, and on a device with synchronization2, after the earlier
+  /// compute shaders and copies alone.
   /// Errors: as advance.
   Result<Advance> submit(double seconds, std::span<const VkSemaphoreSubmitInfo> waits = {});
+  /// VK_NULL_HANDLE on a device without the feature timelineSemaphore (Device::features). A host that draws on another queue then signals
+  /// a semaphore of its own by an empty submit to this queue, and one whose CPU wants to know a fence.
   VkSemaphore ready_semaphore() const;
+  /// How many frames Weft has submitted, on any device.
   std::uint64_t ready_value() const;
 
   /// Records `seconds` into the host's command buffer (recording state, outside a render pass, on the queue family of the

@@ -3,8 +3,13 @@
 // A pass says in its shader, by name, which buffers it READs, WRITEs or GATHERs (random access, through a texel buffer where the device
 // has a fast one). Nobody numbers them: the compiler does, and reflection finds them again by their names. Descriptor sets, barriers and
 // the list of buffers that exist all follow from those lines. A buffer's row (element, length, first contents, lifetime) stands in the
-// effect that owns it, in engine/effects/. Structs are in scalar layout and only hold 4-byte members, so both languages agree on every
-// offset. SI units.
+// effect that owns it, in engine/effects/. SI units.
+//
+// Structs have the layouts of Vulkan 1.1, std430 in storage buffers and push constants and std140 in uniform buffers, and the same in C++,
+// where members are aligned to 4 bytes and those that are WEFT_ALIGNED to 16. So a vec3 or a vec4 stands where 16 divides the offset, a
+// uvec2 where 8 does. Where it does not, its place is taken by packed_vec3 and the like, which the shader unpacks: three loads in place of
+// one, for what is read once a frame or by few threads. A pass whose elements are of another size than in C++ is refused
+// (engine/solve/plan.cpp).
 #ifndef WEFT_SHARED_H
 #define WEFT_SHARED_H
 
@@ -59,6 +64,7 @@
 #ifdef __cplusplus
 
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
@@ -70,13 +76,26 @@ struct ivec4 { int x, y, z, w; };
 struct vec2 { float x, y; };
 struct vec3 { float x, y, z; };
 struct vec4 { float x, y, z, w; };
+using packed_uvec2 = uvec2;
+using packed_vec3 = vec3;
+using packed_vec4 = vec4;
+#define WEFT_ALIGNED alignas(16)
 #define WEFT_INLINE inline
 #define WEFT_FLOAT(bits) std::bit_cast<float>(bits)
 #define WEFT_BITS(value) std::bit_cast<std::uint32_t>(value)
 
 #else
 
-#extension GL_EXT_scalar_block_layout : require
+// Aligned to 4 bytes.
+struct packed_uvec2 { uint x, y; };
+struct packed_vec3 { float x, y, z; };
+struct packed_vec4 { float x, y, z, w; };
+uvec2 unpack(packed_uvec2 v) { return uvec2(v.x, v.y); }
+vec3 unpack(packed_vec3 v) { return vec3(v.x, v.y, v.z); }
+vec4 unpack(packed_vec4 v) { return vec4(v.x, v.y, v.z, v.w); }
+packed_vec3 pack(vec3 v) { return packed_vec3(v.x, v.y, v.z); }
+
+#define WEFT_ALIGNED
 #define WEFT_INLINE
 #define WEFT_FLOAT(bits) uintBitsToFloat(bits)
 #define WEFT_BITS(value) floatBitsToUint(value)
@@ -85,13 +104,13 @@ struct vec4 { float x, y, z, w; };
 WEFT_CONSTANTS(WEFT_DECLARE)
 
 #define WEFT_BUFFER(access, element, name) \
-  layout(set = WEFT_STORAGE_SET, scalar) access buffer name##_block { element name[]; };
+  layout(set = WEFT_STORAGE_SET, std430) access buffer name##_block { element name[]; };
 #define READ(element, name) WEFT_BUFFER(restrict readonly, element, name)
 #define WRITE(element, name) WEFT_BUFFER(restrict writeonly, element, name)
 #define READ_WRITE(element, name) WEFT_BUFFER(restrict, element, name)
 #define SHARE(element, name) WEFT_BUFFER(restrict coherent, element, name)   // workgroups of one dispatch read what others wrote
 // A slice of the uniform buffer (Motion, ContactSettings).
-#define SLICE(struct_name, name) layout(set = WEFT_STORAGE_SET, scalar) uniform name##_slice { struct_name name; };
+#define SLICE(struct_name, name) layout(set = WEFT_STORAGE_SET, std140) uniform name##_slice { struct_name name; };
 
 // A gather reads through texel buffers, which the software driver fetches twice as fast as it loads from storage buffers; that holds for
 // the thread's own elements too. On devices that prefer storage buffers, or whose texel buffers are too short, it reads those instead:
@@ -150,8 +169,8 @@ struct Tether {
 #define WEFT_FROM_HERE 0x40000000u   // it begins the frame where it is, and the host does not know where
 struct Anchor {
   uint particle;      // WEFT_NONE: a place for a pin, or an anchor that was released
-  vec3 from;          // m, at the frame's start
-  vec3 to;            // m, at its end
+  packed_vec3 from;          // m, at the frame's start
+  packed_vec3 to;            // m, at its end
 };
 
 /// A particle that a hand pulls to a target (grab.comp).
@@ -161,8 +180,8 @@ struct Grab {
   float stiffness;    // N/m
   float damping;      // N s/m
   float force;        // N, at most
-  vec3 from;          // m, the target at the frame's start
-  vec3 to;            // m, at its end
+  packed_vec3 from;          // m, the target at the frame's start
+  packed_vec3 to;            // m, at its end
 };
 
 /// A pull as it stood when a substep began: what it has given shows where that ends (grab.comp).
@@ -170,21 +189,23 @@ struct LastPull {
   uint particle;      // WEFT_NONE: nobody pulled
   float stiffness;    // N/m, and
   float damping;      // N s/m: as much of them as the limited force left
-  vec3 place;         // m, of the particle
-  vec3 target;        // m, at the substep's end
-  vec3 velocity;      // m/s, of the target
-  vec3 hand;          // m, where the hand is at the substep's end: the mean of its corners' targets
+  packed_vec3 place;         // m, of the particle
+  packed_vec3 target;        // m, at the substep's end
+  packed_vec3 velocity;      // m/s, of the target
+  packed_vec3 hand;          // m, where the hand is at the substep's end: the mean of its corners' targets
 };
 
 // The buffer holds all planes, then all spheres, capsules and boxes; how many of each is a constant. A particle is put out of them in this
 // order, so that where two overlap the later one decides.
 struct Collider {
+  vec3 centre_from;   // m
   float radius;       // m, spheres and capsules; of one with two radii their mean
+  vec3 centre_to;     // m
   float friction;     // Coulomb
-  vec3 centre_from, centre_to;   // m
-  vec3 normal_from, normal_to;   // unit, planes
-  vec3 spin;          // rad over the frame, about the centre: where capsules and boxes end follows from it
-  vec4 rotation_from; // unit quaternion, capsules and boxes
+  WEFT_ALIGNED vec3 normal_from;     // unit, planes
+  WEFT_ALIGNED vec3 normal_to;
+  WEFT_ALIGNED vec3 spin;            // rad over the frame, about the centre: where capsules and boxes end follows from it
+  WEFT_ALIGNED vec4 rotation_from;   // unit quaternion, capsules and boxes
   vec3 half_size;     // m: half a box's sides; y: half a capsule's length; of one with two radii x where its middle is along its axis,
                       // and z the sine of its taper (collide/round_cone.glsl)
 };
@@ -192,7 +213,7 @@ struct Collider {
 /// The size of a collider at the frame's start, where the host may resize it; Collider has that at its end.
 struct BodySize {
   float radius;
-  vec3 half_size;
+  packed_vec3 half_size;
 };
 
 /// What cloth has given to a collider, or to a hand, since the start, in quanta of 64 bits, two's complement, low and high words apart: an
@@ -242,7 +263,7 @@ struct Counters {
 /// A cloth, and the velocity that a solve gave to its centre of mass though no spring could.
 struct FreeCloth {
   uint first, particles;   // no particles where something holds it
-  vec3 drift;              // m/s
+  packed_vec3 drift;              // m/s
 };
 
 #define WEFT_GAS_PART 256u     // particles of a part, at least
@@ -312,16 +333,16 @@ struct SkinPoint {
   float max_distance; // m
   float stiffness;    // by which the cloth's is multiplied
   float backstop_distance, backstop_radius;   // m; a radius of 0: no backstop
-  uvec2 joints;       // four, 16 bits each
-  vec4 weights;
-  vec3 rest;          // m
-  vec3 normal;        // unit, at rest
+  packed_uvec2 joints;       // four, 16 bits each
+  packed_vec4 weights;
+  packed_vec3 rest;          // m
+  packed_vec3 normal;        // unit, at rest
 };
 
 /// By what a morph target moves a point (skin.comp).
 struct MorphDelta {
   uint morph;         // of all of the scene
-  vec3 position;      // m
+  packed_vec3 position;      // m
 };
 
 /// Where the points of a skinned mesh are when a frame begins and when it ends, unless joints say so (host_targets.glsl).
@@ -332,9 +353,9 @@ struct MorphDelta {
 
 /// How a cloth's velocities change where its moving frame does not move on evenly: w + m w + n (x - centre) + b (inertia.comp).
 struct FrameChange {
-  vec3 centre, b;     // m, m/s
-  vec3 m[3];          // rows
-  vec3 n[3];          // rows, 1/s
+  packed_vec3 centre, b;     // m, m/s
+  packed_vec3 m[3];          // rows
+  packed_vec3 n[3];          // rows, 1/s
 };
 
 /// A vertex of a render mesh, bound to a triangle of its cloth (render_mesh.comp).
@@ -342,8 +363,8 @@ struct Carried {
   uint corners[3];    // render vertices of the cloth
   uint vertex;        // what it is itself
   float weights[2];   // of the first two corners
-  vec3 offset;        // m, in the axes of its place
-  vec3 normal;        // unit, in these
+  packed_vec3 offset;        // m, in the axes of its place
+  packed_vec3 normal;        // unit, in these
 };
 #define WEFT_PHONG_CURVE 0.5f    // of the way to its corners' tangent planes: the middle of a chord is then on its arc, to the second order
 
@@ -450,12 +471,12 @@ struct Push {
 
 /// Slices of one uniform buffer, written where a frame begins.
 struct Motion {
+  vec3 gravity;       // m/s^2
   float h;            // s, substep
+  vec3 origin;        // m: what is added to particles' positions for the renderer
   float inverse_h;    // 1/s
   float inverse_h2;   // 1/s^2
   float relaxation;   // over-relaxation of Jacobi and Gauss-Seidel; the weight of the damped Jacobi of the method implicit
-  vec3 gravity;       // m/s^2
-  vec3 origin;        // m: what is added to particles' positions for the renderer
 };
 
 struct ContactSettings {
@@ -499,7 +520,7 @@ struct ReactionSettings {
 #define WEFT_MAX_PARTICLES 0x00ffffffu
 
 #ifndef __cplusplus
-layout(push_constant, scalar) uniform Constants { Push push; };
+layout(push_constant, std430) uniform Constants { Push push; };
 SLICE(Motion, motion)
 SLICE(ContactSettings, contact_settings)
 SLICE(CollisionSettings, collision_settings)
@@ -510,12 +531,15 @@ SLICE(Air, air)
 #ifdef __cplusplus
 
 static_assert(sizeof(Bend) == 40 && sizeof(Hinge) == 44 && sizeof(Tether) == 8 && sizeof(Patch) == 16 && sizeof(Anchor) == 28);
-static_assert(sizeof(Grab) == 44 && sizeof(Collider) == 96 && sizeof(BodySize) == 16);
+static_assert(sizeof(Grab) == 44 && sizeof(Collider) == 112 && sizeof(BodySize) == 16);
 static_assert(sizeof(SkinPoint) == 76 && sizeof(Joint) == 96 && sizeof(MotionLimits) == 8 && sizeof(Reaction) == 48);
 static_assert(sizeof(MorphDelta) == 16 && sizeof(Carried) == 48 && sizeof(FrameChange) == 96);
 static_assert(sizeof(Gas) == 32 && sizeof(GasPart) == 16 && sizeof(GasState) == 8 && sizeof(GasSum) == 24);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 40);
 static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 316 && sizeof(Acceleration) == 48);
+// As std430 and std140 have them.
+static_assert(offsetof(Collider, normal_from) == 32 && offsetof(Collider, rotation_from) == 80 && offsetof(Collider, half_size) == 96);
+static_assert(offsetof(Motion, origin) == 16 && offsetof(Motion, relaxation) == 36 && offsetof(Air, drag) == 16);
 static_assert(std::is_trivially_copyable_v<Push>);
 
 namespace constant {

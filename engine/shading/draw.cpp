@@ -1,6 +1,7 @@
 // The order of a picture: shadow map, depth, occlusion and its smoothing, then everything with four samples a pixel.
 #include <span>
 
+#include "compute/synchronization.h"
 #include "engine/shading/state.h"
 
 namespace weft {
@@ -67,10 +68,7 @@ void Shading::State::record_picture(VkCommandBuffer commands, const Poses& poses
   barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
   barrier.dstStageMask = VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT;
   barrier.dstAccessMask = VK_ACCESS_2_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_2_INDEX_READ_BIT;
-  auto dependency = compute::typed<VkDependencyInfo>(VK_STRUCTURE_TYPE_DEPENDENCY_INFO);
-  dependency.memoryBarrierCount = 1;
-  dependency.pMemoryBarriers = &barrier;
-  vk.vkCmdPipelineBarrier2(commands, &dependency);
+  compute::record_barrier(*device, commands, barrier);
 
   change_use(*device, commands, targets.sun_depth, compute::kUnused, compute::kDepthTarget);
   compute::begin_drawing(*device, commands, {.depth = &targets.sun_depth, .clear_depth = 1});
@@ -125,10 +123,7 @@ Result<void> Shading::State::record_copy(const Poses& poses) {
   barrier.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
   barrier.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT;
   barrier.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT;
-  auto dependency = compute::typed<VkDependencyInfo>(VK_STRUCTURE_TYPE_DEPENDENCY_INFO);
-  dependency.memoryBarrierCount = 1;
-  dependency.pMemoryBarriers = &barrier;
-  vk.vkCmdPipelineBarrier2(own_commands, &dependency);
+  compute::record_barrier(*device, own_commands, barrier);
   if (VkResult r = vk.vkEndCommandBuffer(own_commands))
     return fail("the picture's command buffer could not be recorded: ", compute::result_name(r));
   return {};

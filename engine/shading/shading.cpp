@@ -173,7 +173,9 @@ Result<std::unique_ptr<Shading>> Shading::create(compute::Device& device, const 
   constexpr std::uint32_t kLargest = 8192;
   if (size.width < 1 || size.height < 1 || size.width > kLargest || size.height > kLargest)
     return fail("a picture of ", size.width, " x ", size.height, " pixels is outside 1 x 1 ... ", kLargest, " x ", kLargest);
-  if (!device.draws()) return fail("device \"", device.name(), "\" has no queue that draws, or no dynamic rendering");
+  if (!device.draws())
+    return fail("device \"", device.name(), "\" cannot draw: pictures take Vulkan 1.3, a queue with graphics, and the features ",
+                "synchronization2 and dynamicRendering enabled");
   if (length(scene.light.direction) == 0) return fail("the light's direction has no length");
 
   std::unique_ptr<Shading> made(new Shading);

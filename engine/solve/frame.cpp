@@ -158,7 +158,7 @@ void Simulation::State::move_scene(double seconds, FrameInput& input) {
     bodies.pending_sizes[k].reset();
     const gpu::BodySize size = body_size(described.shape, bodies.sizes[k]);
     const Rotation& start = from.rotation;
-    bodies.colliders.push_back({size.radius, static_cast<float>(described.friction), gpu_vector(from.centre), gpu_vector(to.centre),
+    bodies.colliders.push_back({gpu_vector(from.centre), size.radius, gpu_vector(to.centre), static_cast<float>(described.friction),
                                 gpu_vector(from.normal), gpu_vector(to.normal), gpu_vector(spin), {start.x, start.y, start.z, start.w},
                                 size.half_size});
   }
@@ -217,7 +217,6 @@ Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<
   const std::uint64_t value = queue.submitted + 1;
   FrameSlot& slot = queue.slots[slot_of(value)];   // its last frame is done
   compute::Timestamps* timestamps = options.timings && !timed_on_cpu() ? &slot.timestamps : nullptr;
-  if (timestamps != nullptr) timestamps->rewind();
   const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
                                        nullptr};
   if (const VkResult began = device->vk().vkBeginCommandBuffer(slot.commands, &begin); began != VK_SUCCESS)
@@ -229,6 +228,7 @@ Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<
     return why;
   };
   try {
+    if (timestamps != nullptr) timestamps->rewind(slot.commands);
     record_frame(slot.commands, input, timestamps, save, slot_of(value));
   } catch (...) {
     (void)device->vk().vkEndCommandBuffer(slot.commands);   // one that is being recorded cannot be begun again
@@ -236,16 +236,19 @@ Result<void> Simulation::State::submit_frame(const FrameInput& input, std::span<
   }
   if (const VkResult ended = device->vk().vkEndCommandBuffer(slot.commands); ended != VK_SUCCESS)
     return give_up(fail("a frame's command buffer could not be ended: ", compute::result_name(ended)));
-  if (timestamps != nullptr) timestamps->reset();
   const VkCommandBufferSubmitInfo commands{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO, nullptr, slot.commands, 0};
   // A host that says who reads has its other commands on the queue hold up nothing. Timestamps wait for all of them.
   const VkPipelineStageFlags2 stages = options.readers && timestamps == nullptr
                                            ? VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT
                                            : VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
   const VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO, nullptr, queue.ready.get(), value, stages, 0};
-  const VkSubmitInfo2 work{
-      VK_STRUCTURE_TYPE_SUBMIT_INFO_2, nullptr, 0, static_cast<std::uint32_t>(waits.size()), waits.data(), 1, &commands, 1, &signal};
-  if (auto done = device->submit(work); !done) return give_up(done.take_error());
+  const auto wait_count = static_cast<std::uint32_t>(waits.size());
+  const VkSubmitInfo2 work{VK_STRUCTURE_TYPE_SUBMIT_INFO_2, nullptr, 0, wait_count, waits.data(), 1, &commands, queue.ready ? 1u : 0u, &signal};
+  const VkFence fence = slot.done.get();
+  if (fence != VK_NULL_HANDLE)
+    if (const VkResult reset = device->vk().vkResetFences(device->handle(), 1, &fence); reset != VK_SUCCESS)
+      return give_up(fail("a frame's fence could not be reset: ", compute::result_name(reset)));
+  if (auto done = device->submit(work, fence); !done) return give_up(done.take_error());
   rollback.frame_is_torn = false;
   // Only what was really submitted may be waited for.
   slot.value = queue.submitted = value;

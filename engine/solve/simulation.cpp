@@ -132,13 +132,20 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
       if (!made) return made.take_error();
       event = std::move(*made);
     }
-  auto ready = compute::create_timeline(device, "weft ready");
-  if (!ready) return ready.take_error();
-  state->queue.ready = std::move(*ready);
+  if (device.features().timeline_semaphore) {
+    auto ready = compute::create_timeline(device, "weft ready");
+    if (!ready) return ready.take_error();
+    state->queue.ready = std::move(*ready);
+  }
   for (FrameSlot& slot : state->queue.slots) {
     auto commands = state->queue.pool.allocate("weft frame");
     if (!commands) return commands.take_error();
     slot.commands = *commands;
+    if (!state->queue.ready) {
+      auto fence = compute::create_fence(device, "weft frame");
+      if (!fence) return fence.take_error();
+      slot.done = std::move(*fence);
+    }
     if (!options.timings) continue;
     auto timestamps = compute::Timestamps::create(device, "weft frame", static_cast<std::uint32_t>(std::min(dispatches, 60000.0)));
     if (!timestamps) return timestamps.take_error();

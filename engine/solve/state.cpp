@@ -8,9 +8,31 @@
 
 namespace weft {
 
+// The fence of a frame that was waited for may be reset by now.
+Result<void> Simulation::State::wait_for_frame(std::uint64_t frame) {
+  if (frame <= queue.waited) return {};
+  auto done = queue.ready ? compute::wait_for(*device, queue.ready.get(), frame)
+                          : compute::wait_for(*device, queue.slots[slot_of(frame)].done.get());
+  if (done) queue.waited = frame;
+  return done;
+}
+
+// The last frame that is known to be done, without waiting.
+std::uint64_t Simulation::State::last_done() const {
+  std::uint64_t last = queue.waited;
+  if (queue.ready) {
+    std::uint64_t reached = 0;
+    if (device->heard(device->vk().vkGetSemaphoreCounterValue(device->handle(), queue.ready.get(), &reached)) == VK_SUCCESS) last = reached;
+    return last;
+  }
+  for (const FrameSlot& slot : queue.slots)
+    if (slot.value > last && device->heard(device->vk().vkGetFenceStatus(device->handle(), slot.done.get())) == VK_SUCCESS)
+      last = slot.value;
+  return last;
+}
+
 Result<void> Simulation::State::wait() {
-  if (queue.submitted > 0)
-    if (auto done = compute::wait_for(*device, queue.ready.get(), queue.submitted); !done) return done;
+  if (auto done = wait_for_frame(queue.submitted); !done) return done;
   hear(queue.submitted);
   return copy_outgrown();   // what follows may read the solver's buffers
 }
@@ -18,8 +40,7 @@ Result<void> Simulation::State::wait() {
 // The next frame takes the place of the last but one.
 Result<void> Simulation::State::wait_for_slot() {
   const std::uint64_t frame = queue.slots[slot_of(queue.submitted + 1)].value;
-  if (frame > 0)
-    if (auto done = compute::wait_for(*device, queue.ready.get(), frame); !done) return done;
+  if (auto done = wait_for_frame(frame); !done) return done;
   hear(frame);
   return {};
 }
@@ -57,8 +78,7 @@ void Simulation::State::hear(std::uint64_t frame) {
 // For those who ask while frames are under way. What Weft itself does next must not depend on which frame that is.
 std::optional<std::size_t> Simulation::State::newest_place() const {
   if (has_recorded) return place_of_recorded();
-  std::uint64_t done = 0;
-  if (device->heard(device->vk().vkGetSemaphoreCounterValue(device->handle(), queue.ready.get(), &done)) != VK_SUCCESS) return {};
+  const std::uint64_t done = last_done();
   return done > queue.heard ? std::optional(slot_of(done)) : std::nullopt;
 }
 

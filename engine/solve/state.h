@@ -20,7 +20,8 @@ namespace weft {
 struct FrameSlot {
   VkCommandBuffer commands = VK_NULL_HANDLE;
   compute::Timestamps timestamps;
-  std::uint64_t value = 0;   // of the ready semaphore when it is done; 0: never submitted
+  std::uint64_t value = 0;   // the number of its last frame; 0: never submitted
+  compute::OwnedFence done;  // of that frame, where there is no ready semaphore
 };
 
 /// What a frame reports to the host at its end.
@@ -153,13 +154,13 @@ struct ReactionSums {
   std::vector<Reaction> between, pulls;        // of each collider of the scene, and of each grab, as they were told
 };
 
-/// Frames that Weft submits. Frame n is done when `ready` has reached n; `submitted` is the last n, `heard` the last that the host has
-/// the report of.
+/// Frames that Weft submits. Frame n is done when `ready` has reached n or, on a device without timeline semaphores, when its slot's fence
+/// is signalled; `waited` is the last that was waited for, `submitted` the last of all, `heard` the last that the host has the report of.
 struct FrameQueue {
   compute::CommandPool pool;
   std::array<FrameSlot, 2> slots;
   compute::OwnedSemaphore ready;
-  std::uint64_t submitted = 0, heard = 0;
+  std::uint64_t submitted = 0, waited = 0, heard = 0;
   std::vector<DispatchTime> cpu_times;         // on devices without timestamps
   const FrameSlot* last_timed = nullptr;
 };
@@ -271,6 +272,8 @@ struct Simulation::State {
   void read_reactions(std::size_t place, std::vector<gpu::Reaction>& into) const;
   void hear_reactions();
   void hear(std::uint64_t frame);
+  Result<void> wait_for_frame(std::uint64_t frame);
+  std::uint64_t last_done() const;
   Result<void> wait_for_slot();
   Result<void> draw_surface();
   std::uint64_t own_digest();

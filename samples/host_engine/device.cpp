@@ -115,13 +115,11 @@ Result<void> Device::pick(const std::string& name) {
 
 Result<void> Device::create_device() {
   auto v13 = typed<VkPhysicalDeviceVulkan13Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES);
-  v13.synchronization2 = VK_TRUE;    // Weft too
+  v13.synchronization2 = VK_TRUE;    // Weft makes use of it, too
   v13.dynamicRendering = VK_TRUE;    // the engine's renderer only
   auto v12 = typed<VkPhysicalDeviceVulkan12Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
   v12.pNext = &v13;
-  v12.timelineSemaphore = VK_TRUE;   // Weft too
-  v12.hostQueryReset = VK_TRUE;      // Weft only
-  v12.scalarBlockLayout = VK_TRUE;   // Weft only
+  v12.timelineSemaphore = VK_TRUE;   // and of this
   const float priority = 1;
   auto queue = typed<VkDeviceQueueCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO);
   queue.queueFamilyIndex = family_;

@@ -36,6 +36,8 @@ void print(const compute::DeviceDescription& device) {
     std::printf("   timestamps every %g ns, %u bits\n", limits.timestamp_period_ns, limits.timestamp_bits);
   else
     std::printf("   no timestamps: passes are timed on the CPU\n");
+  std::printf("   barriers %s, frames in order by %s\n", device.features.synchronization2 ? "of synchronization2" : "of Vulkan 1.0",
+              device.features.timeline_semaphore ? "timeline semaphores" : "fences");
   std::printf("   %s\n", device.draws ? "draws pictures" : "draws no pictures: run with --no-picture");
   if (!device.refusal.empty()) std::printf("   cannot be used: %s\n", device.refusal.c_str());
 }

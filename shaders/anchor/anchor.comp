@@ -20,7 +20,10 @@ READ_WRITE(Counters, counters)
 #include "motion/displacement_bound.glsl"
 
 // Its target when this fraction of the frame is over.
-vec3 place_at(Anchor anchor, float fraction) { return fraction == 1 ? anchor.to : anchor.from + fraction * (anchor.to - anchor.from); }
+vec3 place_at(Anchor anchor, float fraction) {
+  const vec3 from = unpack(anchor.from), to = unpack(anchor.to);
+  return fraction == 1 ? to : from + fraction * (to - from);
+}
 
 const float kLeast = 0.08;               // relative to its thickness: what it recovers in a substep at least
 const float kRounding = 1.0 / 1048576;   // 2^-20, relative to the largest coordinate
@@ -36,8 +39,8 @@ void count_tracking_error(vec3 x, float error) {
 // (contact_limit) it goes to its target at once.
 vec3 next_place(vec3 target, vec3 x, float lag, Anchor anchor) {
   const float thickness = FETCH(materials, floatBitsToUint(FETCH(velocities, anchor.particle).w)).z;
-  const float error = length(target - x), motion_of_target = (push.fraction_to - push.fraction_from) * length(anchor.to - anchor.from);
-  const float step = motion_of_target + max(contact_settings.recover, kLeast * thickness);
+  const float error = length(target - x), motion_of_frame = length(unpack(anchor.to) - unpack(anchor.from));
+  const float step = (push.fraction_to - push.fraction_from) * motion_of_frame + max(contact_settings.recover, kLeast * thickness);
   return error > step && lag <= contact_settings.kinematic_lag_limit * thickness ? x + (step / error) * (target - x) : target;
 }
 
@@ -60,8 +63,9 @@ Anchor from_here(Anchor pin) {
   const bool stays = (pin.particle & WEFT_STAYS) != 0, from_here = (pin.particle & WEFT_FROM_HERE) != 0;
   pin.particle &= ~(WEFT_STAYS | WEFT_FROM_HERE);
   const vec3 x = FETCH(positions, pin.particle).xyz;
-  if (stays) pin.to = x;
-  if (stays || from_here) pin.from = pin.to - (pin.to - x) / (1 - push.fraction_from);
+  if (stays) pin.to = pack(x);
+  const vec3 to = unpack(pin.to);
+  if (stays || from_here) pin.from = pack(to - (to - x) / (1 - push.fraction_from));
   return pin;
 }
 

@@ -8,7 +8,7 @@ Collider collider_at(uint k, float fraction) {
   Collider c = colliders[k];
   if (resizes) {
     c.radius = body_sizes[k].radius + fraction * (c.radius - body_sizes[k].radius);
-    c.half_size = between(body_sizes[k].half_size, c.half_size, fraction);
+    c.half_size = between(unpack(body_sizes[k].half_size), c.half_size, fraction);
   }
   return c;
 }

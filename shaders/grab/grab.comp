@@ -33,8 +33,10 @@ struct Pulled {
   float part;      // of the grip's stiffness and damping, as the limited force leaves
 };
 
-vec3 target_of(Grab grab) { return grab.from + push.fraction_to * (grab.to - grab.from); }
-vec3 target_velocity_of(Grab grab) { return (push.fraction_to - push.fraction_from) * motion.inverse_h * (grab.to - grab.from); }
+vec3 target_of(Grab grab) { return unpack(grab.from) + push.fraction_to * (unpack(grab.to) - unpack(grab.from)); }
+vec3 target_velocity_of(Grab grab) {
+  return (push.fraction_to - push.fraction_from) * motion.inverse_h * (unpack(grab.to) - unpack(grab.from));
+}
 
 // m: inverse mass times this is what the particle weighs before this hand.
 Pulled pull(Grab grab, vec3 x, vec3 v, float mass) {
@@ -54,12 +56,12 @@ bool is_pulled(Grab grab) { return grab.particle != WEFT_NONE && FETCH(positions
 void tell(uint k) {
   const LastPull last = last_pulls[k];
   if (last.particle == WEFT_NONE) return;
-  const vec3 q = FETCH(positions, last.particle).xyz;
-  const vec3 force = last.stiffness * (last.target - q) + last.damping * (last.velocity - motion.inverse_h * (q - last.place));
+  const vec3 q = FETCH(positions, last.particle).xyz, target = unpack(last.target);
+  const vec3 force = last.stiffness * (target - q) + last.damping * (unpack(last.velocity) - motion.inverse_h * (q - unpack(last.place)));
   last_pulls[k].particle = WEFT_NONE;
   if (!(dot(force, force) < 1e20)) return;
   const vec3 impulse = -reaction_settings.quanta * motion.h * motion.h * force;   // quanta are of m d / h
-  const vec3 angular = cross(last.target - last.hand, impulse);
+  const vec3 angular = cross(target - unpack(last.hand), impulse);
   const uint hand = planes + spheres + capsules + boxes + k / 3;
   for (int c = 0; c < 3; ++c) {
     add_quanta(hand, c, impulse[c]);
@@ -76,8 +78,8 @@ vec3 hand_of(uint k) {
 }
 
 void remember(uint k, Grab grab, vec3 place, float part) {
-  last_pulls[k] = LastPull(grab.particle, part * grab.stiffness, part * grab.damping, place, target_of(grab), target_velocity_of(grab),
-                           hand_of(k));
+  last_pulls[k] = LastPull(grab.particle, part * grab.stiffness, part * grab.damping, pack(place), pack(target_of(grab)),
+                           pack(target_velocity_of(grab)), pack(hand_of(k)));
 }
 
 void main() {

@@ -23,5 +23,5 @@ void main() {
     if (has_colliders && FETCH(collider_filters, 2 * (cloth.first + k)) != vec4(0, 0, 0, 1)) sum.w += 1e30;
   }
   sum = sum_of_group(sum);
-  if (gl_LocalInvocationID.x == 0) free_cloths[gl_WorkGroupID.x].drift = sum.w > 0 ? sum.xyz / sum.w : vec3(0);
+  if (gl_LocalInvocationID.x == 0) free_cloths[gl_WorkGroupID.x].drift = pack(sum.w > 0 ? sum.xyz / sum.w : vec3(0));
 }

@@ -28,6 +28,6 @@ void main() {
   if (i == 0) report(state);
   if (i >= push.count) return;
   vec4 p = FETCH(predicted, i);
-  if (p.w != 0) p.xyz += motion.h * (change_of(i, state, push.count) - free_cloths[body_of(i)].drift);
+  if (p.w != 0) p.xyz += motion.h * (change_of(i, state, push.count) - unpack(free_cloths[body_of(i)].drift));
   leave(i, p);
 }

@@ -20,8 +20,8 @@ void main() {
   const vec4 x = FETCH(positions, i), w = FETCH(velocities, i);
   if (x.w == 0) return;
   const FrameChange change = frame_changes[body_of(i)];
-  const vec3 r = x.xyz - change.centre;
-  vec3 dv = change.b;
-  for (int k = 0; k < 3; ++k) dv[k] += dot(change.m[k], w.xyz) + dot(change.n[k], r);
+  const vec3 r = x.xyz - unpack(change.centre);
+  vec3 dv = unpack(change.b);
+  for (int k = 0; k < 3; ++k) dv[k] += dot(unpack(change.m[k]), w.xyz) + dot(unpack(change.n[k]), r);
   if (dot(dv, dv) < 1e20) velocities[i].xyz = w.xyz + dv;   // and finite
 }

@@ -35,6 +35,6 @@ void main() {
   const vec3 along = unit(x[1] - dot(x[1], up) * up, normalize(cross(aside, up)));
   const mat3 axes = mat3(along, cross(up, along), up);
   const uint v = bound.vertex;
-  vertex_positions[v] = vec4(vertex_positions[bound.corners[0]].xyz + place + axes * bound.offset, 1);
-  vertex_normals[v] = vec4(axes * bound.normal, 0);
+  vertex_positions[v] = vec4(vertex_positions[bound.corners[0]].xyz + place + axes * unpack(bound.offset), 1);
+  vertex_normals[v] = vec4(axes * unpack(bound.normal), 0);
 }

@@ -14,7 +14,7 @@ READ(Joint, skin_joints)
 READ(MotionLimits, motion_limits)
 READ(uvec2, morph_rows)
 READ(MorphDelta, morph_deltas)
-READ(vec3, morph_normals)
+READ(packed_vec3, morph_normals)
 READ(vec2, morph_weights)
 WRITE(Anchor, anchors)
 WRITE(vec4, motion_targets)
@@ -30,11 +30,13 @@ void morph(uint k, inout Shape from, inout Shape to) {
   for (uint at = row.x; at < row.x + row.y; ++at) {
     const MorphDelta delta = morph_deltas[at];
     const vec2 w = morph_weights[delta.morph];
-    precise const vec3 x_from = from.x + w.x * delta.position, x_to = to.x + w.y * delta.position;
+    const vec3 position = unpack(delta.position);
+    precise const vec3 x_from = from.x + w.x * position, x_to = to.x + w.y * position;
     from.x = x_from;
     to.x = x_to;
     if (morphs < 2) continue;
-    precise const vec3 n_from = from.normal + w.x * morph_normals[at], n_to = to.normal + w.y * morph_normals[at];
+    const vec3 normal = unpack(morph_normals[at]);
+    precise const vec3 n_from = from.normal + w.x * normal, n_to = to.normal + w.y * normal;
     from.normal = n_from;
     to.normal = n_to;
   }
@@ -85,8 +87,9 @@ void main() {
   if (k >= push.count) return;
   const SkinPoint point = skin_points[k];
   const uvec4 joint = uvec4(point.joints.x & 0xffffu, point.joints.x >> 16, point.joints.y & 0xffffu, point.joints.y >> 16);
-  const Blend from = blend_from(joint, point.weights), to = blend_to(joint, point.weights);
-  Shape start = Shape(point.rest, point.normal), end = start;
+  const vec4 weights = unpack(point.weights);
+  const Blend from = blend_from(joint, weights), to = blend_to(joint, weights);
+  Shape start = Shape(unpack(point.rest), unpack(point.normal)), end = start;
   if (morphs > 0) morph(k, start, end);
   Ends ends;
   ends.x_from = applied(from, vec4(start.x, 1));
@@ -97,8 +100,8 @@ void main() {
   }
   if (takes_targets) ends = with_host_targets(k, ends);
   if (skins_move_anchors && point.anchor != WEFT_NONE) {   // whether it is held is the host's business
-    anchors[point.anchor].from = ends.x_from;
-    anchors[point.anchor].to = ends.x_to;
+    anchors[point.anchor].from = pack(ends.x_from);
+    anchors[point.anchor].to = pack(ends.x_to);
   }
   if (motion_constraints > 0 && point.cloth != WEFT_NONE) constrain(point, ends);
 }

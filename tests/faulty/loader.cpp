@@ -1,9 +1,10 @@
 // A Vulkan loader with a fault, for programs that open libvulkan.so.1: it is found first through LD_LIBRARY_PATH and passes everything
 // on to the real one, through vulkan.h.
 //
-//   WEFT_FAULT=memory@17   the 17th call that may fail, from 0, has no memory      WEFT_FAULT=old       devices know Vulkan 1.2
-//   WEFT_FAULT=lost@3      the device is lost at the 3rd submit or wait            WEFT_FAULT=lacking   devices lack timeline semaphores
+//   WEFT_FAULT=memory@17   the 17th call that may fail, from 0, has no memory      WEFT_FAULT=old       devices know Vulkan 1.0
+//   WEFT_FAULT=lost@3      the device is lost at the 3rd submit or wait
 //   WEFT_FAULT=none        nothing fails; only counted
+//   WEFT_FAULT=lacking     devices lack synchronization2 and timelineSemaphore
 //
 // At its end WEFT_FAULT_REPORT, a file, says how many calls could have had the fault, which one had it, and what was never destroyed.
 #include <dlfcn.h>
@@ -22,15 +23,18 @@ std::string_view g_fault = "none";
 PFN_vkGetPhysicalDeviceProperties g_properties = nullptr;
 VKAPI_ATTR void VKAPI_CALL old_properties(VkPhysicalDevice device, VkPhysicalDeviceProperties* properties) {
   g_properties(device, properties);
-  properties->apiVersion = VK_API_VERSION_1_2;
+  properties->apiVersion = VK_API_VERSION_1_0;
 }
 
 PFN_vkGetPhysicalDeviceFeatures2 g_features = nullptr;
 VKAPI_ATTR void VKAPI_CALL lacking_features(VkPhysicalDevice device, VkPhysicalDeviceFeatures2* features) {
   g_features(device, features);
-  for (auto* next = static_cast<VkBaseOutStructure*>(features->pNext); next != nullptr; next = next->pNext)
+  for (auto* next = static_cast<VkBaseOutStructure*>(features->pNext); next != nullptr; next = next->pNext) {
     if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES)
       reinterpret_cast<VkPhysicalDeviceVulkan12Features*>(next)->timelineSemaphore = VK_FALSE;
+    if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES)
+      reinterpret_cast<VkPhysicalDeviceVulkan13Features*>(next)->synchronization2 = VK_FALSE;
+  }
 }
 
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL function(VkInstance instance, const char* name) {

@@ -20,9 +20,12 @@
 
 namespace weft::faulty {
 
+#define WEFT_FAULTY_FUNCTIONS(X) \
+  WEFT_GLOBAL_FUNCTIONS(X) WEFT_INSTANCE_FUNCTIONS(X) WEFT_DEVICE_FUNCTIONS(X) WEFT_LATER_DEVICE_FUNCTIONS(X)
+
 enum class Call {
 #define WEFT_CALL(name) name,
-  WEFT_GLOBAL_FUNCTIONS(WEFT_CALL) WEFT_INSTANCE_FUNCTIONS(WEFT_CALL) WEFT_DEVICE_FUNCTIONS(WEFT_CALL)
+  WEFT_FAULTY_FUNCTIONS(WEFT_CALL)
 #undef WEFT_CALL
 };
 
@@ -30,7 +33,7 @@ constexpr std::string_view name_of(Call call) {
   switch (call) {
 #define WEFT_CALL(name) \
   case Call::name: return #name;
-    WEFT_GLOBAL_FUNCTIONS(WEFT_CALL) WEFT_INSTANCE_FUNCTIONS(WEFT_CALL) WEFT_DEVICE_FUNCTIONS(WEFT_CALL)
+    WEFT_FAULTY_FUNCTIONS(WEFT_CALL)
 #undef WEFT_CALL
   }
   return "";
@@ -38,8 +41,8 @@ constexpr std::string_view name_of(Call call) {
 
 /// Where a device that stops working is noticed.
 constexpr bool notices_loss(Call call) {
-  return call == Call::vkQueueSubmit2 || call == Call::vkQueueWaitIdle || call == Call::vkDeviceWaitIdle || call == Call::vkWaitForFences ||
-         call == Call::vkWaitSemaphores || call == Call::vkGetQueryPoolResults || call == Call::vkGetFenceStatus ||
+  return call == Call::vkQueueSubmit2 || call == Call::vkQueueSubmit || call == Call::vkQueueWaitIdle || call == Call::vkDeviceWaitIdle ||
+         call == Call::vkWaitForFences || call == Call::vkWaitSemaphores || call == Call::vkGetQueryPoolResults || call == Call::vkGetFenceStatus ||
          call == Call::vkGetSemaphoreCounterValue;
 }
 
@@ -125,7 +128,7 @@ VKAPI_ATTR R VKAPI_CALL Through<kCall, R(VKAPI_PTR*)(A...)>::call(A... arguments
     const std::lock_guard lock(faults.mutex);
     faults.alive[kind] += by;
   };
-  if constexpr (kCall == Call::vkQueueSubmit2) faults.queue = std::get<0>(std::tuple(arguments...));
+  if constexpr (kCall == Call::vkQueueSubmit2 || kCall == Call::vkQueueSubmit) faults.queue = std::get<0>(std::tuple(arguments...));
   if constexpr (std::is_same_v<R, VkResult>) {
     if (fails(kCall)) {
       if constexpr (kCall == Call::vkEndCommandBuffer) real(arguments...);   // also one that fails ends the recording
@@ -156,7 +159,7 @@ inline PFN_vkVoidFunction through(std::string_view name, PFN_vkVoidFunction real
     Wrapped::real = reinterpret_cast<PFN_##function>(real);               \
     return reinterpret_cast<PFN_vkVoidFunction>(Wrapped::call);           \
   }
-  WEFT_GLOBAL_FUNCTIONS(WEFT_CALL) WEFT_INSTANCE_FUNCTIONS(WEFT_CALL) WEFT_DEVICE_FUNCTIONS(WEFT_CALL)
+  WEFT_FAULTY_FUNCTIONS(WEFT_CALL)
 #undef WEFT_CALL
   return real;
 }

@@ -60,9 +60,25 @@ TEST_F(CommandFaults, without_a_driver_it_says_what_to_install) {
 
 TEST_F(CommandFaults, an_old_device_is_named_with_what_it_lacks) {
   inject("old");
-  expect_refusal("Vulkan 1.2");
+  expect_refusal("it has Vulkan 1.0.0, and Weft needs 1.1");
+}
+
+TEST_F(CommandFaults, a_device_without_features_gives_the_same_bits_and_draws_no_picture) {
+  const std::vector<std::string> call = {"run", write("sheet.json", kSheet), "--frames", "3", "--no-picture", "--out", out()};
+  const auto hash = [&] {
+    const Outcome outcome = weft(call);
+    EXPECT_EQ(outcome.exit, 0) << outcome.error;
+    const std::string report = read(folder / "out" / "report.json");
+    const std::size_t at = report.find("\"hash\"");
+    return at == std::string::npos ? std::string() : report.substr(at, 28);
+  };
+  const std::string expected = hash();
+  EXPECT_EQ(expected.size(), 28u);
   inject("lacking");
-  expect_refusal("timelineSemaphore");
+  EXPECT_EQ(hash(), expected);
+  EXPECT_EQ(reported("left"), "");
+  expect_refusal("cannot draw");
+  EXPECT_NE(weft({"info"}).out.find("barriers of Vulkan 1.0, frames in order by fences"), std::string::npos);
 }
 
 TEST_F(CommandFaults, a_run_that_finds_no_memory_ends_with_a_sentence_and_frees_everything) {

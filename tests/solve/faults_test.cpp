@@ -36,9 +36,15 @@ class Faults : public GpuTest {
     EXPECT_EQ(faults.left(), "");
     GpuTest::TearDown();
   }
-  void lend() {
+  // `made_with`: what the host says it has enabled; null: all that there is.
+  void lend(const VkDeviceCreateInfo* made_with = nullptr) {
     const Device& d = GpuTest::device();
-    lent_ = must(Device::borrow({faulty::instance_function, d.instance(), d.physical(), d.handle(), d.queue(), d.queue_family()}));
+    lent_ = must(Device::borrow({faulty::instance_function, d.instance(), d.physical(), d.handle(), d.queue(), d.queue_family(), made_with}));
+  }
+  // As one of a host that has enabled nothing: barriers and submits of Vulkan 1.0, and fences.
+  void lend_without_features() {
+    const VkDeviceCreateInfo nothing{};
+    lend(&nothing);
   }
   Device& device() { return *lent_; }
 
@@ -146,21 +152,27 @@ TEST_F(Faults, memory_that_runs_out_while_a_picture_is_drawn_is_a_sentence_and_l
   at_every_call(kNoMemory, 2, [] { return std::unique_ptr<Shading>(); }, work, no_more);
 }
 
+// Frames of every kind: the third of those that are submitted waits for the first.
+Result<void> frames(Simulation& simulation) {
+  for (int frame = 0; frame < 2; ++frame)
+    if (auto done = plain(simulation.advance(1.0 / 60)); !done) return done;
+  for (int frame = 0; frame < 3; ++frame)
+    if (auto done = plain(simulation.submit(1.0 / 60)); !done) return done;
+  auto positions = simulation.read_positions();
+  return positions ? simulation.write_positions(*positions) : positions.take_error();
+}
+
 TEST_F(Faults, memory_that_runs_out_in_a_frame_is_a_sentence_and_the_next_frame_works) {
-  at_every_call(
-      kNoHostMemory, 2, [&] { return must(Simulation::create(device(), hung_sheet())); },
-      [](const Made& simulation) -> Result<void> {
-        for (int frame = 0; frame < 2; ++frame)
-          if (auto done = plain(simulation->advance(1.0 / 60)); !done) return done;
-        for (int frame = 0; frame < 3; ++frame)   // the third waits for the first
-          if (auto done = plain(simulation->submit(1.0 / 60)); !done) return done;
-        auto positions = simulation->read_positions();
-        return positions ? simulation->write_positions(*positions) : positions.take_error();
-      },
-      [](const Made& simulation) {
-        must(simulation->advance(1.0 / 60));
-        EXPECT_EQ(simulation->counts().non_finite, 0u);
-      });
+  for (const bool features : {true, false}) {
+    if (!features) lend_without_features();
+    at_every_call(
+        kNoHostMemory, 2, [&] { return must(Simulation::create(device(), hung_sheet())); },
+        [](const Made& simulation) { return frames(*simulation); },
+        [](const Made& simulation) {
+          must(simulation->advance(1.0 / 60));
+          EXPECT_EQ(simulation->counts().non_finite, 0u);
+        });
+  }
 }
 
 TEST_F(Faults, a_frame_whose_passes_are_timed_one_by_one_happens_whole_or_not_at_all) {
@@ -373,21 +385,18 @@ TEST_F(Faults, memory_that_runs_out_while_a_state_is_put_back_is_a_sentence_and_
 }
 
 TEST_F(Faults, a_device_that_is_lost_is_a_sentence_wherever_it_happens_and_nothing_hangs) {
-  at_every_call(
-      VK_ERROR_DEVICE_LOST, 3, [] { return Made(); },
-      [&](Made& owner) -> Result<void> {
-        auto made = Simulation::create(device(), folding_sheet());
-        if (!made) return made.take_error();
-        owner = std::move(*made);   // its destructor, which waits too, cannot report
-        Simulation& simulation = *owner;
-        for (int frame = 0; frame < 2; ++frame)
-          if (auto done = plain(simulation.advance(1.0 / 60)); !done) return done;
-        for (int frame = 0; frame < 3; ++frame)
-          if (auto done = plain(simulation.submit(1.0 / 60)); !done) return done;
-        auto positions = simulation.read_positions();
-        return positions ? simulation.write_positions(*positions) : positions.take_error();
-      },
-      no_more);
+  for (const bool features : {true, false}) {
+    if (!features) lend_without_features();
+    at_every_call(
+        VK_ERROR_DEVICE_LOST, 3, [] { return Made(); },
+        [&](Made& owner) -> Result<void> {
+          auto made = Simulation::create(device(), features ? folding_sheet() : hung_sheet());
+          if (!made) return made.take_error();
+          owner = std::move(*made);   // its destructor, which waits too, cannot report
+          return frames(*owner);
+        },
+        no_more);
+  }
 }
 
 TEST_F(Faults, a_device_that_is_lost_while_a_picture_is_drawn_is_a_sentence) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <set>
+#include <spirv-tools/libspirv.hpp>
 #include <string>
 
 #include "engine/effects/buffers.h"
@@ -143,6 +144,25 @@ TEST(Plan, every_pass_is_one_module_and_nothing_of_it_is_left_open) {
       EXPECT_EQ(touched->local_size[0], planned.pass->a_workgroup_each ? kNarrow : planned.pass->crew ? kCrew : planned.pass->alone ? kAlone : kWorkgroup) << planned.label;
     }
   });
+}
+
+// The oldest that a host may lend: SPIR-V 1.3, no capability that a feature enables, and the layouts of blocks that need none.
+TEST(Plan, every_pass_is_valid_on_a_device_of_vulkan_1_1_without_features) {
+  spvtools::SpirvTools tools(SPV_ENV_VULKAN_1_1);
+  std::string said;
+  tools.SetMessageConsumer([&](spv_message_level_t, const char*, const spv_position_t&, const char* text) { said += text; });
+  std::set<std::vector<std::uint32_t>> seen;
+  std::ptrdiff_t most_buffers = 0;
+  for_every_plan([&](const Plan& plan, const Calls&, bool texels) {
+    for (const PlannedPass& planned : plan.passes) {
+      const auto is_storage = [](const PlannedPass::Resource& r) { return r.binding.kind == compute::Binding::Kind::storage_buffer; };
+      if (texels) most_buffers = std::max(most_buffers, std::ranges::count_if(planned.resources, is_storage));
+      if (!seen.insert(std::vector<std::uint32_t>(planned.spirv.begin(), planned.spirv.end())).second) continue;
+      EXPECT_TRUE(tools.Validate(planned.spirv.data(), planned.spirv.size())) << planned.label << ": " << said;
+    }
+  });
+  EXPECT_GT(seen.size(), 50u);
+  EXPECT_EQ(most_buffers, 15) << "engine/README.md says so";
 }
 
 TEST(Plan, code_shrinks_with_what_a_scene_leaves_out) {

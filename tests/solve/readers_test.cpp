@@ -32,7 +32,7 @@ class FrameReaders : public compute::OnDevice {
   void SetUp() override {
     OnDevice::SetUp();
     VkPhysicalDeviceVulkan12Features wanted{};
-    wanted.bufferDeviceAddress = compute::supported_features(device().vk(), device().physical()).buffer_device_address;
+    wanted.bufferDeviceAddress = device().description().features.buffer_device_address;
     if (!wanted.bufferDeviceAddress) GTEST_SKIP() << "no buffer device addresses here";
     host_ = std::make_unique<LentDevice>(device(), wanted);
     options_.readers = {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_COPY_BIT,

@@ -25,8 +25,8 @@ namespace weft::overheard {
   X(vkCreateBuffer) X(vkAllocateMemory) X(vkMapMemory) X(vkBindBufferMemory) X(vkCreateBufferView) \
   X(vkCreateShaderModule) X(vkDestroyShaderModule) X(vkCreateComputePipelines) X(vkDestroyPipeline) \
   X(vkUpdateDescriptorSets) X(vkBeginCommandBuffer) X(vkCmdBindPipeline) X(vkCmdBindDescriptorSets) \
-  X(vkCmdPushConstants) X(vkCmdDispatch) X(vkCmdDispatchIndirect) X(vkCmdPipelineBarrier2) X(vkCmdCopyBuffer) \
-  X(vkCmdFillBuffer) X(vkCmdUpdateBuffer) X(vkQueueSubmit2) X(vkWaitForFences) X(vkWaitSemaphores) \
+  X(vkCmdPushConstants) X(vkCmdDispatch) X(vkCmdDispatchIndirect) X(vkCmdPipelineBarrier2) X(vkCmdPipelineBarrier) \
+  X(vkCmdCopyBuffer) X(vkCmdFillBuffer) X(vkCmdUpdateBuffer) X(vkQueueSubmit2) X(vkQueueSubmit) X(vkWaitForFences) X(vkWaitSemaphores) \
   X(vkSetDebugUtilsObjectNameEXT)
 
 enum class Call {
@@ -210,6 +210,18 @@ inline void heard(Tag<Call::vkCmdPipelineBarrier2>, VkCommandBuffer commands, co
   for (std::uint32_t k = 0; k < dependency->memoryBarrierCount; ++k)
     ear.add(commands, Event::Kind::barrier, "barrier").barrier = dependency->pMemoryBarriers[k];
 }
+// Its bits mean the same.
+inline void heard(Tag<Call::vkCmdPipelineBarrier>, VkCommandBuffer commands, VkPipelineStageFlags from, VkPipelineStageFlags to,
+                  VkDependencyFlags, std::uint32_t count, const VkMemoryBarrier* barriers, std::uint32_t, const VkBufferMemoryBarrier*,
+                  std::uint32_t, const VkImageMemoryBarrier*) {
+  for (const VkMemoryBarrier& barrier : std::span(barriers, count)) {
+    VkMemoryBarrier2& told = ear.add(commands, Event::Kind::barrier, "barrier").barrier;
+    told.srcStageMask = from;
+    told.srcAccessMask = barrier.srcAccessMask;
+    told.dstStageMask = to;
+    told.dstAccessMask = barrier.dstAccessMask;
+  }
+}
 inline void heard(Tag<Call::vkCmdCopyBuffer>, VkCommandBuffer commands, VkBuffer from, VkBuffer to, std::uint32_t count,
                   const VkBufferCopy* regions) {
   std::vector<Access> accesses;
@@ -229,20 +241,33 @@ inline void heard(Tag<Call::vkCmdUpdateBuffer>, VkCommandBuffer commands, VkBuff
   ear.add(commands, Event::Kind::command, "update",
           {ear.part(to, offset, bytes, VK_PIPELINE_STAGE_2_CLEAR_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT)});
 }
+inline void heard_commands(VkCommandBuffer commands) {
+  const std::vector<Event>& events = ear.recordings.at(commands).events;
+  ear.stream.events.insert(ear.stream.events.end(), events.begin(), events.end());
+}
+inline void heard_fence(VkFence fence) {
+  ear.fences[fence] = ++ear.submits;
+  if (fence != VK_NULL_HANDLE)
+    ear.synchronise(Event::Kind::signal, number_of(fence), ear.submits, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT);
+}
 inline void heard(Tag<Call::vkQueueSubmit2>, VkQueue, std::uint32_t count, const VkSubmitInfo2* works, VkFence fence) {
   for (const VkSubmitInfo2& work : std::span(works, count)) {
     for (const VkSemaphoreSubmitInfo& wait : std::span(work.pWaitSemaphoreInfos, work.waitSemaphoreInfoCount))
       ear.synchronise(Event::Kind::wait, number_of(wait.semaphore), wait.value, wait.stageMask);
-    for (const VkCommandBufferSubmitInfo& commands : std::span(work.pCommandBufferInfos, work.commandBufferInfoCount)) {
-      const std::vector<Event>& events = ear.recordings.at(commands.commandBuffer).events;
-      ear.stream.events.insert(ear.stream.events.end(), events.begin(), events.end());
-    }
+    for (const VkCommandBufferSubmitInfo& commands : std::span(work.pCommandBufferInfos, work.commandBufferInfoCount))
+      heard_commands(commands.commandBuffer);
     for (const VkSemaphoreSubmitInfo& signal : std::span(work.pSignalSemaphoreInfos, work.signalSemaphoreInfoCount))
       ear.synchronise(Event::Kind::signal, number_of(signal.semaphore), signal.value, signal.stageMask);
   }
-  ear.fences[fence] = ++ear.submits;
-  if (fence != VK_NULL_HANDLE)
-    ear.synchronise(Event::Kind::signal, number_of(fence), ear.submits, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT);
+  heard_fence(fence);
+}
+// Of a device without timeline semaphores: fences alone.
+inline void heard(Tag<Call::vkQueueSubmit>, VkQueue, std::uint32_t count, const VkSubmitInfo* works, VkFence fence) {
+  for (const VkSubmitInfo& work : std::span(works, count)) {
+    if (work.waitSemaphoreCount + work.signalSemaphoreCount > 0) throw std::runtime_error("semaphores of vkQueueSubmit are not heard");
+    for (const VkCommandBuffer commands : std::span(work.pCommandBuffers, work.commandBufferCount)) heard_commands(commands);
+  }
+  heard_fence(fence);
 }
 inline void heard(Tag<Call::vkWaitForFences>, VkDevice, std::uint32_t count, const VkFence* fences, VkBool32, std::uint64_t) {
   for (const VkFence fence : std::span(fences, count)) ear.synchronise(Event::Kind::host_wait, number_of(fence), ear.fences[fence]);
@@ -282,7 +307,7 @@ struct Through<kCall, R(VKAPI_PTR*)(A...)> {
   static inline R(VKAPI_PTR* real)(A...) = nullptr;
 
   static VKAPI_ATTR R VKAPI_CALL call(A... arguments) {
-    if constexpr (kCall == Call::vkQueueSubmit2)
+    if constexpr (kCall == Call::vkQueueSubmit2 || kCall == Call::vkQueueSubmit)
       if (ear.submits_left >= 0 && ear.submits_left-- <= 0) return ear.submits_left = 0, VK_ERROR_OUT_OF_DEVICE_MEMORY;
     bool silenced = !ear.computes && is_silenced<kCall>();
     if constexpr (requires { makes_up(Tag<kCall>(), arguments...); }) silenced = !ear.computes && makes_up(Tag<kCall>(), arguments...);
