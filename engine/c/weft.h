@@ -94,7 +94,7 @@ typedef struct weft_advanced {
 
 /* Simulates and waits. `done` may be null. */
 WEFT_API weft_status weft_advance(weft_simulation* simulation, double seconds, weft_advanced* done, weft_error* error);
-/* Submits and returns: the frame is done when the timeline semaphore has reached the value. */
+/* Submits and returns: the frame is done when the timeline semaphore has reached the value. Without timelines on the device it is 0. */
 WEFT_API weft_status weft_submit(weft_simulation* simulation, double seconds, weft_advanced* done, weft_error* error);
 WEFT_API uint64_t weft_ready_semaphore(const weft_simulation* simulation);   /* VkSemaphore */
 WEFT_API uint64_t weft_ready_value(const weft_simulation* simulation);

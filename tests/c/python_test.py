@@ -91,7 +91,7 @@ class Weft(unittest.TestCase):
             (lambda: weft.Simulation.load(self.device, "none.json"), "none.json"),
             (lambda: self.cloth.advance(float("nan")), "nan"),
             (lambda: self.cloth.move_anchors([[0, 0]]), "3 numbers"),
-            (lambda: self.cloth.move_anchors([[0, 0, float("inf")]]), "inf"),
+            (lambda: self.cloth.move_anchors([[0, 0, float("inf")]]), "not finite"),
             (lambda: self.cloth.pin([-1]), "whole numbers"),
             (lambda: self.cloth.pin([0.5]), "whole numbers"),
             (lambda: self.cloth.pin([81]), "81"),

@@ -74,21 +74,21 @@ elseif(STEP STREQUAL from_c)
   # The module finds the library that lies with it.
   unset(ENV{LD_LIBRARY_PATH})
   set(ENV{PYTHONPATH} ${libraries}/python3/dist-packages)
-  run(python3 -c "import weft; print(weft.Device().name, weft.__file__)")
+  run(${PYTHON} -c "print(__import__('weft').__file__, __import__('weft').Device().name)")
   expect_text("${output}" "${prefix}")
 
 elseif(STEP STREQUAL debian)
   set(packages ${FOLDER}/packages)
   file(REMOVE_RECURSE ${packages})
-  run(${CMAKE_CPACK_COMMAND} -G DEB --config ${BUILD}/CPackConfig.cmake -B ${packages} -D CPACK_THREADS=0)
+  run(${CPACK} -G DEB --config ${BUILD}/CPackConfig.cmake -B ${packages} -D CPACK_THREADS=0)
   file(GLOB package ${packages}/weft_*.deb)
   run(dpkg-deb --info ${package})
   expect_text("${output}" "Depends: [^\n]*libc6")
   expect_text("${output}" "Depends: [^\n]*libassimp-dev")
   run(dpkg-deb --contents ${package})
-  foreach(file ./usr/bin/weft ./usr/lib/[^ ]*/libweft.a ./usr/lib/[^ ]*/libweft_c.so.1 ./usr/include/weft/weft.h
-      ./usr/include/weft/engine/simulation.h ./usr/lib/[^ ]*/cmake/weft/weft-config.cmake ./usr/lib/[^ ]*/pkgconfig/weft-c.pc)
-    expect_text("${output}" "${file}")
+  foreach(file bin/weft lib/.*/libweft.a lib/.*/libweft_c.so.1 include/weft/weft.h include/weft/engine/simulation.h
+      lib/.*/cmake/weft/weft-config.cmake lib/.*/pkgconfig/weft-c.pc)
+    expect_text("${output}" " ./usr/${file}")
   endforeach()
 
 elseif(STEP STREQUAL refused)
