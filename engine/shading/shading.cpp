@@ -54,6 +54,16 @@ Result<Drawn> drawn_of(const Scene& scene, std::size_t i, const ShadedCloth& sha
 
 }  // namespace
 
+std::vector<ShadedCloth> shaded_cloths(const Scene& scene, const CookedFabric& fabric, std::span<const Mesh> meshes) {
+  std::vector<ShadedCloth> cloths;
+  for (const Cloth& cloth : scene.cloths)
+    cloths.push_back({.mesh = &meshes[cloths.size()].render, .appearance = &cloth.appearance, .shown = cloth.render_mesh.empty()});
+  for (std::size_t k = 0; k < mesh_colliders(scene).size(); ++k) cloths.push_back({.mesh = &meshes[cloths.size()].render});
+  for (const CarriedMesh& carried : fabric.render_meshes)
+    cloths.push_back({.mesh = &meshes[cloths.size()].render, .appearance = &scene.cloths[carried.cloth].appearance});
+  return cloths;
+}
+
 Shading::State::~State() {
   // A draw that failed while waiting may still be on the GPU.
   try {

@@ -11,8 +11,10 @@
 
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "compute/result.h"
+#include "engine/fabric.h"
 #include "engine/frame_view.h"
 #include "engine/mesh.h"
 #include "engine/scene.h"
@@ -31,6 +33,10 @@ struct ShadedCloth {
   double transmission = 0.15;  // fraction of light from behind that shines through, 0 ... 1
   bool shown = true;           // false: its vertices are there and not drawn, as those of a cloth that carries a render mesh
 };
+
+/// All of a simulation (its scene, fabric and meshes): its cloths, those that carry a render mesh hidden; its mesh colliders; its render
+/// meshes, with the looks of the cloths that carry them. Points into what was given.
+std::vector<ShadedCloth> shaded_cloths(const Scene& scene, const CookedFabric& fabric, std::span<const Mesh> meshes);
 
 /// One frame. Views are RGBA32F and hold the vertices of every cloth and mesh collider in create's order. Writes on the
 /// device's queue are waited for; writes from elsewhere must be signalled by `ready`.

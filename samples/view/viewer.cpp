@@ -220,16 +220,9 @@ Result<VkImage> Viewer::picture(VkCommandBuffer commands, VkExtent2D size) {
 Result<void> Viewer::record_rendered(VkCommandBuffer commands, VkExtent2D size) {
   const Simulation& simulation = stage_->simulation();
   if (!shading_ || shading_size_.width != size.width || shading_size_.height != size.height) {
-    const Scene& scene = simulation.scene();
-    std::vector<ShadedCloth> cloths;
-    const std::vector<Mesh>& meshes = simulation.meshes();
-    for (const Cloth& cloth : scene.cloths)
-      cloths.push_back({.mesh = &meshes[cloths.size()].render, .appearance = &cloth.appearance, .shown = cloth.render_mesh.empty()});
-    for (std::size_t k = 0; k < mesh_colliders(scene).size(); ++k) cloths.push_back({.mesh = &meshes[cloths.size()].render});
-    for (const CarriedMesh& carried : simulation.fabric().render_meshes)
-      cloths.push_back({.mesh = &meshes[cloths.size()].render, .appearance = &scene.cloths[carried.cloth].appearance});
+    const auto cloths = shaded_cloths(simulation.scene(), simulation.fabric(), simulation.meshes());
     shading_.reset();
-    auto made = Shading::create(window_->device(), scene, cloths, size);
+    auto made = Shading::create(window_->device(), simulation.scene(), cloths, size);
     if (!made) return made.take_error();
     shading_ = std::move(*made);
     auto image = compute::DeviceImage::create(window_->device(), {"rendered", VK_FORMAT_R8G8B8A8_UNORM, size, kCopied});

@@ -7,13 +7,7 @@ namespace weft::command {
 
 Exit Painter::create(compute::Device& device, const Simulation& simulation, VkExtent2D size) {
   const Scene& scene = simulation.scene();
-  std::vector<ShadedCloth> cloths;
-  const std::vector<Mesh>& meshes = simulation.meshes();
-  for (const Cloth& cloth : scene.cloths)
-    cloths.push_back({.mesh = &meshes[cloths.size()].render, .appearance = &cloth.appearance, .shown = cloth.render_mesh.empty()});
-  for (std::size_t k = 0; k < mesh_colliders(scene).size(); ++k) cloths.push_back({.mesh = &meshes[cloths.size()].render});
-  for (const CarriedMesh& carried : simulation.fabric().render_meshes)
-    cloths.push_back({.mesh = &meshes[cloths.size()].render, .appearance = &scene.cloths[carried.cloth].appearance});
+  const auto cloths = shaded_cloths(scene, simulation.fabric(), simulation.meshes());
   auto shading = Shading::create(device, scene, cloths, size);
   if (shading) {
     shading_ = std::move(*shading);
