@@ -1,4 +1,5 @@
-// surface.vert: a triangle's corner, fetched by number, so that what belongs to a triangle needs no vertices of its own.
+// surface.vert: a triangle's corner, fetched by number, so that what belongs to a triangle needs no vertices of its own; or a vertex, where
+// nothing of a triangle's is shown: there are a sixth as many.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "samples/view/view.glsl"
@@ -19,12 +20,17 @@ float strain_of(vec3 rest, vec3 a, vec3 b, vec3 c) {
 }
 
 void main() {
-  const uint triangle = surface.first_triangle + gl_VertexIndex / 3, k = gl_VertexIndex % 3;
-  const uint a = corners[3 * triangle], b = corners[3 * triangle + 1], c = corners[3 * triangle + 2];
-  const uint own = k == 0 ? a : k == 1 ? b : c;
+  uint own = gl_VertexIndex;
+  out_corner = vec3(1);
+  out_strain = 0.0;
+  if (surface.by_index == 0) {
+    const uint triangle = surface.first_triangle + gl_VertexIndex / 3, k = gl_VertexIndex % 3;
+    const uint a = corners[3 * triangle], b = corners[3 * triangle + 1], c = corners[3 * triangle + 2];
+    own = k == 0 ? a : k == 1 ? b : c;
+    out_corner = vec3(k == 0, k == 1, k == 2);
+    if (surface.colouring == VIEW_STRAIN) out_strain = strain_of(rests[triangle].xyz, positions[a].xyz, positions[b].xyz, positions[c].xyz);
+  }
   out_normal = normals[own].xyz;
   out_uv = uvs[own] * surface.repeat;
-  out_corner = vec3(k == 0, k == 1, k == 2);
-  out_strain = surface.colouring == VIEW_STRAIN ? strain_of(rests[triangle].xyz, positions[a].xyz, positions[b].xyz, positions[c].xyz) : 0.0;
   gl_Position = frame.camera * vec4(positions[own].xyz, 1.0);
 }

@@ -34,6 +34,7 @@ struct Surface {
   uint first_triangle;
   uint colouring;       // VIEW_*
   uint wires;           // 1: its triangles' edges are drawn too
+  uint by_index;        // 1: drawn by index, each vertex once: what belongs to a triangle is not known
 };
 
 // What lines are made of.
@@ -66,7 +67,7 @@ VIEW_INLINE vec3 strain_colour(float s) {
 }
 
 #ifdef __cplusplus
-static_assert(sizeof(Surface) == 36 && sizeof(Lines) == 32);
+static_assert(sizeof(Surface) == 40 && sizeof(Lines) == 32);
 }  // namespace weft::view
 #endif
 #endif

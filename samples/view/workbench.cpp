@@ -82,7 +82,7 @@ Result<void> Workbench::create_geometry() {
   shading::set_sky(frame_, scene.light, {0.3f, 0.3f, 0.3f});
   frame_.fade = 6 * (extent.radius + length(scene.camera.target - scene.camera.eye));
   constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  const std::array requests = {compute::BufferRequest{"view corners", bytes_of(corners).size(), kUsage},
+  const std::array requests = {compute::BufferRequest{"view corners", bytes_of(corners).size(), kUsage | VK_BUFFER_USAGE_INDEX_BUFFER_BIT},
                                compute::BufferRequest{"view rests", bytes_of(rests).size(), kUsage},
                                compute::BufferRequest{"view uvs", bytes_of(uvs).size(), kUsage},
                                compute::BufferRequest{"view marks", bytes_of(marked).size(), kUsage}};
@@ -273,14 +273,17 @@ Result<void> Workbench::record(VkCommandBuffer commands, VkExtent2D size, const 
 void Workbench::record_surfaces(VkCommandBuffer commands, const Look& look) const {
   const compute::Functions& vk = device_->vk();
   vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, surface_pipeline_.get());
+  vk.vkCmdBindIndexBuffer(commands, geometry_[0].handle, 0, VK_INDEX_TYPE_UINT32);
   for (const Part& part : parts_) {
     if (part.triangles == 0 || (!part.is_cloth && !look.colliders)) continue;
     const VkDescriptorSet sets[] = {set_.handle(), part.maps.handle()};
     vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, surface_layout_.get(), 0, 2, sets, 0, nullptr);
     const uint colouring = part.is_cloth ? look.colouring : VIEW_LIT;
-    const Surface push{part.colour, look.strain, part.repeat, part.first_triangle, colouring, look.wires ? 1u : 0u};
+    const bool by_index = !look.wires && colouring != VIEW_STRAIN;
+    const Surface push{part.colour, look.strain, part.repeat, part.first_triangle, colouring, look.wires ? 1u : 0u, by_index ? 1u : 0u};
     vk.vkCmdPushConstants(commands, surface_layout_.get(), kStages, 0, sizeof push, &push);
-    vk.vkCmdDraw(commands, 3 * part.triangles, 1, 0, 0);
+    if (by_index) vk.vkCmdDrawIndexed(commands, 3 * part.triangles, 1, 3 * part.first_triangle, 0, 0);
+    else vk.vkCmdDraw(commands, 3 * part.triangles, 1, 0, 0);
   }
 }
 
