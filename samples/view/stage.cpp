@@ -38,7 +38,7 @@ Result<std::unique_ptr<Stage>> Stage::open(const compute::Device& device, const 
   if (auto done = stage->replace(*scene); !done) return done.take_error();
   auto snapshot = stage->simulation_->save();
   if (!snapshot) return snapshot.take_error();
-  stage->start_ = Keepsake{0, 0, std::move(*snapshot)};
+  stage->start_ = Keepsake{0, 0, std::move(*snapshot), {}, {}};
   return stage;
 }
 
@@ -170,7 +170,7 @@ Result<void> Stage::reset() {
     ++generation_;
     auto snapshot = simulation_->save();
     if (!snapshot) return snapshot.take_error();
-    start_ = Keepsake{0, 0, std::move(*snapshot)};
+    start_ = Keepsake{0, 0, std::move(*snapshot), {}, {}};
   }
   frame_ = 0;
   grabbed_.reset();
@@ -180,13 +180,15 @@ Result<void> Stage::reset() {
 Result<void> Stage::keep() {
   auto snapshot = simulation_->save();
   if (!snapshot) return snapshot.take_error();
-  kept_.push_back({frame_, simulation_->time(), std::move(*snapshot)});
+  kept_.push_back({frame_, simulation_->time(), std::move(*snapshot), pinned_, released_});
   return {};
 }
 
 Result<void> Stage::go_back_to(std::size_t kept) {
   if (auto done = simulation_->restore(kept_[kept].snapshot); !done) return done;
   frame_ = kept_[kept].frame;
+  pinned_ = kept_[kept].pinned;
+  released_ = kept_[kept].released;
   grabbed_.reset();
   return {};
 }

@@ -20,6 +20,7 @@ struct Keepsake {
   std::uint64_t frame = 0;
   double time = 0;   // s
   Snapshot snapshot;
+  std::vector<std::uint32_t> pinned, released;   // vertices, by the user
 };
 
 class Stage {

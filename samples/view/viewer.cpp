@@ -38,8 +38,10 @@ double median(std::vector<double> times) {
 }
 
 // As compute's, for every kind of copy: clears and blits, too.
-constexpr compute::ImageUse kWritten{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT};
-constexpr compute::ImageUse kRead{VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT};
+constexpr compute::ImageUse kWritten{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+                                     VK_ACCESS_2_TRANSFER_WRITE_BIT};
+constexpr compute::ImageUse kRead{VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+                                  VK_ACCESS_2_TRANSFER_READ_BIT};
 
 double milliseconds(std::chrono::steady_clock::duration time) { return std::chrono::duration<double, std::milli>(time).count(); }
 
@@ -203,7 +205,8 @@ Result<VkImage> Viewer::picture(VkCommandBuffer commands, VkExtent2D size) {
     return workbench_->image();
   }
   // Nothing to show: an empty picture.
-  if (rendered_.handle() == VK_NULL_HANDLE || rendered_.request().size.width != size.width || rendered_.request().size.height != size.height) {
+  const VkExtent2D had = rendered_.request().size;
+  if (rendered_.handle() == VK_NULL_HANDLE || had.width != size.width || had.height != size.height) {
     auto made = compute::DeviceImage::create(window_->device(), {"nothing", VK_FORMAT_R8G8B8A8_UNORM, size, kCopied});
     if (!made) return made.take_error();
     rendered_ = std::move(*made);

@@ -186,6 +186,21 @@ TEST_F(ViewStage, a_vertex_is_pinned_and_let_go_of_by_the_same_click_and_stays_p
   EXPECT_GT(length(places()[vertex] - held), 0.05f);
 }
 
+TEST_F(ViewStage, a_vertex_that_was_let_go_of_is_pinned_again_where_it_was_when_a_moment_was_kept) {
+  play(2);
+  const Ray ray = at_the_middle();
+  ASSERT_TRUE(stage->pin_or_release(ray));
+  ASSERT_TRUE(stage->keep());
+  auto released = stage->pin_or_release(ray);
+  ASSERT_TRUE(released && *released);
+  ASSERT_TRUE((*released)->starts_with("released")) << **released;
+  play(5);
+  ASSERT_TRUE(stage->go_back_to(0));
+  auto again = stage->pin_or_release(ray);   // pinned, as it was then: the click lets go of it
+  ASSERT_TRUE(again && *again);
+  EXPECT_EQ(**again, **released);
+}
+
 TEST_F(ViewStage, a_ball_comes_pushes_cloth_and_goes) {
   play(3);
   const Ray ray = at_the_middle();
