@@ -6,6 +6,7 @@
 
 #include "engine/cook/cook_state.h"
 #include "engine/effects/effect.h"
+#include "engine/effects/tear/tear.h"
 #include "engine/scene/limits.h"
 
 namespace weft {
@@ -79,6 +80,13 @@ Result<void> add_particles(CookState& state, std::uint32_t index, std::span<cons
     fabric.velocities.push_back({0, 0, 0, std::bit_cast<float>(*material)});
     if (state.may_pin()) fabric.inverse_masses.push_back(fabric.positions.back().w);
   }
+  // Particles that are spare lie at the cloth's first.
+  for (std::uint32_t k = 0; k < mesh.spare_points; ++k) {
+    const gpu::vec4 x = fabric.positions[fabric.positions.size() - order.size() - k];
+    fabric.positions.push_back({x.x, x.y, x.z, 0});
+    fabric.velocities.push_back({0, 0, 0, fabric.velocities[fabric.velocities.size() - order.size() - k].w});
+    if (state.may_pin()) fabric.inverse_masses.push_back(0);
+  }
   for (const auto& [entry, point, vertex] : anchors) {
     fabric.positions[state.particle_of()[point]].w = 0;
     fabric.anchors.push_back({index, entry, state.particle_of()[point], vertex, mesh.points[point]});
@@ -86,21 +94,46 @@ Result<void> add_particles(CookState& state, std::uint32_t index, std::span<cons
   return {};
 }
 
-Result<void> add_cloth(CookState& state, std::uint32_t index, const Mesh& mesh, const Mesh* render_mesh) {
+// Anchors are chosen once: of two points that were one only the first is held.
+Result<std::vector<cooking::AnchorChoice>> anchors_of(const Cloth& cloth, const Mesh& mesh, std::uint32_t index, const CookedFabric* whole) {
+  if (whole == nullptr) return cooking::choose_anchors(cloth, mesh);
+  const ClothRange& range = whole->cloths[index];
+  const auto& order = whole->own.of<TearLists>().orders[index];
+  std::vector<cooking::AnchorChoice> choices;
+  for (std::uint32_t k = range.first_anchor; k < range.first_anchor + range.anchors; ++k) {
+    const AnchorTarget& anchor = whole->anchors[k];
+    const std::uint32_t own = anchor.particle - range.first_particle;
+    choices.push_back({anchor.entry, own < order.size() ? order[own] : kNone, anchor.vertex});
+  }
+  return choices;
+}
+
+// Points in the order of their particles: as before the cloth was torn, and then those that are new.
+std::vector<std::uint32_t> order_of(const Mesh& mesh, std::uint32_t index, const CookedFabric* whole) {
+  if (whole == nullptr) return cooking::locality_order(mesh);
+  std::vector<std::uint32_t> order = whole->own.of<TearLists>().orders[index];
+  order.resize(std::min(order.size(), mesh.points.size()));
+  for (auto p = static_cast<std::uint32_t>(order.size()); p < mesh.points.size(); ++p) order.push_back(p);
+  return order;
+}
+
+Result<void> add_cloth(CookState& state, std::uint32_t index, const Mesh& mesh, const Mesh* render_mesh, const CookedFabric* whole) {
   const Cloth& cloth = state.scene().cloths[index];
   CookedFabric& fabric = state.fabric();
   const auto first = static_cast<std::uint32_t>(fabric.positions.size());
-  if (first + mesh.points.size() > WEFT_MAX_PARTICLES)
-    return fail("cloths[", index, "]: the scene's ", first + mesh.points.size(), " particles are more than ", WEFT_MAX_PARTICLES);
-  auto anchors = cooking::choose_anchors(cloth, mesh);
+  const std::size_t particles = mesh.points.size() + mesh.spare_points;
+  if (first + particles > WEFT_MAX_PARTICLES)
+    return fail("cloths[", index, "]: the scene's ", first + particles, " particles are more than ", WEFT_MAX_PARTICLES);
+  auto anchors = anchors_of(cloth, mesh, index, whole);
   if (!anchors) return fail("cloths[", index, "].", anchors.why());
   const auto factors = cooking::factors_of(cloth.maps, mesh);
   if (!factors) return fail("cloths[", index, "]: ", factors.why());
-  const std::vector<std::uint32_t> order = cooking::locality_order(mesh);
+  const std::vector<std::uint32_t> order = order_of(mesh, index, whole);
+  if (tears(state.scene())) fabric.own.of<TearLists>().orders.push_back(order);
   std::vector<std::uint32_t> particle_of(mesh.points.size());
   for (std::uint32_t k = 0; k < order.size(); ++k) particle_of[order[k]] = first + k;
   state.set_particles(std::move(particle_of));
-  fabric.cloths.push_back({cloth.name, first, static_cast<std::uint32_t>(mesh.points.size()),
+  fabric.cloths.push_back({cloth.name, first, static_cast<std::uint32_t>(particles),
                            static_cast<std::uint32_t>(fabric.surface_rows.size()), static_cast<std::uint32_t>(mesh.point_of.size()),
                            static_cast<std::uint32_t>(fabric.anchors.size()), static_cast<std::uint32_t>(anchors->size())});
   if (auto done = add_particles(state, index, order, mesh, *anchors, *factors); !done) return done;
@@ -200,7 +233,8 @@ Result<std::vector<Mesh>> make_meshes(const Scene& scene) try {
   return caught("the scene's meshes");
 }
 
-Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) try {
+// `whole`: what it was before it was torn; null: it is made for the first time.
+static Result<CookedFabric> cooked(const Scene& scene, std::span<const Mesh> meshes, const CookedFabric* whole) {
   const std::vector<std::uint32_t> colliders = mesh_colliders(scene);
   const std::size_t cloths = scene.cloths.size();
   const std::vector<std::uint32_t> carriers = render_meshes(scene);
@@ -226,7 +260,7 @@ Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) try 
   const Mesh* carried = meshes.data() + cloths + colliders.size();
   for (std::uint32_t index = 0; index < cloths; ++index) {
     const Mesh* render_mesh = scene.cloths[index].render_mesh.empty() ? nullptr : carried++;
-    if (auto added = add_cloth(state, index, meshes[index], render_mesh); !added) return added.take_error();
+    if (auto added = add_cloth(state, index, meshes[index], render_mesh, whole); !added) return added.take_error();
   }
   for (const Effect* effect : all_effects())
     if (effect->cook_bodies != nullptr)
@@ -239,8 +273,18 @@ Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) try 
   if (auto good = check(fabric); !good) return good.take_error();
   for (std::size_t k = 0; k < cloths; ++k) cooking::take_start(scene.cloths[k], fabric.cloths[k], fabric);
   return std::move(fabric);
+}
+
+Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes) try {
+  return cooked(scene, meshes, nullptr);
 } catch (...) {
   return caught("the scene's cloth");
+}
+
+Result<CookedFabric> torn_anew(const Scene& scene, std::span<const Mesh> meshes, const CookedFabric& fabric) try {
+  return cooked(scene, meshes, &fabric);
+} catch (...) {
+  return caught("the torn cloth");
 }
 
 std::vector<std::uint32_t> render_meshes(const Scene& scene) {

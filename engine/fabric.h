@@ -52,7 +52,7 @@ struct SpringRows {
 /// A cloth's place in the arrays.
 struct ClothRange {
   std::string name;
-  std::uint32_t first_particle, particles;
+  std::uint32_t first_particle, particles;   // with those that are spare, at its end: inverse mass 0, and no constraints
   std::uint32_t first_vertex, vertices;   // render vertices
   std::uint32_t first_anchor, anchors;
 };
@@ -157,6 +157,10 @@ Result<std::vector<Mesh>> make_meshes(const Scene& scene);
 /// mass or a coefficient that is not finite. `meshes` has one entry a cloth, one a mesh collider and one a render mesh, as make_meshes
 /// gives them.
 Result<CookedFabric> cook(const Scene& scene, std::span<const Mesh> meshes);
+
+/// The cloth that `fabric` was cooked as, torn: its meshes with more of their points split. Particles keep their numbers, anchors are those
+/// of before, and new points take the places that were spare. Lists may have other lengths. Errors: as cook.
+Result<CookedFabric> torn_anew(const Scene& scene, std::span<const Mesh> meshes, const CookedFabric& fabric);
 
 /// The same cloth with other particles held, an entry each: all lists that depend on who is held, of the lengths that they had. Only of
 /// scenes with `pins`. `meshes`: of which it was cooked.

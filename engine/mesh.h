@@ -115,6 +115,8 @@ struct Mesh {
   std::vector<WingedEdge> edges;                // manifold after repair; each pair of points once, sorted by (smaller, greater) point
   std::vector<std::string> mended;              // repairs: one sentence a kind of fault, with its count; empty for a clean mesh
   double weld_tolerance = 0;                    // m
+  std::uint32_t spare_vertices = 0;             // the last of `render`, of no triangle: for points that are split (split_points)
+  std::uint32_t spare_points = 0;               // how many points may still come
   std::optional<Skin> skin;
   std::string skin_fault;                       // why a file's skin was left out; empty: it was not
   /// Of each point, by name: a file's vertex colours (COLOR_0, linear) and its own attributes (_NAME), which a scene's maps name.
@@ -186,6 +188,23 @@ Result<Mesh> weld_mesh(RenderMesh render);
 /// Whether a mesh that a program made is what Mesh says. Errors: lists of unequal length, no vertex or triangle, an index beyond its
 /// list, a point without a render vertex, edges out of order, a position that is not finite or kTooLarge (1e10) m away or more.
 Result<void> check(const Mesh& mesh);
+
+/// Gives a mesh room to be split: so many vertices of no triangle, which lie at its first point, behind all others.
+void add_spares(Mesh& mesh, std::uint32_t count);
+
+/// Where a mesh is split: these corners of triangles, all of one point, get a point of their own at its place.
+struct Split {
+  std::uint32_t point = 0;
+  std::vector<std::uint32_t> corners;           // 3 triangle + corner, growing
+  bool operator==(const Split&) const = default;
+};
+
+/// Splits points, one after another, as long as there are spare ones and spare vertices; returns how many. A new point comes last and is like
+/// the old one in all that a mesh says of points; render vertices that both sides need are doubled, by the first of the spare ones. Winged
+/// edges are those of the triangles as they are then. Errors: a point or corner that is not there, a corner of another point, corners that
+/// do not grow, none of the point's corners or all of them; the mesh is then split up to there, with the edges of before.
+Result<std::size_t> split_points(Mesh& mesh, std::span<const Split> splits);
+
 
 /// Winged edges of a triangle list, each pair of points once, so that no constraint is ever doubled. `non_manifold` (may be
 /// null) receives the number of edges with more than two triangles or with two of the same orientation. Such an edge keeps

@@ -171,6 +171,15 @@ struct Gas {
   bool operator==(const Gas&) const = default;
 };
 
+/// Where a cloth tears: across an edge that is stretched by more than `strain`, at one of its ends, which becomes two. What is held never
+/// becomes two. Every third frame is looked at, and torn three frames later (engine/README.md, "Tearing").
+struct Tear {
+  double strain = 0.5;          // > 0: as a fraction of the edge's length at rest
+  std::string map = {};         // as in Maps, of the strain; an edge has the mean of its ends
+  std::uint32_t spare = 0;      // how many vertices tearing and cutting may add; 0: a quarter of the cloth's
+  bool operator==(const Tear&) const = default;
+};
+
 /// About which shape a cloth bends: flat, whatever its mesh is, or the mesh's own, with its folds and curves.
 enum class BendRest { flat, mesh };
 
@@ -196,6 +205,7 @@ struct Cloth {
   std::optional<Inertia> inertia;
   std::optional<MotionConstraints> motion_constraints;   // to the rest pose, where nothing moves the skin
   std::optional<Gas> pressure;  // closed meshes only
+  std::optional<Tear> tear;     // methods jacobi, strands and gauss_seidel only
   /// Names of the other cloths that it meets by contacts; none: all. Two meet where each has the other, and each meets itself.
   std::optional<std::vector<std::string>> meets = {};
   Appearance appearance;

@@ -179,7 +179,7 @@ class Simulation {
   std::uint64_t ready_value() const;
 
   /// Records `seconds` into the host's command buffer (recording state, outside a render pass, on the queue family of the
-  /// device). Of what is earlier on the queue it waits for compute shaders, copies and SimulationOptions::readers, and it makes positions
+  /// device). Of a scene with cloth that tears at most two may be under way: it waits for the third last. Of what is earlier on the queue it waits for compute shaders, copies and SimulationOptions::readers, and it makes positions
   /// and normals visible to the readers behind it: between readers and frames the host needs no barriers. Any number of recorded frames
   /// may be under way; each is submitted once, in the order in which they were recorded, to one queue. The simulation may be destroyed
   /// when they are done. Candidate pairs get more room where a frame that is done by now took more than a third of it; up to four frames
@@ -231,6 +231,17 @@ class Simulation {
   Result<void> move_grab(std::uint32_t grab, Vec3 target);
   /// Lets go: from the next frame on the cloth flies on with the velocity that it has. Errors: nothing is held by that number.
   Result<void> let_go(std::uint32_t grab);
+
+  /// Cuts all cloth that tears (Cloth::tear) along a blade, the part of a plane between two rays from `origin` (m, world space; any length of
+  /// direction), as a mouse that is drawn over the picture makes it, and returns how many vertices have become two. Triangles stay whole: each that
+  /// the blade meets goes to the side on which most of it lies. What is held is not cut. meshes() and positions() are of the cut cloth at once.
+  /// Waits, and cooks the cloth anew on the CPU. What spare vertices do not suffice for is not cut (Counts::splits_refused). Errors: no cloth
+  /// that tears; a blade that is not finite, or without an angle; memory; what Vulkan refuses.
+  Result<std::uint32_t> cut(Vec3 origin, Vec3 a, Vec3 b);
+  /// How many vertices have become two so far, by tearing and cutting. When that has changed after a frame, meshes() has: drawn triangles, whose
+  /// number stays, have other vertices from that frame on, of which there have been as many from the start. A frame that tears cooks the
+  /// cloth anew on the CPU (engine/README.md, "Tearing", says how long that takes).
+  std::uint32_t splits() const;
 
   /// The complete pose for the end of the next frame (world space; a capsule or a box without a rotation stands along its own
   /// axes). The host drives this collider from now on, instead of the scene's keys. It rotates by the shorter arc. Errors: no
@@ -341,7 +352,8 @@ class Simulation {
 
   /// As given to create, with the solver settings chosen where its method is "auto".
   const Scene& scene() const;
-  /// One a cloth, relative to origin(), then one a mesh collider, in its own axes, then one a render mesh, as the cloths.
+  /// One a cloth, relative to origin(), then one a mesh collider, in its own axes, then one a render mesh, as the cloths. Cloth that tears has
+  /// spare vertices of no triangle at its end, and is torn as in the last frame.
   const std::vector<Mesh>& meshes() const;
   /// Lists that depend on who is held are those of the last frame.
   const CookedFabric& fabric() const;

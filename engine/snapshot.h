@@ -77,6 +77,13 @@ struct Snapshot {
     std::array<float, 3> weights{};
     std::array<Vec3, 3> offsets{}; // m: of each corner's target
   };
+  /// A point of a cloth that has become two, or will where the next look is due.
+  struct SplitState {
+    std::uint32_t cloth = 0;
+    bool is_found = false;
+    std::uint32_t point = 0;
+    std::vector<std::uint32_t> corners;
+  };
   /// A buffer of the GPU, from its start on.
   struct Content {
     std::string name;           // as shared.h has it
@@ -99,6 +106,9 @@ struct Snapshot {
   std::vector<AnchorTargetState> anchors;
   std::vector<GrabState> grabs;
   std::vector<ColliderState> colliders;   // of every collider of the scene
+  std::vector<SplitState> splits;   // cloth after cloth, in the order in which they tore
+  std::uint64_t tear_frames = 0;    // frames so far, by which looks are due
+  std::uint32_t splits_refused = 0;
   std::vector<Content> contents;
   std::vector<std::byte> note;   // the host's own bytes, given back unchanged: how far its run was, say
 };

@@ -96,6 +96,8 @@ Result<void> for_maps(const Cloth& cloth, const Each& each) {
     for (const auto& [key, map] : theirs)
       if (auto done = each(key, *map); !done) return done;
   }
+  if (cloth.tear)
+    if (auto done = each("tear.map", cloth.tear->map); !done) return done;
   for (std::size_t k = 0; k < cloth.anchors.size(); ++k)
     if (auto done = each("anchors[" + std::to_string(k) + "].map", cloth.anchors[k].map); !done) return done;
   return {};

@@ -25,6 +25,7 @@
   EFFECT(grab) \
   EFFECT(air) \
   EFFECT(pressure) \
+  EFFECT(tear) \
   EFFECT(contact) \
   EFFECT(untangle) \
   EFFECT(skin) \

@@ -77,6 +77,8 @@ std::string method_fault(const Scene& scene) {
     if (cloth.bend_rest == BendRest::mesh && (on_springs(method) || method == Method::chebyshev))
       return named + " bends cloth about a flat shape, and " + path +
              "bend_rest is \"mesh\": \"jacobi\" and \"gauss_seidel\" bend it about the mesh's";
+    if (cloth.tear && method != Method::by_default && method != Method::jacobi && method != Method::strands && method != Method::gauss_seidel)
+      return named + " solves cloth that stays whole, and " + path + "tear is there: \"jacobi\", \"strands\" and \"gauss_seidel\" go with it";
     if (method == Method::verlet && cloth.springs && cloth.springs->bend.stiffness > 0)
       return named + " has links to 8 neighbours that only pull, and " + path + "springs.bend is there: \"mass_spring\" has it";
   }

@@ -84,6 +84,12 @@ void check(const Read& read, const Cloth& cloth) {
   if (!grid && !mesh && read.json != nullptr) read.faults.add(read.path, "has neither a grid nor a mesh: give one of them");
   if (cloth.pressure && grid)
     read.faults.add(read.path + ".pressure", "a grid is open and holds no gas: give the cloth a closed mesh");
+  if (cloth.tear && cloth.pressure)
+    read.faults.add(read.path + ".tear", "opens what holds a gas: leave tear or pressure away");
+  if (cloth.tear && (cloth.skin || cloth.motion_constraints))
+    read.faults.add(read.path + ".tear", "does not go with a skin or motion constraints: leave tear or these away");
+  if (cloth.tear && !cloth.render_mesh.empty())
+    read.faults.add(read.path + ".tear", "does not tear a render_mesh, which the cloth carries: leave one of the two away");
   if (cloth.bending && cloth.fabric.bend == 0)
     read.faults.add(read.path + ".fabric.bend", "0 is not above 0 (N m); for a cloth that does not resist bending say \"bending\": false");
   if (!cloth.bending && cloth.bend_rest == BendRest::mesh)

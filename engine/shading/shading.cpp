@@ -16,7 +16,7 @@ std::span<const std::byte> bytes_of(const std::vector<T>& values) {
 }
 
 // One vertex view of a frame must be what the pipelines were made for.
-Result<void> check(const FrameView& view, const char* name, std::uint32_t vertices) {
+Result<void> check(const FrameView& view, const char* name, std::size_t vertices) {
   if (view.buffer == VK_NULL_HANDLE) return fail("the frame's ", name, " have no buffer");
   if (view.format != VK_FORMAT_R32G32B32A32_SFLOAT || view.stride != 16)
     return fail("the frame's ", name, " have format ", static_cast<int>(view.format), " and a stride of ", view.stride,
@@ -106,6 +106,18 @@ Result<void> Shading::State::create_targets() {
   return {};
 }
 
+Result<void> Shading::Geometry::add(const std::string& name, const RenderMesh& mesh) {
+  for (const Triangle& triangle : mesh.triangles)
+    for (std::uint32_t vertex : triangle)
+      if (vertex >= mesh.positions.size())
+        return fail("a triangle of ", name, " refers to vertex ", vertex, ", but there are ", mesh.positions.size());
+  const std::size_t first = uvs.size();
+  uvs.insert(uvs.end(), mesh.uvs.begin(), mesh.uvs.end());
+  uvs.resize(first + mesh.positions.size());  // a mesh without texture coordinates has zeros
+  triangles.insert(triangles.end(), mesh.triangles.begin(), mesh.triangles.end());
+  return {};
+}
+
 Result<void> Shading::State::create_cloths(const Scene& scene, std::span<const ShadedCloth> shaded) {
   auto sampler = compute::create_sampler(*device, "map sampler", {.linear = true, .repeat = true});
   if (!sampler) return sampler.take_error();
@@ -117,29 +129,21 @@ Result<void> Shading::State::create_cloths(const Scene& scene, std::span<const S
   if (!layout) return layout.take_error();
   map_layout = std::move(*layout);
 
-  std::vector<Vec2> uvs;
-  std::vector<Triangle> triangles;
+  Geometry all;
   for (std::size_t i = 0; i < shaded.size(); ++i) {
     const RenderMesh& mesh = *shaded[i].mesh;
     auto described = drawn_of(scene, i, shaded[i]);
     if (!described) return described.take_error();
     const auto& [name, look, transmission] = *described;
     if (mesh.triangles.empty()) return fail(name, " has no triangle to draw");
-    for (const Triangle& triangle : mesh.triangles)
-      for (std::uint32_t vertex : triangle)
-        if (vertex >= mesh.positions.size())
-          return fail("a triangle of ", name, " refers to vertex ", vertex, ", but there are ", mesh.positions.size());
 
     DrawnCloth drawn;
-    drawn.first_vertex = vertices;
-    drawn.first_index = static_cast<std::uint32_t>(3 * triangles.size());
+    drawn.first_vertex = static_cast<std::uint32_t>(all.uvs.size());
+    drawn.first_index = static_cast<std::uint32_t>(3 * all.triangles.size());
     drawn.index_count = shaded[i].shown ? static_cast<std::uint32_t>(3 * mesh.triangles.size()) : 0;
     drawn.push = {look.base_colour, static_cast<float>(look.roughness_factor), look.repeat, static_cast<float>(look.metallic),
                   static_cast<float>(transmission), WEFT_VIEW_CAMERA};
-    vertices += static_cast<std::uint32_t>(mesh.positions.size());
-    uvs.insert(uvs.end(), mesh.uvs.begin(), mesh.uvs.end());
-    uvs.resize(vertices);  // a mesh without texture coordinates has zeros
-    triangles.insert(triangles.end(), mesh.triangles.begin(), mesh.triangles.end());
+    if (auto added = all.add(name, mesh); !added) return added;
 
     const struct {
       const std::string& file;
@@ -164,18 +168,37 @@ Result<void> Shading::State::create_cloths(const Scene& scene, std::span<const S
     cloths.push_back(std::move(drawn));
   }
 
+  vertices = all.uvs.size();
+  triangles = all.triangles.size();
   const std::array requests = {
-      compute::BufferRequest{"shading uvs", uvs.size() * sizeof(Vec2),
+      compute::BufferRequest{"shading uvs", all.uvs.size() * sizeof(Vec2),
                              VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT},
-      compute::BufferRequest{"shading indices", triangles.size() * sizeof(Triangle),
+      compute::BufferRequest{"shading indices", all.triangles.size() * sizeof(Triangle),
                              VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT},
   };
   auto arena = compute::Arena::create(*device, compute::Memory::device, "shading geometry", requests);
   if (!arena) return arena.take_error();
   geometry = std::move(*arena);
   if (cloths.empty()) return {};
-  const std::array uploads = {compute::Upload{&geometry[0], bytes_of(uvs)}, compute::Upload{&geometry[1], bytes_of(triangles)}};
+  return send(all);
+}
+
+Result<void> Shading::State::send(const Geometry& all) {
+  const std::array uploads = {compute::Upload{&geometry[0], bytes_of(all.uvs)}, compute::Upload{&geometry[1], bytes_of(all.triangles)}};
   return compute::upload_all(*device, uploads);
+}
+
+Result<void> Shading::follow(std::span<const ShadedCloth> cloths) try {
+  Geometry all;
+  if (cloths.size() != state_->cloths.size()) return fail(cloths.size(), " cloths were given for ", state_->cloths.size());
+  for (const ShadedCloth& cloth : cloths)
+    if (auto added = all.add("cloth " + std::to_string(&cloth - cloths.data()), *cloth.mesh); !added) return added;
+  if (all.uvs.size() != state_->vertices || all.triangles.size() != state_->triangles)
+    return fail(all.uvs.size(), " vertices and ", all.triangles.size(), " triangles were given for ", state_->vertices, " and ",
+                state_->triangles);
+  return state_->send(all);
+} catch (...) {
+  return caught("the torn cloth's picture");
 }
 
 Result<std::unique_ptr<Shading>> Shading::create(compute::Device& device, const Scene& scene, std::span<const ShadedCloth> cloths,

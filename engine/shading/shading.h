@@ -62,6 +62,11 @@ class Shading {
   Shading(const Shading&) = delete;
   Shading& operator=(const Shading&) = delete;
 
+  /// From the next picture on: the triangles and texture coordinates of create's cloths as they are now, where cloth has torn
+  /// (Simulation::splits). As many as in create, and none may be drawn meanwhile. Errors: another number of cloths, vertices or triangles;
+  /// an index out of range; memory; what Vulkan refuses. Nothing has changed then.
+  Result<void> follow(std::span<const ShadedCloth> cloths);
+
   /// Sets the camera of the pictures that follow.
   void look_from(const Camera& camera);
 
@@ -80,6 +85,7 @@ class Shading {
  private:
   Shading();
   struct State;
+  struct Geometry;
   std::unique_ptr<State> state_;
 };
 

@@ -1,6 +1,7 @@
 // What a Shading holds: made once in create, only recorded from in draw.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "compute/buffer.h"
@@ -12,6 +13,14 @@
 #include "engine/shading/textures.h"
 
 namespace weft {
+
+/// What the vertex and index buffers hold besides what moves.
+struct Shading::Geometry {
+  std::vector<Vec2> uvs;
+  std::vector<Triangle> triangles;
+  /// Errors: an index out of range.
+  Result<void> add(const std::string& name, const RenderMesh& mesh);
+};
 
 struct Shading::State {
   explicit State(compute::Device& on) : device(&on), textures(on) {}
@@ -32,7 +41,7 @@ struct Shading::State {
   std::vector<Collider> colliders;
   shading::Frame frame{};
   float tile = 1;
-  std::uint32_t vertices = 0;
+  std::size_t vertices = 0, triangles = 0;
 
   compute::Arena upload;    // the frame block
   compute::Arena readback;  // the picture
@@ -52,6 +61,7 @@ struct Shading::State {
 
   Result<void> create_targets();
   Result<void> create_cloths(const Scene& scene, std::span<const ShadedCloth> shaded);
+  Result<void> send(const Geometry& all);
 
   /// Checks the poses, waits for the picture before, and takes over what is of this frame.
   Result<void> prepare(const Poses& poses);

@@ -57,6 +57,7 @@ Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input)
   input.few_contacts = contacts_are_few();
   if (advance.substeps == 0) return advance;
   follow_holds();
+  if (auto torn = follow_tears(); !torn) return torn.take_error();
   input.edits = holds.edits;
   if (scene.air) {
     input.air = air_of(*scene.air, moving_air, now(), advance.simulated, origin);
@@ -199,6 +200,7 @@ void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput&
   report(buffers::counters, place, kCounters);
   report(buffers::detection, place, kDetection);
   report(buffers::reactions, place, kReactions);
+  if (tears.looks) record_look(recorder);
   const std::size_t event = recorded.next;
   const bool tells = place == place_of_recorded() && recorded.done[event].get() != VK_NULL_HANDLE && !recorded.is_under_way[event];
   if (tells) {
@@ -206,6 +208,7 @@ void Simulation::State::record_frame(VkCommandBuffer commands, const FrameInput&
     report(buffers::reactions, place_of_event(event), kReactions);
   }
   recorder.barrier(Use::transfer, Use::host | Use::transfer);
+  if (tears.looks && place == place_of_recorded()) recorder.tell_host(tears.is_seen.get());
   if (!tells) return;
   recorder.tell_host(recorded.done[event].get());
   recorded.is_under_way[event] = true;
@@ -295,7 +298,7 @@ Result<Advance> Simulation::advance(double seconds) try {
   if (auto done = s.wait(); !done) return done.take_error();
   if (auto done = s.run_to_the_end(input); !done) return done.take_error();
   advance->pairs_lost = s.lost_since_told();
-  s.frame_is_sent(*advance);
+  s.frame_is_sent(*advance, s.queue.submitted);
   return advance;
 } catch (...) {
   return caught("the frame");
@@ -309,7 +312,7 @@ Result<Advance> Simulation::submit(double seconds, std::span<const VkSemaphoreSu
   advance->pairs_lost = state_->lost_since_told();
   state_->make_room();
   if (auto done = state_->submit_frame(input, waits, false); !done) return done.take_error();
-  state_->frame_is_sent(*advance);
+  state_->frame_is_sent(*advance, state_->queue.submitted);
   return advance;
 } catch (...) {
   return caught("the frame");
@@ -327,15 +330,16 @@ Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) try
   state_->has_recorded = true;
   state_->growth_is_recorded();
   state_->rollback.frame_is_torn = false;
-  state_->frame_is_sent(*advance);
+  state_->frame_is_sent(*advance, 0);
   return advance;
 } catch (...) {
   return caught("the frame");
 }
 
-// The GPU has what it was to be told, or gets it before anything else.
-void Simulation::State::frame_is_sent(const Advance& advance) {
+// The GPU has what it was to be told, or gets it before anything else. `frame`: its number among those that Weft submits, or 0.
+void Simulation::State::frame_is_sent(const Advance& advance, std::uint64_t frame) {
   if (advance.substeps == 0) return;
+  if (std::exchange(tears.looks, false)) tears.has_looked = true, tears.look = frame;
   kinematic.are_dirty = holds.are_new = false;
   for (std::size_t m = 0; m < skins.sources.size(); ++m) skins.are_kept[m] = (skins.sources[m] & (WEFT_TO_HOST | WEFT_TO_KEPT)) != 0;
   holds.edits.clear();

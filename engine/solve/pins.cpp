@@ -18,7 +18,7 @@ Edit edit_of(const Buffer& row, std::uint64_t at, const T& value) {
   return {&row, at, {bytes.begin(), bytes.end()}};
 }
 
-// What makes `before` of a buffer `after`. Both are of one length.
+// What makes `before` of a buffer `after`, which may be longer.
 void add_differences(const Buffer& row, std::span<const std::byte> before, std::span<const std::byte> after, std::vector<Edit>& edits) {
   constexpr std::size_t kWord = 4;
   const std::size_t size = std::min(before.size(), after.size());
@@ -31,6 +31,7 @@ void add_differences(const Buffer& row, std::span<const std::byte> before, std::
     edits.push_back({&row, at, {after.begin() + static_cast<std::ptrdiff_t>(at), after.begin() + static_cast<std::ptrdiff_t>(end)}});
     at = end - kWord;
   }
+  if (after.size() > size) edits.push_back({&row, size, {after.begin() + static_cast<std::ptrdiff_t>(size), after.end()}});
 }
 
 std::uint32_t particle_of(const gpu::Anchor& anchor) {
@@ -72,22 +73,28 @@ std::vector<bool> Simulation::State::are_held(std::span<const gpu::Anchor> targe
   return held;
 }
 
-Holds::Cooked Simulation::State::cooked_for(std::span<const gpu::Anchor> targets) {
-  Holds::Cooked next{held_anew(scene, meshes, fabric, are_held(targets)), {}};
-  const Cooked before = cooked_of(scene, fabric), after = cooked_of(scene, next.fabric);
+// `whole_plan`: all lists, not only those that depend on who is held; then of particles that did not exist, too.
+void Simulation::State::add_changes(const CookedFabric& next, std::vector<Edit>& edits, bool whole_plan) const {
+  const Cooked before = cooked_of(scene, fabric), after = cooked_of(scene, next);
   for (const Effect* effect : all_effects())
     for (const Buffer* row : effect->buffers) {
-      if (effect->hold == nullptr || row->contents == nullptr || !solver->has(*row)) continue;
+      if (whole_plan ? row->lifetime != Lifetime::cooked : effect->hold == nullptr) continue;
+      if (row->contents == nullptr || !solver->has(*row)) continue;
       const Contents old = row->contents(before), made = row->contents(after);
-      add_differences(*row, old.bytes(), made.bytes(), next.edits);
+      add_differences(*row, old.bytes(), made.bytes(), edits);
     }
   for (std::size_t i = 0; i < fabric.positions.size(); ++i) {
-    const float w = next.fabric.positions[i].w, weight = next.fabric.iterate_weights[i];
+    const float w = next.positions[i].w, weight = next.iterate_weights[i];
     const std::uint64_t at = i * sizeof(gpu::vec4) + offsetof(gpu::vec4, w);
-    if (w != fabric.positions[i].w) next.edits.push_back(edit_of(buffers::positions, at, w));
+    if (w != fabric.positions[i].w) edits.push_back(edit_of(buffers::positions, at, w));
     if (weight == fabric.iterate_weights[i]) continue;
-    for (const Buffer* row : {&buffers::predicted, &buffers::next_iterate}) next.edits.push_back(edit_of(*row, at, weight));
+    for (const Buffer* row : {&buffers::predicted, &buffers::next_iterate}) edits.push_back(edit_of(*row, at, weight));
   }
+}
+
+Holds::Cooked Simulation::State::cooked_for(std::span<const gpu::Anchor> targets) {
+  Holds::Cooked next{held_anew(scene, meshes, fabric, are_held(targets)), {}};
+  add_changes(next.fabric, next.edits, false);
   holds.edits.reserve(holds.edits.size() + next.edits.size() + 1);
   return next;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "compute/contraction.h"
+#include "engine/effects/tear/tear.h"
 #include "shaders/embedded.h"
 
 namespace weft {
@@ -153,6 +154,13 @@ Result<Plan> make_plan(const Needs& needs, compute::Specializer& specializer) {
 
 std::uint64_t bytes_of(const Buffer& row, const Cooked& subject) {
   return std::max<std::uint64_t>(1, row.length(subject)) * row.element_bytes;
+}
+
+std::uint64_t room_of(const Buffer& row, const Cooked& subject) {
+  const std::uint64_t bytes = bytes_of(row, subject);
+  const bool may_be_longer = !row.grows && row.lifetime != Lifetime::persistent && row.access != Access::vertices && row.length(subject) > 1;
+  constexpr std::uint64_t kLeast = 4096;
+  return may_be_longer && tears(subject.scene) ? std::max(2 * bytes, kLeast / row.element_bytes * row.element_bytes) : bytes;
 }
 
 std::vector<Range> ranges_of(const Pass& pass, const Cooked& subject) {

@@ -53,6 +53,9 @@ Result<Plan> make_plan(const Needs& setup, compute::Specializer& specializer);
 /// Bytes of a buffer; at least one element.
 std::uint64_t bytes_of(const Buffer& row, const Cooked& subject);
 
+/// The same with room for what may come: torn cloth has other lists, hardly ever twice as long.
+std::uint64_t room_of(const Buffer& row, const Cooked& subject);
+
 /// The dispatches of a pass where it is listed once, each with its part of the threads.
 std::vector<Range> ranges_of(const Pass& pass, const Cooked& subject);
 

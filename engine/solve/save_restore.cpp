@@ -116,7 +116,12 @@ Result<Snapshot> Simulation::save() const try {
   if (auto done = s.wait(); !done) return done.take_error();
   if (auto done = s.put_frame_back(); !done) return done.take_error();
   s.follow_holds();
+  if (!s.tears.whole.empty()) {
+    if (auto done = s.send_edits(); !done) return done.take_error();
+    if (auto heard = s.hear_look(); !heard) return heard.take_error();
+  }
   Snapshot snapshot;
+  s.save_tears(snapshot);
   snapshot.digest = s.own_digest();
   snapshot.substeps = s.clock.substeps;
   snapshot.left_over = s.clock.left_over;
@@ -180,7 +185,7 @@ bool Simulation::State::are_targets(const std::vector<gpu::Anchor>& targets) con
 }
 
 // As they were cooked, with the masses that they have when these are held.
-std::vector<gpu::vec4> Simulation::State::positions_of(const std::vector<bool>& held) const {
+std::vector<gpu::vec4> Simulation::State::positions_of(const CookedFabric& fabric, const std::vector<bool>& held) {
   std::vector<gpu::vec4> positions = fabric.positions;
   for (std::size_t i = 0; i < fabric.inverse_masses.size(); ++i) positions[i].w = held[i] ? 0 : fabric.inverse_masses[i];
   return positions;
@@ -235,6 +240,9 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
                  WEFT_LONGEST_LIFETIME);
   if (found.needs_detection == 0 && found.candidates > snapshot.capacity)   // an overflow calls for a detection
     return unfit("its ", found.candidates, " candidates are more than its capacity, ", snapshot.capacity);
+  const auto torn = torn_of(snapshot, targets);
+  if (!torn) return unfit(torn.why());
+  const CookedFabric& present = *torn ? (*torn)->cooked.fabric : fabric;
   for (const Buffer* row : rollback.rows) {
     const compute::Buffer& buffer = solver->buffer(*row);
     const std::size_t wanted = bytes_of(*solver, *row, found, snapshot.capacity);
@@ -242,7 +250,7 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
     if (!bytes || bytes->size() != wanted)
       return unfit("its buffer ", buffer.name, " has ", bytes ? bytes->size() : 0, " bytes instead of ", wanted);
     if (row == &buffers::positions)
-      if (auto good = check_values("positions", elements<gpu::vec4>(*bytes), positions_of(are_held(targets))); !good) return good;
+      if (auto good = check_values("positions", elements<gpu::vec4>(*bytes), positions_of(present, are_held(targets))); !good) return good;
     if (row == &buffers::velocities)
       if (auto good = check_values("velocities", elements<gpu::vec4>(*bytes), fabric.velocities); !good) return good;
     if (row == &buffers::detected_positions || row == &buffers::trajectories || row == &buffers::skin_ends)
@@ -289,9 +297,11 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
     if (auto done = create_saved(); !done) return done;
   }
   std::vector<gpu::Anchor> targets = anchors_of(snapshot);
+  auto torn = torn_of(snapshot, targets);
+  if (!torn) return torn.take_error();
   std::optional<Holds::Cooked> cooked;
-  if (scene.pins > 0) cooked = cooked_for(targets);
-  const CookedFabric& fabric = cooked ? cooked->fabric : this->fabric;
+  if (scene.pins > 0 && !*torn) cooked = cooked_for(targets);
+  const CookedFabric& fabric = *torn ? (*torn)->cooked.fabric : cooked ? cooked->fabric : this->fabric;
   const std::vector<gpu::vec4> iterate = iterates_at(elements<gpu::vec4>(*find(snapshot, "positions")), fabric);
   std::vector<compute::Upload> uploads;
   for (const Buffer* row : {&buffers::predicted, &buffers::next_iterate})
@@ -303,7 +313,11 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
   Skins skinned = skins_of(snapshot);
   if (auto done = compute::upload_all(*device, uploads); !done) return done;
 
-  // From here on nothing asks for memory, up to the surface.
+  // From here on nothing asks for memory, up to the surface, but what is torn.
+  std::erase_if(holds.edits, [](const Edit& edit) { return edit.copied > 0; });   // what was to begin where others are has begun
+  const bool is_torn = torn->has_value();
+  if (is_torn) take(std::move(**torn));
+  put_tears_back(snapshot);
   kinematic.targets = std::move(targets);
   kinematic.are_dirty = true;
   if (cooked) take(std::move(*cooked));   // the next frame tells the GPU what differs of the lists
@@ -345,6 +359,8 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
     bodies.pending_sizes[k] = state.is_resized ? std::optional(state.pending_size) : std::nullopt;
     bodies.keys[k] = pose_at(scene.colliders[k].keys, now());
   }
+  if (is_torn)
+    if (auto done = send_edits(); !done) return done;
   return draw_surface();
 }
 

@@ -81,6 +81,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   state->options = options;
   state->gravity = scene.gravity;
   if (scene.air) state->moving_air = {scene.air->wind, state->scene.air->fields, {}};
+  add_spares(scene, meshes);
   auto fabric = cook(scene, meshes);
   if (!fabric) return fabric.take_error();
   state->fabric = std::move(*fabric);
@@ -111,6 +112,8 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
     if (state->solver->has(buffers::reactions))
       reports.push_back({"reactions readback", state->solver->used_bytes(buffers::reactions), VK_BUFFER_USAGE_TRANSFER_DST_BIT});
   }
+  if (tears(scene))   // the last
+    reports.push_back({"positions readback", state->fabric.positions.size() * sizeof(gpu::vec4), VK_BUFFER_USAGE_TRANSFER_DST_BIT});
   auto readback = compute::Arena::create(device, compute::Memory::readback, "weft readback", reports);
   if (!readback) return readback.take_error();
   state->readback = std::move(*readback);
@@ -186,6 +189,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   state->gas_amounts.resize(scene.cloths.size(), 1);
   state->grabs.corners.resize(3 * scene.grabs, gpu::Grab{WEFT_NONE, 0, 0, 0, 0, {}, {}});
   state->grabs.held.resize(scene.grabs);
+  if (auto made = state->make_tears(); !made) return made.take_error();
   if (scene.pins > 0) (void)state->own_digest();   // of the cloth as it is described, whoever is held later
   const std::size_t colliders = scene.colliders.size();
   state->bodies.pending.resize(colliders);
@@ -204,6 +208,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   state->bodies.from_sizes.reserve(state->bodies.order.size());
   state->bodies.in_world.reserve(colliders);
   if (scene.reactions) {
+    state->reactions.quantum = reaction_quantum(state->fabric);
     state->reactions.between.resize(colliders);
     state->reactions.pulls.resize(scene.grabs);
     for (auto* sums : {&state->reactions.heard, &state->reactions.known, &state->reactions.told})
@@ -334,7 +339,7 @@ Counts Simulation::counts() const {
   const gpu::Counters& counters = report.counters;
   return {counters.non_finite, counters.coincident, counters.contacts_most, counters.contacts_overflowed,
           counters.contacts_room, counters.truncated,
-          counters.detections, report.detection.crossings, counters.crossings_most, std::bit_cast<float>(counters.tracking_error), counters.unconverged, counters.stopped,
+          counters.detections, report.detection.crossings, counters.crossings_most, state_->split_count(), state_->tears.refused, std::bit_cast<float>(counters.tracking_error), counters.unconverged, counters.stopped,
           counters.residual, counters.unaccelerated};
 }
 

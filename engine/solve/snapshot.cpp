@@ -19,7 +19,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
 
 constexpr std::string_view kMagic = "WEFTSNAP";
-constexpr std::uint32_t kVersion = 16;
+constexpr std::uint32_t kVersion = 17;
 constexpr std::size_t kHead = kMagic.size() + sizeof kVersion + sizeof(std::uint64_t);
 constexpr std::size_t kEnd = sizeof(std::uint64_t);
 constexpr std::uint64_t kLongest = std::uint64_t(1) << 32;   // of a file: more than the most particles and candidates take
@@ -93,6 +93,11 @@ void fields(Walk& walk, T& s) {
   for (int k = 0; k < 3; ++k) walk(s.particles[k]), walk(s.weights[k]), walk(s.offsets[k]);
 }
 
+template <class Walk, Is<Snapshot::SplitState> T>
+void fields(Walk& walk, T& state) {
+  walk(state.cloth), walk(state.is_found), walk(state.point), walk(state.corners);
+}
+
 template <class Walk, Is<Snapshot::Content> T>
 void fields(Walk& walk, T& content) {
   walk(content.name), walk(content.bytes);
@@ -104,7 +109,7 @@ void fields(Walk& walk, T& s) {
   walk(s.wind), walk(s.air_fields), walk(s.wind_travelled[0]), walk(s.wind_travelled[1]), walk(s.wind_travelled[2]);
   walk(s.skins), walk(s.motion_limits), walk(s.frames), walk(s.gas_amounts);
   walk(s.phase), walk(s.capacity);
-  walk(s.anchors), walk(s.grabs), walk(s.colliders), walk(s.contents), walk(s.note);
+  walk(s.anchors), walk(s.grabs), walk(s.colliders), walk(s.splits), walk(s.tear_frames), walk(s.splits_refused), walk(s.contents), walk(s.note);
 }
 
 template <class T>

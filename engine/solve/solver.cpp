@@ -88,7 +88,8 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   const std::uint32_t narrow = device.is_software() ? 8 : 64;
   const std::uint32_t alone = device.is_software() ? 8 : std::min(512u, device.limits().max_workgroup_invocations);
   const std::uint32_t crew = device.is_software() ? 128 : alone;
-  auto plan = make_plan(needs_of(subject, solver.workgroup_, !options.gather_storage, narrow, alone, crew), device.specializer());
+  solver.needs_ = needs_of(subject, solver.workgroup_, !options.gather_storage, narrow, alone, crew);
+  auto plan = make_plan(solver.needs_, device.specializer());
   if (!plan) return plan.take_error();
   solver.plan_ = std::move(*plan);
   const SizeLimits limits{device.limits().max_storage_buffer_bytes, device.limits().max_workgroups_x, solver.workgroup_};
@@ -133,7 +134,7 @@ Result<compute::Arena> Solver::create_arena(bool grows) const {
 Result<void> Solver::create_buffers(const Cooked& subject) {
   std::size_t counts[2] = {0, 0};
   for (const Plan::PlannedBuffer& planned : plan_.buffers)
-    places_.push_back({bytes_of(*planned.row, subject), counts[planned.row->grows]++});
+    places_.push_back({room_of(*planned.row, subject), counts[planned.row->grows]++});
   for (const Slice* slice : plan_.slices) {
     const Contents first = slice->first(subject);
     slices_.push_back({uniforms_.size(), first.bytes().size()});
@@ -267,6 +268,35 @@ Result<Solver::Outgrown> Solver::grow(std::uint32_t candidates) {
   return arena.take_error();
 }
 
+Result<void> Solver::fits(const Cooked& subject) const {
+  Needs needs = needs_;
+  needs.effects.reset();
+  needs.constants = {};
+  const Needs wanted = needs_of(subject, workgroup_, needs_.constants[gpu::constant::through_texels] != 0, needs.narrow, needs.alone, needs.crew);
+  if (wanted.effects != needs_.effects || wanted.constants != needs_.constants) return fail("its passes would be others");
+  for (std::size_t k = 0; k < plan_.buffers.size(); ++k) {
+    const Buffer& row = *plan_.buffers[k].row;
+    if (!row.grows && bytes_of(row, subject) > places_[k].bytes) return fail("its ", row.name, " would be longer than there is room for");
+  }
+  return {};
+}
+
+void Solver::follow(const Cooked& subject) {
+  std::vector<std::vector<Range>> ranges;
+  for (const PlannedPass& planned : plan_.passes) ranges.push_back(ranges_of(*planned.pass, subject));
+  for (std::size_t k = 0; k < runs_.size(); ++k) {
+    const Pass& pass = *plan_.passes[k].pass;
+    if (pass.threads.grows) continue;   // as long as the capacity
+    runs_[k].ranges = std::move(ranges[k]);
+    if (pass.threads.groups != nullptr) runs_[k].groups = static_cast<std::uint32_t>(pass.threads.groups(subject));
+  }
+  const gpu::ContactSettings before = contacts_;
+  contacts_ = subject.contacts;
+  contacts_.capacity = before.capacity;
+  contacts_.workgroup = before.workgroup;
+  set_uniforms("contact_settings", contacts_);
+}
+
 std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
   steps_.clear();
   if (input.substeps == 0) return {};
@@ -340,18 +370,27 @@ void Solver::set_uniform_bytes(std::string_view slice, std::span<const std::byte
       std::copy(bytes.begin(), bytes.end(), uniforms_.begin() + static_cast<std::ptrdiff_t>(slices_[k].at));
 }
 
-void Solver::record_input(compute::Recorder& recorder, const FrameInput& input) {
-  const auto copy = [&](const compute::Buffer& to, std::span<const std::byte> bytes, std::uint64_t first = 0) {
-    // The data travels in the command buffer, so frames under way never share it.
-    constexpr std::size_t kLongest = 65536;   // vkCmdUpdateBuffer
-    for (std::size_t at = 0; at < bytes.size(); at += kLongest)
-      device_->vk().vkCmdUpdateBuffer(recorder.commands(), to.handle, first + at, std::min(kLongest, bytes.size() - at), bytes.data() + at);
-  };
+// The data travels in the command buffer, so frames under way never share it.
+void Solver::record_bytes(compute::Recorder& recorder, const compute::Buffer& to, std::span<const std::byte> bytes, std::uint64_t first) const {
+  constexpr std::size_t kLongest = 65536;   // vkCmdUpdateBuffer
+  for (std::size_t at = 0; at < bytes.size(); at += kLongest)
+    device_->vk().vkCmdUpdateBuffer(recorder.commands(), to.handle, first + at, std::min(kLongest, bytes.size() - at), bytes.data() + at);
+}
+
+void Solver::record_edits(compute::Recorder& recorder, std::span<const Edit> edits) const {
   // Of two edits of a place the later one counts; and a frame's start may just have been copied.
-  for (const Edit& edit : input.edits) {
+  for (const Edit& edit : edits) {
+    const compute::Buffer& to = buffer(*edit.row);
     recorder.barrier(compute::Use::transfer, compute::Use::transfer);
-    copy(buffer(*edit.row), edit.bytes, edit.at);
+    record_bytes(recorder, to, edit.bytes, edit.at);
+    const VkBufferCopy region{edit.from, edit.at, edit.copied};
+    if (edit.copied > 0) device_->vk().vkCmdCopyBuffer(recorder.commands(), to.handle, to.handle, 1, &region);
   }
+}
+
+void Solver::record_input(compute::Recorder& recorder, const FrameInput& input) {
+  const auto copy = [&](const compute::Buffer& to, std::span<const std::byte> bytes) { record_bytes(recorder, to, bytes); };
+  record_edits(recorder, input.edits);
   motion_.gravity = {input.gravity.x, input.gravity.y, input.gravity.z};
   set_uniforms("motion", motion_);
   if (input.air) set_uniforms("air", input.air->air);

@@ -30,6 +30,7 @@ struct Edit {
   const Buffer* row = nullptr;
   std::uint64_t at = 0;            // multiples of 4
   std::vector<std::byte> bytes;
+  std::uint64_t from = 0, copied = 0;   // instead: so many bytes of the same buffer, from there
 };
 
 /// What a frame copies from a buffer of the host's before all else.
@@ -87,12 +88,19 @@ class Solver {
   /// substep must detect. Errors: no memory; a device limit; the capacity then stays as it was.
   Result<Outgrown> grow(std::uint32_t candidates);
 
+  /// Whether lists of torn cloth fit into the buffers and the pipelines that were made for it when it was whole; else why not.
+  Result<void> fits(const Cooked& subject) const;
+  /// From the next frame on dispatches are as long as its lists, which edits bring.
+  void follow(const Cooked& subject);
+
   /// Lists a frame's dispatches and advances the parity of the iterates: call once a frame, then record all of it.
   std::span<const Step> frame(const FrameInput& input);
 
   /// The dispatches of Stage::frame_end alone: the surface of the current pose.
   std::span<const Step> surface();
 
+  /// Records edits alone; visible to what uses barriers against copies.
+  void record_edits(compute::Recorder& recorder, std::span<const Edit> edits) const;
   /// Records the copies of a frame's input into the GPU's buffers; visible to the steps after it.
   void record_input(compute::Recorder& recorder, const FrameInput& input);
   void record_step(compute::Recorder& recorder, const Step& step) const;
@@ -146,6 +154,7 @@ class Solver {
   void set_uniforms(std::string_view slice, const T& value) {
     set_uniform_bytes(slice, std::as_bytes(std::span(&value, 1)));
   }
+  void record_bytes(compute::Recorder& recorder, const compute::Buffer& to, std::span<const std::byte> bytes, std::uint64_t first = 0) const;
   void set_uniform_bytes(std::string_view slice, std::span<const std::byte> bytes);
 
   const compute::Device* device_ = nullptr;
@@ -153,6 +162,7 @@ class Solver {
   FrameShape shape_;
   std::vector<Place> places_;      // of plan_.buffers
   compute::Arena arena_, growing_arena_;
+  Needs needs_;
   std::vector<Run> runs_;          // of plan_.passes
   std::vector<Sets> sets_;
   std::vector<Step> steps_;

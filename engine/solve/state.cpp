@@ -93,7 +93,7 @@ std::span<const Reaction> Simulation::take_reactions() {
   State& s = *state_;
   if (!s.scene.reactions) return {};
   s.hear_reactions();
-  const double quantum = reaction_quantum(s.fabric);
+  const double quantum = s.reactions.quantum;
   for (std::size_t k = 0; k < s.bodies.order.size(); ++k) {
     s.reactions.between[s.bodies.order[k]] = reaction_between(s.reactions.told[k], s.reactions.known[k], quantum);
     s.reactions.told[k] = s.reactions.known[k];
@@ -105,7 +105,7 @@ std::span<const Reaction> Simulation::take_pulls() {
   State& s = *state_;
   if (!s.scene.reactions) return {};
   s.hear_reactions();
-  const double quantum = reaction_quantum(s.fabric);
+  const double quantum = s.reactions.quantum;
   for (std::size_t g = 0; g < s.reactions.pulls.size(); ++g) {
     const std::size_t k = s.bodies.order.size() + g;
     s.reactions.pulls[g] = reaction_between(s.reactions.told[k], s.reactions.known[k], quantum);

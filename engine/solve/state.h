@@ -9,6 +9,7 @@
 
 #include "compute/commands.h"
 #include "engine/effects/buffers.h"
+#include "engine/effects/tear/tear.h"
 #include "engine/mesh/parts.h"
 #include "engine/simulation.h"
 #include "engine/solve/pick.h"
@@ -59,6 +60,19 @@ struct Holds {
   bool are_changed = false;                    // cooked anew where the next frame begins
   bool are_new = false;                        // the next frame detects contacts anew
   std::vector<Edit> edits;                     // until a frame has them
+};
+
+/// What has torn: an entry a cloth where the scene has any that tears (engine/solve/tears.cpp).
+struct Tears {
+  std::vector<Mesh> whole;                     // cloths' meshes as they were, with room to be split
+  std::vector<std::vector<Split>> done;        // in their order
+  std::vector<std::vector<Split>> found;       // by the last look, for the frame that is due
+  std::uint64_t frames = 0;                    // that have simulated anything
+  bool looks = false;                          // the frame at hand copies positions back
+  bool has_looked = false;                     // one has been sent, and what it saw is not known
+  std::uint64_t look = 0;                      // its number among those that Weft submits; 0: a host records it
+  compute::OwnedEvent is_seen;                 // set by one of `record`
+  std::uint32_t refused = 0;                   // Counts::splits_refused
 };
 
 /// What hands pull at: of each grab the corners of a triangle, or nothing.
@@ -151,6 +165,7 @@ struct RecordedFrames {
 struct ReactionSums {
   std::vector<gpu::Reaction> heard;            // of the frame that Report is of
   std::vector<gpu::Reaction> known, told;      // as far as known; as the host was told
+  double quantum = 1;                          // of the fabric as it was cooked first
   std::vector<Reaction> between, pulls;        // of each collider of the scene, and of each grab, as they were told
 };
 
@@ -184,6 +199,7 @@ struct Simulation::State {
   Clock clock;
   KinematicTargets kinematic;
   Holds holds;
+  Tears tears;
   Grabs grabs;
   Bodies bodies;
   Skins skins;
@@ -211,9 +227,31 @@ struct Simulation::State {
   Holds::Cooked cooked_for(std::span<const gpu::Anchor> targets);   // has the room that take() needs
   void take(Holds::Cooked cooked) noexcept;
   void follow_holds();
+  // Tears.
+  struct Torn {
+    std::vector<Mesh> meshes;
+    Holds::Cooked cooked;
+    std::vector<std::uint32_t> applied;        // splits of each cloth
+  };
+  Result<void> make_tears();
+  Result<void> follow_tears();
+  Result<void> hear_look();
+  void record_look(compute::Recorder& recorder);
+  std::vector<std::vector<Split>> splits_in(std::span<const Vec3> places, const cooking::Blade* blade);
+  std::uint32_t split_count() const;
+  Result<std::optional<Torn>> torn_by(std::vector<Mesh> from, std::span<const std::vector<Split>> splits,
+                                      std::span<const gpu::Anchor> targets, bool copies);
+  Result<std::optional<Torn>> torn_of(const Snapshot& snapshot, std::span<const gpu::Anchor> targets);
+  void take(Torn torn);
+  void grabs_follow(const CookedFabric& torn);
+  Result<std::uint32_t> tear(std::span<const std::vector<Split>> splits);
+  void save_tears(Snapshot& snapshot) const;
+  void put_tears_back(const Snapshot& snapshot);
+  void add_changes(const CookedFabric& next, std::vector<Edit>& edits, bool whole_plan) const;
+  Result<void> send_edits();
   bool are_targets(const std::vector<gpu::Anchor>& targets) const;
-  std::vector<gpu::vec4> positions_of(const std::vector<bool>& held) const;
-  void frame_is_sent(const Advance& advance);
+  static std::vector<gpu::vec4> positions_of(const CookedFabric& fabric, const std::vector<bool>& held);
+  void frame_is_sent(const Advance& advance, std::uint64_t frame);
   Result<std::uint32_t> free_grab(const Grip& grip) const;
   Result<std::vector<Vec3>> places_of_particles();
   Grabbed take_hold(std::uint32_t grab, const Hit& hit, std::span<const Vec3> places, const Grip& grip);

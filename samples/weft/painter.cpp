@@ -21,6 +21,11 @@ Exit Painter::create(compute::Device& device, const Simulation& simulation, VkEx
 }
 
 Result<Image> Painter::draw(const Simulation& simulation) {
+  if (const std::uint32_t splits = simulation.splits(); splits != splits_) {
+    const auto cloths = shaded_cloths(simulation.scene(), simulation.fabric(), simulation.meshes());
+    if (auto followed = shading_->follow(cloths); !followed) return followed.take_error();
+    splits_ = splits;
+  }
   return shading_->draw({.positions = simulation.positions(),
                          .normals = simulation.normals(),
                          .colliders = simulation.colliders(),

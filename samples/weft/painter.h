@@ -21,6 +21,7 @@ class Painter {
 
  private:
   std::unique_ptr<Shading> shading_;
+  std::uint32_t splits_ = 0;   // that its triangles know of
 };
 
 }  // namespace weft::command

@@ -31,11 +31,12 @@ inline Vector path_along(const Vector& step, double cell) {
 
 using Particles = std::array<std::uint32_t, 4>;
 
-/// Whether a pair can be a candidate: it has no particle twice, and one of them moves. The first `a` particles are side A.
+/// Whether a pair can be a candidate: it has no particle twice, nor two of a cloth that were one before it tore, and one of them moves. The
+/// first `a` particles are side A.
 inline bool can_be_pair(const Tracks& t, const Particles& p, int a) {
   for (int i = 0; i < a; ++i)
     for (int j = a; j < 4; ++j)
-      if (p[i] == p[j]) return false;
+      if (p[i] == p[j] || (t.cloth[p[i]] == t.cloth[p[j]] && t.rest[p[i]] == t.rest[p[j]])) return false;
   return std::any_of(p.begin(), p.end(), [&](std::uint32_t i) { return t.inverse_masses[i] > 0; });
 }
 

@@ -64,6 +64,9 @@ bool may_meet(Track a, Track b, Track c, Track d, bool edges, float separation) 
 
 bool same_cloth(uint a, uint b) { return body_of(a) == body_of(b); }
 
+// Two of a cloth that are at one place at rest were one before it tore. What hangs together by them has no distance to keep.
+bool were_one(vec4 rest_a, vec4 rest_b) { return rest_a.xyz == rest_b.xyz; }
+
 // Within a cloth the separation is less than the distance of the sides in the rest positions: a thick cloth must not push itself apart.
 const float share_of_rest = 0.9;
 float rest_separation(uint a, uint b, float thickness, float at_rest) {

@@ -6,6 +6,7 @@
 #include "engine/cook/cook_state.h"
 #include "engine/effects/effect.h"
 #include "engine/effects/strand/strand.h"
+#include "engine/effects/tear/tear.h"
 
 namespace weft::effects {
 namespace {
@@ -81,7 +82,7 @@ void lay_out(cooking::CookState& state) {
     const float weight = fabric.split_weights[i], count = std::max<float>(1, static_cast<float>(uses[i]));
     fabric.iterate_weights.push_back(alone ? fabric.positions[i].w : iterated ? weight : split ? fabric.positions[i].w : weight / count);
   }
-  fabric.stretch = cooking::pack_rows(lists, cooking::Padding::owner, iterated ? 0 : kMostPadding);
+  fabric.stretch = cooking::pack_rows(lists, cooking::Padding::owner, iterated || tears(state.scene()) ? 0 : kMostPadding);
 }
 
 }  // namespace

@@ -75,12 +75,17 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
 }
 
 // How many a particle has places for.
-std::size_t places(const cooking::CookState& state) {
+std::size_t places(cooking::CookState& state) {
   std::size_t longest = 0;
   for (const auto& list : state.tethers) longest = std::max(longest, list.size());
   if (state.may_pin())
     for (const Cloth& cloth : state.scene().cloths)
       if (cloth.tethers) longest = std::max<std::size_t>(longest, cloth.tethers_per_vertex);
+  // Torn cloth has fewer, and may have more again where a snapshot makes it whole.
+  for (const ClothRange& range : state.fabric().cloths) {
+    const Cloth& cloth = state.scene().cloths[static_cast<std::size_t>(&range - state.fabric().cloths.data())];
+    if (cloth.tear && cloth.tethers) longest = std::max<std::size_t>(longest, std::min(cloth.tethers_per_vertex, range.anchors));
+  }
   return longest + longest % 2;   // two a fetch
 }
 
