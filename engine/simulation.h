@@ -238,6 +238,11 @@ class Simulation {
   /// Waits, and cooks the cloth anew on the CPU. What spare vertices do not suffice for is not cut (Counts::splits_refused). Errors: no cloth
   /// that tears; a blade that is not finite, or without an angle; memory; what Vulkan refuses.
   Result<std::uint32_t> cut(Vec3 origin, Vec3 a, Vec3 b);
+  /// Splits a cloth that tears as another simulation of the same mesh has torn (splits_of), and returns how many vertices have become two.
+  /// Errors: as cut; no such cloth; a split that split_points refuses. Nothing has changed then.
+  Result<std::uint32_t> split(std::uint32_t cloth, std::span<const Split> splits);
+  /// How a cloth has torn so far, in order; empty where it does not tear. Valid until the next frame, cut, split or restore.
+  std::span<const Split> splits_of(std::uint32_t cloth) const;
   /// How many vertices have become two so far, by tearing and cutting. When that has changed after a frame, meshes() has: drawn triangles, whose
   /// number stays, have other vertices from that frame on, of which there have been as many from the start. A frame that tears cooks the
   /// cloth anew on the CPU (engine/README.md, "Tearing", says how long that takes).

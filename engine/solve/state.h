@@ -245,6 +245,8 @@ struct Simulation::State {
   void take(Torn torn);
   void grabs_follow(const CookedFabric& torn);
   Result<std::uint32_t> tear(std::span<const std::vector<Split>> splits);
+  Result<void> ready_to_cut();
+  Result<std::uint32_t> tear_now(std::span<const std::vector<Split>> splits);
   void save_tears(Snapshot& snapshot) const;
   void put_tears_back(const Snapshot& snapshot);
   void add_changes(const CookedFabric& next, std::vector<Edit>& edits, bool whole_plan) const;

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 // How long `record` waits for a frame that is under way on the host's queue.
-constexpr std::chrono::seconds kLongestWait{5};
+constexpr std::chrono::seconds kLongestWait{2};
 
 Vector3d wide(Vec3 v) { return {v.x, v.y, v.z}; }
 
@@ -215,28 +215,53 @@ Result<std::uint32_t> Simulation::cut(Vec3 origin, Vec3 a, Vec3 b) try {
     if (!is_finite(v)) return fail("the blade is not finite, or ", kTooLarge, " m away or more");
   const cooking::Blade blade{wide(origin - s.origin), wide(a).normalized(), wide(b).normalized()};
   if (!(blade.a.cross(blade.b).norm() > 1e-9)) return fail("the blade's two directions are one, or of length 0");
-  if (auto done = s.wait(); !done) return done.take_error();
-  if (auto done = s.put_frame_back(); !done) return done.take_error();
-  s.follow_holds();
-  // What is torn, and on its way to the GPU, is there now; and what was seen before the cut is of another cloth.
-  if (auto done = s.send_edits(); !done) return done.take_error();
-  if (auto heard = s.hear_look(); !heard) return heard.take_error();
-  for (auto& splits : s.tears.found) splits.clear();
+  if (auto ready = s.ready_to_cut(); !ready) return ready.take_error();
   auto places = s.places_of_particles();
   if (!places) return places.take_error();
-  auto count = s.tear(s.splits_in(*places, &blade));
-  if (!count) return count;
-  if (auto done = s.send_edits(); !done) return done.take_error();
-  if (auto drawn = s.draw_surface(); !drawn) return drawn.take_error();
-  return count;
+  return s.tear_now(s.splits_in(*places, &blade));
 } catch (...) {
   return caught("the cut");
+}
+
+Result<std::uint32_t> Simulation::split(std::uint32_t cloth, std::span<const Split> splits) try {
+  State& s = *state_;
+  if (cloth >= s.scene.cloths.size() || !s.scene.cloths[cloth].tear)
+    return fail("cloth ", cloth, " does not tear (its key \"tear\"), or is none of the scene's ", s.scene.cloths.size());
+  if (auto ready = s.ready_to_cut(); !ready) return ready.take_error();
+  std::vector<std::vector<Split>> all(s.scene.cloths.size());
+  all[cloth].assign(splits.begin(), splits.end());
+  return s.tear_now(all);
+} catch (...) {
+  return caught("the splits");
+}
+
+std::span<const Split> Simulation::splits_of(std::uint32_t cloth) const {
+  return cloth < state_->tears.done.size() ? std::span<const Split>(state_->tears.done[cloth]) : std::span<const Split>();
+}
+
+// What is torn, and on its way to the GPU, is there then. What was seen before the cut is of another cloth.
+Result<void> Simulation::State::ready_to_cut() {
+  if (auto done = wait(); !done) return done;
+  if (auto done = put_frame_back(); !done) return done;
+  follow_holds();
+  if (auto done = send_edits(); !done) return done;
+  if (auto heard = hear_look(); !heard) return heard;
+  for (auto& splits : tears.found) splits.clear();
+  return {};
+}
+
+Result<std::uint32_t> Simulation::State::tear_now(std::span<const std::vector<Split>> splits) {
+  auto count = tear(splits);
+  if (!count) return count;
+  if (auto done = send_edits(); !done) return done.take_error();
+  if (auto drawn = draw_surface(); !drawn) return drawn.take_error();
+  return count;
 }
 
 std::uint32_t Simulation::splits() const { return state_->split_count(); }
 
 // Of a snapshot's splits, in its order, those of each cloth: done, or found and due. Errors: a cloth that does not tear.
-static Result<std::vector<std::vector<Split>>> splits_of(const Snapshot& snapshot, const Scene& scene, bool found) {
+static Result<std::vector<std::vector<Split>>> saved_splits(const Snapshot& snapshot, const Scene& scene, bool found) {
   std::vector<std::vector<Split>> splits(scene.cloths.size());
   for (const Snapshot::SplitState& state : snapshot.splits) {
     if (state.cloth >= splits.size() || !scene.cloths[state.cloth].tear)
@@ -259,7 +284,7 @@ Result<std::optional<Simulation::State::Torn>> Simulation::State::torn_of(const 
     if (!snapshot.splits.empty()) return fail("it has splits, and no cloth of the scene tears");
     return std::optional<Torn>();
   }
-  auto done = splits_of(snapshot, scene, false), found = splits_of(snapshot, scene, true);
+  auto done = saved_splits(snapshot, scene, false), found = saved_splits(snapshot, scene, true);
   if (!done) return done.take_error();
   if (!found) return found.take_error();
   auto torn = torn_by(tears.whole, *done, targets, false);
@@ -276,8 +301,8 @@ Result<std::optional<Simulation::State::Torn>> Simulation::State::torn_of(const 
 // After take(): the rest, without a need for memory but for the lists of splits.
 void Simulation::State::put_tears_back(const Snapshot& snapshot) {
   if (tears.whole.empty()) return;
-  tears.done = *splits_of(snapshot, scene, false);
-  tears.found = *splits_of(snapshot, scene, true);
+  tears.done = *saved_splits(snapshot, scene, false);
+  tears.found = *saved_splits(snapshot, scene, true);
   tears.frames = snapshot.tear_frames;
   tears.refused = snapshot.splits_refused;
   if (std::exchange(tears.has_looked, false) && tears.look == 0) (void)device->vk().vkResetEvent(device->handle(), tears.is_seen.get());

@@ -76,6 +76,7 @@ const EffectRow kRows[] = {
        "tethers": false, "transform": {"translate": [0, 0.104, 0]}, "start": {"velocity": [0, -0.5, 0]},
        "pressure": {"rest_pressure": 20}})"}},
      {}},
+    {"tear", "a sheet that can tear and be cut", {{"cloths[0].tear", R"({"strain":0.2})"}}, {}},
     {"air_stir", "gusts, turbulence and a jet",
      {{"air.gusts", R"([{"velocity":[0,0,1]}])"},
       {"air.turbulence", "0.5"},

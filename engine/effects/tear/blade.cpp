@@ -48,7 +48,8 @@ std::vector<Split> cut_by(const Posed& cloth, const Blade& blade) {
     for (const std::uint32_t t : edge.triangle)
       if (t != kNone) is_met[t] = true;
   }
-  const auto is_in_front = [&](std::uint32_t t) {
+  const auto is_in_front = [&](std::uint32_t p) { return normal.dot(cloth.places[p] - blade.origin) > 0; };
+  const auto goes_to_front = [&](std::uint32_t t) {
     double sum = 0;
     for (const std::uint32_t p : mesh.triangles[t]) sum += normal.dot(cloth.places[p] - blade.origin);
     return sum > 0;
@@ -57,7 +58,11 @@ std::vector<Split> cut_by(const Posed& cloth, const Blade& blade) {
   std::set<std::uint32_t> points;
   for (const WingedEdge& edge : mesh.edges) {
     const auto [left, right] = edge.triangle;
-    if (left == kNone || right == kNone || !is_met[left] || !is_met[right] || is_in_front(left) == is_in_front(right)) continue;
+    if (left == kNone || right == kNone || (!is_met[left] && !is_met[right])) continue;
+    // One that is not met is where the edge is; where the blade passes beyond its end, that is nowhere.
+    if (!(is_met[left] && is_met[right]) && is_in_front(edge.a) != is_in_front(edge.b)) continue;
+    const auto side = [&](std::uint32_t t) { return is_met[t] ? goes_to_front(t) : is_in_front(edge.a); };
+    if (side(left) == side(right)) continue;
     parted.insert(std::minmax(edge.a, edge.b));
     points.insert({edge.a, edge.b});
   }

@@ -10,6 +10,7 @@
 //         u---p=====v            p has become two: the crack is open from u to v, where it ends
 //          \ / \   / \ /
 //           *-----*-----*
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -29,7 +30,8 @@ class Tearing {
   Tearing(const Posed& cloth, std::span<const float> limits) : cloth_(cloth), fans_(cloth.mesh) {
     const std::size_t points = cloth.mesh.points.size();
     is_spared_.resize(points);
-    strongest_.resize(points, {0, kNone});
+    strongest_.resize(points);
+    pulls_.resize(points, Eigen::Matrix3d::Zero());
     neighbours_.resize(points);
     for (const WingedEdge& edge : cloth.mesh.edges) {
       neighbours_[edge.a].push_back(edge.b);
@@ -39,8 +41,11 @@ class Tearing {
       const double load = (now / rest - 1) / std::max(limit, 1e-6);
       if (!(load > 1)) continue;
       overstretched_.push_back({load, edge.a, edge.b});
-      for (const auto& [p, other] : {std::pair(edge.a, edge.b), std::pair(edge.b, edge.a)})
-        if (load > strongest_[p].first) strongest_[p] = {load, other};
+      const Vector3d way = along(edge.a, edge.b);
+      for (const std::uint32_t p : {edge.a, edge.b}) {
+        strongest_[p] = std::max(strongest_[p], load);
+        pulls_[p] += load * way * way.transpose();
+      }
     }
     std::ranges::stable_sort(overstretched_, std::greater(), &Overstretched::load);
   }
@@ -49,8 +54,8 @@ class Tearing {
     for (const auto& [load, a, b] : overstretched_) {
       if (splits_.size() >= kMostSplits) break;
       if (is_spared_[a] || is_spared_[b]) continue;
-      const bool a_first = strongest_[a].first >= strongest_[b].first;
-      if (!begin(a_first ? a : b, a_first ? b : a)) begin(a_first ? b : a, a_first ? a : b);
+      const bool a_first = strongest_[a] >= strongest_[b];
+      if (!begin(a_first ? a : b)) begin(a_first ? b : a);
     }
     return std::move(splits_);
   }
@@ -92,10 +97,15 @@ class Tearing {
     return found;
   }
 
-  bool begin(std::uint32_t point, std::uint32_t towards) {
+  // In which direction a point is pulled apart, in the mesh at rest: the main axis of its edges beyond their limit.
+  Vector3d pull_at(std::uint32_t point) const {
+    return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(pulls_[point]).eigenvectors().col(2);
+  }
+
+  bool begin(std::uint32_t point) {
     if (!may_split(point)) return false;
     crack_.clear();
-    if (!open(point, along(point, towards))) return false;
+    if (!open(point, pull_at(point))) return false;
     relieve();
     return true;
   }
@@ -133,14 +143,14 @@ class Tearing {
 
   // The crack is open from `from` to `point`.
   void run_on(std::uint32_t from, std::uint32_t point) {
-    while (splits_.size() < kMostSplits && may_split(point) && strongest_[point].second != kNone) {
+    while (splits_.size() < kMostSplits && may_split(point) && strongest_[point] > 0) {
       const std::vector<Fan> fans = fans_.of(point);
       if (fans.size() > 1) return;
       const Fan& fan = fans.front();
       const auto at = static_cast<std::size_t>(std::ranges::find(fan.rim, from) - fan.rim.begin());
       if (at >= fan.corners.size() || (!fan.is_closed() && at == 0)) return;   // not between two triangles
       if (!fan.is_closed()) return split(point, fan, at, fan.corners.size());   // it has reached the rim
-      const std::size_t next = best(point, fan, along(from, point), along(point, strongest_[point].second), at);
+      const std::size_t next = best(point, fan, along(from, point), pull_at(point), at);
       if (next == fan.rim.size()) return;
       const std::uint32_t ahead = fan.rim[next];
       split(point, fan, std::min(at, next), std::max(at, next));
@@ -162,7 +172,8 @@ class Tearing {
   const Posed& cloth_;
   Fans fans_;
   std::vector<Overstretched> overstretched_;
-  std::vector<std::pair<double, std::uint32_t>> strongest_;   // of each point: the most load of its edges, and where that edge leads
+  std::vector<double> strongest_;                  // of each point: the most load of its edges beyond their limit
+  std::vector<Eigen::Matrix3d> pulls_;
   std::vector<std::vector<std::uint32_t>> neighbours_;
   std::vector<bool> is_spared_;
   std::vector<std::uint32_t> crack_;
