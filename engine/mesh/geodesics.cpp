@@ -45,7 +45,7 @@ bool Waves::Arrival::operator>(const Arrival& other) const {
 
 Waves::Waves(const IntrinsicSurface& surface, std::uint32_t kept, std::vector<double> reach)
     : surface_(surface), kept_(kept), reach_(std::move(reach)) {
-  std::uint32_t points = static_cast<std::uint32_t>(surface.points.size());
+  std::uint32_t points = std::max(surface.count, static_cast<std::uint32_t>(surface.points.size()));
   for (const Triangle& t : surface.triangles)
     for (const std::uint32_t p : t) points = std::max(points, p + 1);
   reached_.resize(std::size_t(points) * kept);

@@ -21,6 +21,7 @@ struct IntrinsicSurface {
   std::vector<Eigen::Vector3d> points;        // m, where they lie in space; empty: they lie nowhere
   std::vector<Triangle> triangles;
   std::vector<Flat> flat;                     // of each triangle
+  std::uint32_t count = 0;                    // of points, where they lie nowhere: some may be of no triangle
 };
 
 IntrinsicSurface surface_of(const Mesh& mesh);

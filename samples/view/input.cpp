@@ -66,6 +66,23 @@ void Viewer::toggle_ball() {
   if (good(stage_->put_ball(comes ? std::optional<double>(ball_radius_) : std::nullopt))) say(comes ? "a ball follows the pointer" : "the ball is gone");
 }
 
+void Viewer::toggle_knife() {
+  if (!good(stage_->take_knife(!cuts_))) return;
+  cuts_ = !cuts_;
+  say(cuts_ ? "a knife: draw a line across cloth with the left button" : "the knife is put away");
+  last_ = Clock::now();
+}
+
+// Along the line that was drawn.
+void Viewer::cut() {
+  if (std::hypot(x_ - from_x_, y_ - from_y_) < 2) return;
+  const auto count = stage_->cut(ray_at(from_x_, from_y_), ray_under_pointer());
+  if (!count) complain(count.error());
+  else if (*count == 0) say("no cloth there to cut");
+  else say("cut: " + std::to_string(*count) + " vertices have become two");
+  last_ = Clock::now();
+}
+
 void Viewer::obey_keys() {
   for (const Key& pressed : window_->take_keys()) {
     if (pressed.with_control && pressed.key == GLFW_KEY_Q) window_->close();
@@ -89,6 +106,7 @@ void Viewer::obey(const Key& pressed) {
       if (!stage_->kept().empty()) go_back(stage_->kept().size() - 1);
       break;
     case GLFW_KEY_G: toggle_ball(); break;
+    case GLFW_KEY_X: toggle_knife(); break;
     case GLFW_KEY_TAB: toggle(shows_panels_); break;
     case GLFW_KEY_H: toggle(shows_help_); break;
     case GLFW_KEY_W: toggle(look_.wires); break;
@@ -102,9 +120,9 @@ void Viewer::obey(const Key& pressed) {
   }
 }
 
-Ray Viewer::ray_under_pointer() const {
+Ray Viewer::ray_at(double x, double y) const {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  return ray_through(orbit_.camera(), 2 * x_ / size.x - 1, 2 * y_ / size.y - 1, size.x / size.y);
+  return ray_through(orbit_.camera(), 2 * x / size.x - 1, 2 * y / size.y - 1, size.x / size.y);
 }
 
 bool Viewer::is_over_panels(double x, double y) const {
@@ -137,6 +155,7 @@ void Viewer::obey(const Pointed& pointed) {
       break;
     case Pointed::What::released:
       if (drag_ == Drag::pulls && good(stage_->let_go())) say("let go");
+      if (drag_ == Drag::cuts) cut();
       drag_ = Drag::nothing;
       break;
   }
@@ -150,6 +169,10 @@ void Viewer::press(const Pointed& pointed) {
     auto done = stage_->pin_or_release(ray_under_pointer());
     if (!done) complain(done.error());
     else say(done->value_or("no cloth there"));
+  } else if (left && cuts_) {
+    drag_ = Drag::cuts;
+    from_x_ = x_;
+    from_y_ = y_;
   } else if (left) {
     auto held = stage_->grab(ray_under_pointer());
     if (!held) return complain(held.error());

@@ -28,6 +28,7 @@ constexpr const char* kHelp =
     "F                     all cloth in view\n"
     "K, backspace          keep this moment, go back to the last one\n"
     "G                     a ball that follows the pointer\n"
+    "X, then draw a line   cut cloth\n"
     "0                     the rendered picture\n"
     "1 ... 7               lit, strain, normals, the four maps\n"
     "W N A C B O           wires, normals, anchors, contacts, bounds, colliders\n"
@@ -154,6 +155,8 @@ void Viewer::draw_look() {
   }
   bool ball = stage_->ball().has_value();
   if (ImGui::Checkbox("a ball follows the pointer", &ball)) toggle_ball();
+  bool cuts = cuts_;
+  if (ImGui::Checkbox("a knife: draw a line across cloth", &cuts)) toggle_knife();
   if (ball) {
     ImGui::SetNextItemWidth(0.5f * kWidth);
     ImGui::SliderFloat("its radius, m", &ball_radius_, 0.01f, 10, "%.3g", ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);

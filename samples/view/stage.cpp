@@ -14,6 +14,7 @@ namespace weft::view {
 namespace {
 
 constexpr std::uint32_t kPins = 64;   // besides those that the scene has
+constexpr double kNever = 1000;       // a strain
 constexpr Vec3 kAway{0, -1000, 0};    // m: where the ball is until the pointer says
 
 std::uint32_t nearest_to(std::span<const Vec3> vertices, Vec3 point) {
@@ -47,6 +48,9 @@ Scene Stage::prepared(const Scene& scene) const {
   Scene all = scene;
   all.grabs = std::max(all.grabs, 1u);
   all.pins += kPins;
+  for (Cloth& cloth : all.cloths)
+    if (has_knife_ && !cloth.tear && !cloth.pressure && !cloth.skin && !cloth.motion_constraints && cloth.render_mesh.empty())
+      cloth.tear = Tear{.strain = kNever};
   if (!ball_radius_) return all;
   Collider ball;
   ball.shape = ColliderShape::sphere;
@@ -71,27 +75,45 @@ Result<std::unique_ptr<Simulation>> Stage::make(const Scene& prepared) const {
 Result<void> Stage::replace(const Scene& scene) {
   auto made = make(prepared(scene));
   if (!made) return made.take_error();
+  std::vector<Room> was_rooms, rooms;
   if (simulation_) {
+    was_rooms = rooms_of(*simulation_);
+    for (std::uint32_t c = 0; c < std::min(scene.cloths.size(), scene_.cloths.size()); ++c)
+      if (const auto torn = simulation_->splits_of(c); !torn.empty()) (void)(*made)->split(c, torn);   // of another mesh, or one that may not tear: whole
+    rooms = rooms_of(**made);
     auto was = simulation_->save(), fresh = (*made)->save();
     if (!was || !fresh) return was ? fresh.take_error() : was.take_error();
     // The ball comes last: those that were there keep their numbers.
     was->colliders.resize(std::min(was->colliders.size(), scene.colliders.size()));
-    const Snapshot moved = carried(*was, simulation_->fabric().h, *fresh, (*made)->fabric().h);
+    const Snapshot moved = carried({std::move(*was), was_rooms, simulation_->fabric().h}, {*fresh, rooms, (*made)->fabric().h});
     if (auto done = (*made)->restore(moved); !done) {
       if (auto begun = (*made)->restore(*fresh); !begun) return begun;
     }
+    renumber(was_rooms, rooms);
     if (!pinned_.empty()) (void)(*made)->pin(pinned_);         // of another mesh: none of these
     if (!released_.empty()) (void)(*made)->release(released_);
   }
   if (ball_radius_) ball_ = static_cast<std::uint32_t>(scene.colliders.size());
   else ball_.reset();
-  if (!simulation_ || simulation_->fabric().positions.size() != (*made)->fabric().positions.size()) frame_ = 0;
+  if (!simulation_ || !are_alike(was_rooms, rooms)) frame_ = 0;
   simulation_ = std::move(*made);
   scene_ = scene;
   grabbed_.reset();
   kept_.clear();   // they were of the scene as it was
   ++generation_;
   return {};
+}
+
+// Vertices of a later cloth have other numbers where one before it has more of them.
+void Stage::renumber(std::span<const Room> was, std::span<const Room> now) {
+  if (!are_alike(was, now)) return;
+  for (auto* vertices : {&pinned_, &released_})
+    for (std::uint32_t& v : *vertices)
+      for (std::size_t r = was.size(); r-- > 0;)
+        if (v - was[r].first_vertex < was[r].vertices) {
+          v += now[r].first_vertex - was[r].first_vertex;
+          break;
+        }
 }
 
 // What a simulation takes while it runs.
@@ -150,6 +172,23 @@ Result<void> Stage::move_ball(Vec3 centre) {
   const bool arrives = std::exchange(ball_centre_, centre) == kAway;
   return arrives ? simulation_->place_collider(*ball_, pose) : simulation_->move_collider(*ball_, pose);
 }
+
+Result<void> Stage::take_knife(bool on) {
+  if (has_knife_ == on) return {};
+  has_knife_ = on;
+  if (!on) {
+    has_knife_ = simulation_->splits() > 0;   // it has to stay as it is cut
+    return {};
+  }
+  if (auto done = replace(scene_); !done) {
+    has_knife_ = false;
+    return done;
+  }
+  start_.reset();
+  return {};
+}
+
+Result<std::uint32_t> Stage::cut(const Ray& from, const Ray& to) { return simulation_->cut(from.origin, from.direction, to.direction); }
 
 Result<void> Stage::step() {
   auto done = simulation_->submit(1 / scene_.solver.rate);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "engine/simulation.h"
+#include "samples/view/carry.h"
 #include "samples/view/orbit.h"
 
 namespace weft::view {
@@ -48,6 +49,11 @@ class Stage {
   /// A ball of that radius (m) that the host moves; none: it goes.
   Result<void> put_ball(std::optional<double> radius);
   Result<void> move_ball(Vec3 centre);
+  /// Makes cloth that does not tear one that can be cut, or puts the knife away; what is cut stays so.
+  Result<void> take_knife(bool on);
+  bool has_knife() const { return has_knife_; }
+  /// Cuts cloth along the line between where two rays go; returns how many vertices have become two.
+  Result<std::uint32_t> cut(const Ray& from, const Ray& to);
 
   Result<void> keep();
   const std::vector<Keepsake>& kept() const { return kept_; }
@@ -72,6 +78,7 @@ class Stage {
   Scene prepared(const Scene& scene) const;
   Result<std::unique_ptr<Simulation>> make(const Scene& prepared) const;
   Result<void> replace(const Scene& scene);
+  void renumber(std::span<const Room> was, std::span<const Room> now);
   bool differs_in_forces_alone(const Scene& scene) const;
 
   const compute::Device* device_;
@@ -86,7 +93,7 @@ class Stage {
   Vec3 ball_centre_;
   std::vector<std::uint32_t> pinned_, released_;   // vertices
   std::uint64_t frame_ = 0, generation_ = 0;
-  bool times_ = false;
+  bool times_ = false, has_knife_ = false;
 };
 
 }  // namespace weft::view

@@ -193,6 +193,11 @@ Result<VkImage> Viewer::picture(VkCommandBuffer commands, VkExtent2D size) {
     workbench_ = std::move(*made);
     for (const std::string& note : workbench_->notes()) complain(note);
     shown_ = stage_->generation();
+    shown_splits_ = stage_->simulation().splits();
+  }
+  if (stage_ && shown_splits_ != stage_->simulation().splits()) {
+    if (auto done = workbench_->follow(); !done) return done.take_error();
+    shown_splits_ = stage_->simulation().splits();
   }
   if (stage_ && is_rendered_) {
     if (auto done = record_rendered(commands, size); done) return rendered_.handle();
@@ -232,6 +237,11 @@ Result<void> Viewer::record_rendered(VkCommandBuffer commands, VkExtent2D size) 
     if (!image) return image.take_error();
     rendered_ = std::move(*image);
     shading_size_ = size;
+    rendered_splits_ = simulation.splits();
+  }
+  if (rendered_splits_ != simulation.splits()) {
+    if (auto done = shading_->follow(shaded_cloths(simulation.scene(), simulation.fabric(), simulation.meshes())); !done) return done;
+    rendered_splits_ = simulation.splits();
   }
   shading_->look_from(orbit_.camera());
   if (auto done = shading_->record(commands, {.positions = simulation.positions(),

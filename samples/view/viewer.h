@@ -55,7 +55,8 @@ class Viewer {
   void press(const Pointed& pointed);
   void move_to(double x, double y);
   bool is_over_panels(double x, double y) const;
-  Ray ray_under_pointer() const;
+  Ray ray_at(double x, double y) const;
+  Ray ray_under_pointer() const { return ray_at(x_, y_); }
   void set_playing(bool on);
   void step_once();
   void step_alone();
@@ -65,6 +66,8 @@ class Viewer {
   void go_back(std::size_t kept);
   void change_scene();
   void toggle_ball();
+  void toggle_knife();
+  void cut();
 
   // The panels (panels.cpp).
   void draw_panels();
@@ -88,14 +91,17 @@ class Viewer {
   std::unique_ptr<Shading> shading_;     // once it is asked for
   VkExtent2D shading_size_{};
   compute::DeviceImage rendered_;        // its picture, as bits that are no longer converted
+  std::uint32_t shown_splits_ = 0, rendered_splits_ = 0;   // how much of its cloth was torn then
   std::uint64_t shown_ = 0;              // the stage's generation that these are of
   Orbit orbit_;
   Look look_;
   bool is_rendered_ = false, shows_contacts_ = false, shows_bounds_ = false, shows_panels_ = true, shows_help_ = false;
   bool is_playing_ = true;
-  enum class Drag { nothing, turns, pans, pulls };
+  enum class Drag { nothing, turns, pans, pulls, cuts };
   Drag drag_ = Drag::nothing;
   double x_ = 0, y_ = 0;                 // of the pointer, in screen coordinates
+  double from_x_ = 0, from_y_ = 0;       // where a cut begins
+  bool cuts_ = false;                    // the left button, instead of grabbing
   struct Panel {
     float left, top, right, bottom;
   };

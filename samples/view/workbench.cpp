@@ -49,32 +49,43 @@ Result<std::unique_ptr<Workbench>> Workbench::create(const compute::Device& devi
   return made;
 }
 
-Result<void> Workbench::create_geometry() {
-  const CookedFabric& fabric = simulation_->fabric();
-  const Scene& scene = simulation_->scene();
-  std::vector<std::uint32_t> corners;
-  std::vector<Vec4> rests;
-  std::vector<Vec2> uvs;
-  std::vector<std::span<const Vec3>> places;
-  double edges = 0;
+Workbench::Lists Workbench::lists() const {
+  Lists lists;
+  const std::size_t cloths = simulation_->fabric().cloths.size();
   for (const Mesh& mesh : simulation_->meshes()) {
-    const bool is_cloth = places.size() < fabric.cloths.size();
-    places.emplace_back(mesh.render.positions);
+    const bool is_cloth = static_cast<std::size_t>(&mesh - simulation_->meshes().data()) < cloths;
+    const auto first = static_cast<std::uint32_t>(lists.uvs.size());
     for (const Triangle& t : mesh.render.triangles) {
       const auto& at = mesh.render.positions;
       const Vec3 sides{length(at[t[1]] - at[t[0]]), length(at[t[2]] - at[t[1]]), length(at[t[0]] - at[t[2]])};
-      edges += (sides.x + sides.y + sides.z) / 3;
-      for (const std::uint32_t vertex : t) corners.push_back(vertices_ + vertex);
-      rests.push_back(is_cloth ? Vec4{sides.x, sides.y, sides.z, 0} : Vec4{});
+      lists.sides += (sides.x + sides.y + sides.z) / 3;
+      for (const std::uint32_t vertex : t) lists.corners.push_back(first + vertex);
+      lists.rests.push_back(is_cloth ? Vec4{sides.x, sides.y, sides.z, 0} : Vec4{});
     }
-    uvs.insert(uvs.end(), mesh.render.uvs.begin(), mesh.render.uvs.end());
-    vertices_ += static_cast<std::uint32_t>(mesh.render.positions.size());
-    uvs.resize(vertices_);
+    lists.uvs.insert(lists.uvs.end(), mesh.render.uvs.begin(), mesh.render.uvs.end());
+    lists.uvs.resize(first + mesh.render.positions.size());
   }
+  return lists;
+}
+
+Result<void> Workbench::follow() {
+  const Lists now = lists();
+  const std::array uploads = {compute::Upload{&geometry_[0], bytes_of(now.corners)}, compute::Upload{&geometry_[1], bytes_of(now.rests)},
+                              compute::Upload{&geometry_[2], bytes_of(now.uvs)}};
+  return compute::upload_all(*device_, uploads);
+}
+
+Result<void> Workbench::create_geometry() {
+  const Scene& scene = simulation_->scene();
+  const Lists all = lists();
+  const auto& [corners, rests, uvs, sides] = all;
+  std::vector<std::span<const Vec3>> places;
+  for (const Mesh& mesh : simulation_->meshes()) places.emplace_back(mesh.render.positions);
+  vertices_ = static_cast<std::uint32_t>(uvs.size());
   triangles_ = static_cast<std::uint32_t>(rests.size());
-  edge_ = static_cast<float>(edges / std::max<std::size_t>(rests.size(), 1));
+  edge_ = static_cast<float>(sides / std::max<double>(static_cast<double>(rests.size()), 1));
   std::vector<std::uint32_t> marked;
-  for (const AnchorTarget& anchor : fabric.anchors) marked.push_back(anchor.vertex);
+  for (const AnchorTarget& anchor : simulation_->fabric().anchors) marked.push_back(anchor.vertex);
   marks_ = static_cast<std::uint32_t>(marked.size());
 
   const shading::Extent extent = shading::extent_of(scene, places);

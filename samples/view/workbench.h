@@ -34,6 +34,8 @@ class Workbench {
   /// Loads the scene's textures; those that cannot be read are left out, with a sentence each in notes(). `device` must outlive it.
   static Result<std::unique_ptr<Workbench>> create(const compute::Device& device, const Simulation& simulation);
 
+  /// Draws the triangles as they are now, where cloth has torn. Nothing of it may be under way.
+  Result<void> follow();
   /// Records a picture of `size`, left in image() for copies and blits. The last one must be done.
   Result<void> record(VkCommandBuffer commands, VkExtent2D size, const Camera& camera, const Look& look, std::span<const Segments> lines);
   VkImage image() const { return picture_.handle(); }
@@ -52,6 +54,14 @@ class Workbench {
 
   explicit Workbench(const compute::Device& device, const Simulation& simulation)
       : device_(&device), simulation_(&simulation), textures_(device) {}
+  /// What there is of each triangle and vertex besides what moves.
+  struct Lists {
+    std::vector<std::uint32_t> corners;
+    std::vector<Vec4> rests;   // m: lengths of sides
+    std::vector<Vec2> uvs;
+    double sides = 0;          // m, the sum of the means
+  };
+  Lists lists() const;
   Result<void> create_geometry();
   Result<void> create_parts();
   Result<void> create_pipelines();

@@ -58,7 +58,7 @@ std::vector<double> local_lengths(const IntrinsicSurface& surface, std::size_t p
 // The surface in units of its local edges.
 IntrinsicSurface in_edges(const IntrinsicSurface& surface, std::size_t points) {
   const std::vector<double> length = local_lengths(surface, points);
-  IntrinsicSurface scaled{std::vector<Eigen::Vector3d>(points), surface.triangles, {}};   // of small pieces nodes may have no triangle
+  IntrinsicSurface scaled{{}, surface.triangles, {}, static_cast<std::uint32_t>(points)};   // nodes of small pieces may have no triangle
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     const auto side = [&](int from, int to) {
       const double unit = (length[surface.triangles[t][from]] + length[surface.triangles[t][to]]) / 2;
