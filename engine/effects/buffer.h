@@ -64,6 +64,7 @@ struct Buffer {
   std::uint32_t word = 0;
   bool grows = false;                                     // with the capacity for contacts, while running
   Access access = Access::shaders;
+  std::uint64_t (*most)(const Cooked&) = nullptr;         // elements, as torn as the cloth can be; null: twice as many as it has whole
   const Buffer* lies_in = nullptr;                        // shares that buffer's memory while that buffer is not in use
 };
 

@@ -159,8 +159,10 @@ std::uint64_t bytes_of(const Buffer& row, const Cooked& subject) {
 std::uint64_t room_of(const Buffer& row, const Cooked& subject) {
   const std::uint64_t bytes = bytes_of(row, subject);
   const bool may_be_longer = !row.grows && row.lifetime != Lifetime::persistent && row.access != Access::vertices && row.length(subject) > 1;
+  if (!may_be_longer || !tears(subject.scene)) return bytes;
   constexpr std::uint64_t kLeast = 4096;
-  return may_be_longer && tears(subject.scene) ? std::max(2 * bytes, kLeast / row.element_bytes * row.element_bytes) : bytes;
+  const std::uint64_t most = row.most != nullptr ? row.most(subject) * row.element_bytes : 2 * bytes;
+  return std::max(most, kLeast / row.element_bytes * row.element_bytes);
 }
 
 std::vector<Range> ranges_of(const Pass& pass, const Cooked& subject) {

@@ -1,4 +1,4 @@
-// Tearing and cutting. Every third frame copies back where the particles are; where the next such frame begins the host looks at that,
+// Tearing and cutting. Every third frame that does not tear copies back where the particles are; three frames later the host looks at that,
 // splits points of the mesh, cooks it anew, and what has changed of the lists travels in that frame's commands (Edit). A frame therefore
 // tears the same cloth, to the bit, however it is run, and nothing waits: two frames may be under way.
 #include <algorithm>
@@ -131,7 +131,7 @@ Result<std::optional<Simulation::State::Torn>> Simulation::State::torn_by(std::v
     }
   }
   add_changes(next, edits, true);
-  if (solver->has(buffers::detection)) {
+  if (copies && solver->has(buffers::detection)) {
     const std::uint32_t needs = 1;
     const auto bytes = std::as_bytes(std::span(&needs, 1));
     edits.push_back({&buffers::detection, offsetof(gpu::Detection, needs_detection), {bytes.begin(), bytes.end()}});
@@ -182,13 +182,15 @@ Result<std::uint32_t> Simulation::State::tear(std::span<const std::vector<Split>
 
 Result<void> Simulation::State::follow_tears() {
   if (tears.whole.empty()) return {};
-  const bool is_due = tears.frames % kFramesALook == 0;
-  if (is_due) {
+  // A frame that tears does not look: the cloth has had no time to let go yet.
+  tears.looks = false;
+  if (tears.frames % kFramesALook == 0) {
     if (auto heard = hear_look(); !heard) return heard;
-    if (auto torn = tear(tears.found); !torn) return torn.take_error();
+    auto torn = tear(tears.found);
+    if (!torn) return torn.take_error();
     for (auto& splits : tears.found) splits.clear();
+    tears.looks = *torn == 0;
   }
-  tears.looks = is_due;
   ++tears.frames;
   return {};
 }

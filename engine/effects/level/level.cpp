@@ -18,6 +18,7 @@
 
 #include "engine/cook/cook_state.h"
 #include "engine/effects/effect.h"
+#include "engine/effects/tear/tear.h"
 #include "engine/effects/level/centres.h"
 
 namespace weft::effects {
@@ -209,13 +210,13 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
 
 class Layout {
  public:
-  Layout(CookedFabric& fabric, const std::vector<ClothLevels>& cloths)
-      : fabric_(fabric), cloths_(cloths), lists_(fabric.own.of<LevelLists>()), first_(cloths.size()) {}
+  Layout(CookedFabric& fabric, const std::vector<ClothLevels>& cloths, bool may_tear)
+      : fabric_(fabric), cloths_(cloths), may_tear_(may_tear), lists_(fabric.own.of<LevelLists>()), first_(cloths.size()) {}
 
   void lay_out() {
     std::size_t deepest = 0;
     for (const ClothLevels& cloth : cloths_) deepest = std::max(deepest, cloth.levels.size());
-    if (deepest == 0) return;
+    if (deepest == 0) return keep_passes();
     number(deepest);
     for (std::size_t g = deepest; g-- > 0;)
       for (std::size_t c = 0; c < cloths_.size(); ++c)
@@ -223,10 +224,23 @@ class Layout {
     lists_.nodes.push_back(gpu::pack_level_node({static_cast<std::uint32_t>(lists_.gathers.size()), 0, 0, 0}));
     for (std::uint32_t k = 0, first = 0; k < lists_.ends.size() && lists_.ends[k] - first <= WEFT_LOW_LEVEL; first = lists_.ends[k++])
       lists_.low = k + 1;
+    if (may_tear_) lists_.low = static_cast<std::uint32_t>(lists_.ends.size());   // torn cloth may have more nodes, and the same passes
     add_shares();
   }
 
  private:
+  // Cloth that has torn into small pieces has no levels any more, and the same passes: with one node that carries nothing.
+  void keep_passes() {
+    if (!may_tear_) return;
+    lists_.ends = {1};
+    lists_.low = 1;
+    lists_.nodes.assign(2, gpu::pack_level_node({0, 0, 0, 0}));
+    lists_.gathers.push_back(gpu::pack_level_gather({0, 0, 0}));
+    lists_.node_shares.push_back({WEFT_NONE, 0, 0, 0});
+    lists_.links.push_back({});
+    add_shares();
+  }
+
   bool is_held(std::size_t c, std::uint32_t point) const { return fabric_.positions[cloths_[c].particle_of[point]].w == 0; }
 
   // Coarsest first, cloth after cloth.
@@ -272,13 +286,14 @@ class Layout {
 
   CookedFabric& fabric_;
   const std::vector<ClothLevels>& cloths_;
+  bool may_tear_;
   LevelLists& lists_;
   std::vector<std::vector<std::uint32_t>> first_;   // node, by cloth and level
 };
 
 void lay_out(cooking::CookState& state) {
   auto& all = state.fabric().own.of<AllLevels>();
-  Layout(state.fabric(), all.cloths).lay_out();
+  Layout(state.fabric(), all.cloths, levels_of(state.scene()) && tears(state.scene())).lay_out();
   if (!state.may_pin()) all = {};
 }
 
@@ -294,7 +309,7 @@ void hold(cooking::CookState& state, std::span<const Mesh>) {
     }
   }
   fabric.own.of<LevelLists>() = {};
-  Layout(fabric, all.cloths).lay_out();
+  Layout(fabric, all.cloths, levels_of(state.scene()) && tears(state.scene())).lay_out();
 }
 
 Range nodes_of(const LevelLists& lists, std::uint32_t level) {

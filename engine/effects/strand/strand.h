@@ -6,6 +6,7 @@
 
 #include "engine/cook/parts.h"
 #include "engine/effects/effect.h"
+#include "engine/effects/tear/tear.h"
 
 namespace weft {
 
@@ -29,10 +30,20 @@ std::array<std::vector<Strand>, kStrandRounds> choose_strands(const Mesh& mesh, 
 }  // namespace cooking
 
 namespace buffers {
-inline constexpr Buffer strand_starts = own<gpu::uint, &StrandLists::starts>("strand_starts");
-inline constexpr Buffer strand_links = own<gpu::uvec2, &StrandLists::links>("strand_links");
+namespace detail {
+/// A point that becomes two ends the strands through it, and begins others; and a split that parts cloth ends those that went across.
+constexpr Buffer in_strands(Buffer row, std::uint64_t (*most)(const Cooked&)) {
+  row.most = most;
+  return row;
+}
+inline std::uint64_t most_strands(const Cooked& s) { return s.fabric.own.of<StrandLists>().starts.size() + 4 * spare_points(s.fabric); }
+inline std::uint64_t most_strand_links(const Cooked& s) { return most_strands(s) * WEFT_STRAND_LINKS; }
+}  // namespace detail
+inline constexpr Buffer strand_starts = detail::in_strands(own<gpu::uint, &StrandLists::starts>("strand_starts"), detail::most_strands);
+inline constexpr Buffer strand_links = detail::in_strands(own<gpu::uvec2, &StrandLists::links>("strand_links"), detail::most_strand_links);
 /// Multipliers of the links (kg m).
-inline constexpr Buffer strand_lambda =
-    scratch<float>("strand_lambda", [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<StrandLists>().links.size()); });
+inline constexpr Buffer strand_lambda = detail::in_strands(
+    scratch<float>("strand_lambda", [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<StrandLists>().links.size()); }),
+    detail::most_strand_links);
 }  // namespace buffers
 }  // namespace weft

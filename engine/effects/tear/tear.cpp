@@ -11,6 +11,13 @@ bool tears(const Scene& scene) {
   return std::ranges::any_of(scene.cloths, [](const Cloth& cloth) { return cloth.tear.has_value(); });
 }
 
+std::uint64_t spare_points(const CookedFabric& fabric) {
+  const auto& orders = fabric.own.of<TearLists>().orders;
+  std::uint64_t spare = 0;
+  for (std::size_t c = 0; c < orders.size(); ++c) spare += fabric.cloths[c].particles - orders[c].size();
+  return spare;
+}
+
 void add_spares(const Scene& scene, std::span<Mesh> meshes) {
   for (std::size_t k = 0; k < std::min(scene.cloths.size(), meshes.size()); ++k) {
     const auto& tear = scene.cloths[k].tear;

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/fabric.h"
 #include "engine/mesh.h"
 
 namespace weft {
@@ -23,6 +24,9 @@ struct TearLists {
 
 /// Whether any cloth tears.
 bool tears(const Scene& scene);
+
+/// How many points may still become two.
+std::uint64_t spare_points(const CookedFabric& fabric);
 
 /// Room for what its cloths may tear, at the end of each one's mesh.
 void add_spares(const Scene& scene, std::span<Mesh> meshes);

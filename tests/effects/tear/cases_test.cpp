@@ -51,6 +51,7 @@ TEST_F(Tears, part_cloth_and_what_is_drawn_of_it) {
       if (contacts && method != Method::by_default && method != Method::gauss_seidel) continue;
       SCOPED_TRACE(testing::Message() << "method " << int(method) << (contacts ? ", contacts" : ""));
       Scene scene = ripped();
+      scene.cloths[0].tear->spare = 169;
       scene.solver.method = method;
       scene.contacts.enabled = contacts;
       auto simulation = must(Simulation::create(device(), scene));
@@ -59,7 +60,8 @@ TEST_F(Tears, part_cloth_and_what_is_drawn_of_it) {
       run(*simulation, 1.2);
       const Mesh& mesh = simulation->meshes()[0];
       EXPECT_GT(pieces(mesh), 1u);
-      EXPECT_GE(simulation->splits(), 13u);
+      EXPECT_GE(simulation->splits(), 11u);
+      EXPECT_LT(simulation->splits(), 60u) << "not to shreds";
       EXPECT_EQ(simulation->counts().splits, simulation->splits());
       EXPECT_EQ(simulation->counts().splits_refused, 0u);
       EXPECT_EQ(simulation->counts().non_finite, 0u);
