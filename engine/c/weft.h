@@ -144,7 +144,7 @@ WEFT_API uint64_t weft_ready_value(const weft_simulation* simulation);
 /* Records into the host's VkCommandBuffer. */
 WEFT_API weft_status weft_record(weft_simulation* simulation, void* commands, double seconds, weft_advanced* done, weft_error* error);
 
-/* Room for so many candidate pairs of contacts, where the first frames may have more at once (weft_counts::contacts_room of a run before). */
+/* Room for so many candidate pairs of contacts, where the first frames may have more at once (contacts_room of weft_get_counts). */
 WEFT_API weft_status weft_reserve_contacts(weft_simulation* simulation, uint32_t pairs, weft_error* error);
 
 WEFT_API double weft_time(const weft_simulation* simulation);
