@@ -84,7 +84,7 @@ static int drop(int count, char** files) {
   send(target, "XdndPosition", (long[5]){of, 0, 500L << 16 | 300, CurrentTime, copies});
   if ((wait_for("XdndStatus", uris) & 1) == 0) return 2;   /* it does not want them */
   send(target, "XdndDrop", (long[5]){of, 0, CurrentTime, 0, 0});
-  return (wait_for("XdndFinished", uris) & 1) == 0 ? 3 : 0;
+  return wait_for("XdndFinished", uris) == 0 ? 3 : 0;   /* GLFW has the number of bytes there, and not a flag */
 }
 
 static int set_dpi(const char* dots) {
