@@ -127,8 +127,11 @@ static int makes_meshes(weft_device* device) {
   options.meshes = named;
   options.mesh_count = 1;
   options.timings = 1;
+  options.pipeline_cache = "c_test.cache";
   MUST(weft_simulation_create_with(device, scene, NULL, &options, &cloth, &error));
   weft_mesh_destroy(square);
+  EXPECT(remove("c_test.cache") == 0);   /* it is there */
+  options.pipeline_cache = NULL;
   MUST(weft_advance(cloth, 1.0 / 60, NULL, &error));
   float at[4][3], back[4][2], particles[4][4];
   MUST(weft_read_positions(cloth, at[0], 4, &error));
@@ -158,6 +161,16 @@ static int makes_meshes(weft_device* device) {
   options.mesh_count = 2;
   EXPECT(weft_simulation_create_with(device, scene, NULL, &options, &refused, &error) == WEFT_INPUT);
   EXPECT(strstr(error.sentence, "called \"square\"") != NULL);
+  options.mesh_count = 0;
+  options.reader_stages = 1;   /* VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT */
+  options.reader_accesses = 1;
+  EXPECT(weft_simulation_create_with(device, scenes, NULL, &options, &refused, &error) == WEFT_INPUT);
+  EXPECT(strstr(error.sentence, "the stages 0x1 are none") != NULL);
+  options.reader_stages = options.reader_accesses = 0;
+  options.vertex_usage = 0x100;   /* VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT */
+  EXPECT(weft_simulation_create_with(device, scenes, NULL, &options, &refused, &error) == WEFT_INPUT);
+  EXPECT(strstr(error.sentence, "vertex_usage") != NULL);
+  options.vertex_usage = 0;
   options.mesh_count = 1;
   named[0].mesh = NULL;
   EXPECT(weft_simulation_create_with(device, scene, NULL, &options, &refused, &error) == WEFT_INPUT);
