@@ -1,6 +1,7 @@
 // See samples/view/lists.h.
 #include "samples/view/lists.h"
 
+#include <algorithm>
 #include <charconv>
 
 #include "engine/scene/faults.h"

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <utility>
 
 #include "samples/view/viewer.h"
 #include "samples/weft/files.h"
