@@ -96,35 +96,6 @@ Result<void> Shading::State::create_frame() {
   return {};
 }
 
-Result<void> Shading::State::resize(VkExtent2D to) {
-  constexpr std::uint32_t kLargest = 8192;
-  if (to.width < 1 || to.height < 1 || to.width > kLargest || to.height > kLargest)
-    return fail("a picture of ", to.width, " x ", to.height, " pixels is outside 1 x 1 ... ", kLargest, " x ", kLargest);
-  if (auto done = wait(); !done) return done;
-  const VkDeviceSize picture_bytes = VkDeviceSize{4} * to.width * to.height;
-  const compute::BufferRequest pixels{"shading picture", picture_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT};
-  auto read = compute::Arena::create(*device, compute::Memory::readback, "shading picture", {&pixels, 1});
-  if (!read) return read.take_error();
-  auto made = shading::Targets::create(*device, to);
-  if (!made) return made.take_error();
-  auto set = frame_set.of(*device, *made, upload[0]);
-  if (!set) return set.take_error();
-  frame_set.set = std::move(*set);   // before the targets that the old one names
-  targets = std::move(*made);
-  readback = std::move(*read);
-  size = to;
-  shading::set_camera(frame, camera, size.width, size.height);
-  return {};
-}
-
-// A draw that failed while waiting may still be on the GPU.
-Result<void> Shading::State::wait() {
-  if (!in_flight) return {};
-  if (auto done = compute::wait_for(*device, fence.get()); !done) return done;
-  in_flight = false;
-  return {};
-}
-
 Result<void> Shading::State::create_cloths(const Scene& scene, std::span<const ShadedCloth> shaded) {
   auto sampler = compute::create_sampler(*device, "map sampler", {.linear = true, .repeat = true});
   if (!sampler) return sampler.take_error();
@@ -235,6 +206,35 @@ Result<std::unique_ptr<Shading>> Shading::create(compute::Device& device, const 
 void Shading::look_from(const Camera& camera) {
   state_->camera = camera;
   shading::set_camera(state_->frame, camera, state_->size.width, state_->size.height);
+}
+
+Result<void> Shading::State::resize(VkExtent2D to) {
+  constexpr std::uint32_t kLargest = 8192;
+  if (to.width < 1 || to.height < 1 || to.width > kLargest || to.height > kLargest)
+    return fail("a picture of ", to.width, " x ", to.height, " pixels is outside 1 x 1 ... ", kLargest, " x ", kLargest);
+  if (auto done = wait(); !done) return done;
+  const VkDeviceSize picture_bytes = VkDeviceSize{4} * to.width * to.height;
+  const compute::BufferRequest pixels{"shading picture", picture_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+  auto read = compute::Arena::create(*device, compute::Memory::readback, "shading picture", {&pixels, 1});
+  if (!read) return read.take_error();
+  auto made = shading::Targets::create(*device, to);
+  if (!made) return made.take_error();
+  auto set = frame_set.of(*device, *made, upload[0]);
+  if (!set) return set.take_error();
+  frame_set.set = std::move(*set);   // before the targets that the old one names
+  targets = std::move(*made);
+  readback = std::move(*read);
+  size = to;
+  shading::set_camera(frame, camera, size.width, size.height);
+  return {};
+}
+
+// A draw that failed while waiting may still be on the GPU.
+Result<void> Shading::State::wait() {
+  if (!in_flight) return {};
+  if (auto done = compute::wait_for(*device, fence.get()); !done) return done;
+  in_flight = false;
+  return {};
 }
 
 Result<void> Shading::State::prepare(const Poses& poses) {
