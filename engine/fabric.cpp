@@ -5,6 +5,7 @@
 #include <map>
 
 #include "engine/cook/cook_state.h"
+#include "engine/cook/given.h"
 #include "engine/effects/effect.h"
 #include "engine/effects/tear/tear.h"
 #include "engine/scene/limits.h"
@@ -191,10 +192,16 @@ Result<Mesh> grid_mesh(const Grid& grid) {
 
 }  // namespace
 
-Result<std::vector<Mesh>> make_meshes(const Scene& scene) try {
+Result<std::vector<Mesh>> make_meshes(const Scene& scene) { return make_meshes_with(scene, {}); }
+
+Result<std::vector<Mesh>> make_meshes_with(const Scene& scene, const GivenMeshes& given) try {
   if (const std::string fault = size_fault(scene); !fault.empty()) return fail("cloths: ", fault);
   std::vector<Mesh> meshes;
   std::uint64_t vertices = 0;
+  const auto named = [&](const std::string& name) -> Result<Mesh> {
+    const auto made = given.find(name);
+    return made != given.end() ? Result<Mesh>(Mesh(*made->second)) : load_mesh(scene.folder / name, scene.buffer_files);
+  };
   // Each is looked at before the next is made.
   const auto add = [&](Mesh mesh) -> Result<void> {
     vertices += mesh.render.positions.size();
@@ -207,7 +214,7 @@ Result<std::vector<Mesh>> make_meshes(const Scene& scene) try {
     const Cloth& cloth = scene.cloths[index];
     if (cloth.grid && !cloth.mesh.empty()) return fail("cloths[", index, "]: has both a grid and a mesh: give one of them");
     if (!cloth.grid && cloth.mesh.empty()) return fail("cloths[", index, "]: has neither a grid nor a mesh: give one of them");
-    auto mesh = cloth.grid ? grid_mesh(*cloth.grid) : load_mesh(scene.folder / cloth.mesh, scene.buffer_files);
+    auto mesh = cloth.grid ? grid_mesh(*cloth.grid) : named(cloth.mesh);
     if (!mesh) return fail("cloths[", index, cloth.grid ? "].grid: " : "].mesh: ", mesh.why());
     if (auto added = add(std::move(*mesh)); !added) return fail("cloths[", index, "]: ", added.why());
     transform_mesh(meshes.back(), cloth.transform);
@@ -216,14 +223,14 @@ Result<std::vector<Mesh>> make_meshes(const Scene& scene) try {
   for (const std::uint32_t index : mesh_colliders(scene)) {
     const Collider& collider = scene.colliders[index];
     if (collider.mesh.empty()) return fail("colliders[", index, "]: has no \"mesh\": the file that it is made of");
-    auto mesh = load_mesh(scene.folder / collider.mesh, scene.buffer_files);
+    auto mesh = named(collider.mesh);
     if (!mesh) return fail("colliders[", index, "].mesh: ", mesh.why());
     if (auto added = add(std::move(*mesh)); !added) return fail("colliders[", index, "]: ", added.why());
     transform_mesh(meshes.back(), {.translate = {}, .axis = {0, 1, 0}, .degrees = 0, .scale = collider.scale});
   }
   for (const std::uint32_t index : render_meshes(scene)) {
     const Cloth& cloth = scene.cloths[index];
-    auto mesh = load_mesh(scene.folder / cloth.render_mesh, scene.buffer_files);
+    auto mesh = named(cloth.render_mesh);
     if (!mesh) return fail("cloths[", index, "].render_mesh: ", mesh.why());
     if (auto added = add(std::move(*mesh)); !added) return fail("cloths[", index, "].render_mesh: ", added.why());
     transform_mesh(meshes.back(), cloth.transform);

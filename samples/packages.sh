@@ -5,8 +5,8 @@
 packages_to_run=(build-essential cmake ninja-build libvulkan-dev mesa-vulkan-drivers glslang-tools spirv-tools
   libeigen3-dev libassimp-dev zlib1g-dev nlohmann-json3-dev libcli11-dev libstb-dev python3
   libglfw3-dev libimgui-dev)
-# xvfb, xdotool, x11-apps: a screen that nobody sees, for the viewer's window.
-packages_to_test=(libgtest-dev libbenchmark-dev vulkan-validationlayers pkg-config python3-numpy xvfb xdotool x11-apps)
+# xvfb, xdotool, x11-apps, libx11-dev: a screen that nobody sees, for the viewer's window.
+packages_to_test=(libgtest-dev libbenchmark-dev vulkan-validationlayers pkg-config python3-numpy xvfb xdotool x11-apps libx11-dev)
 packages_for_interop=(blender)   # tests/run.sh --interop alone
 
 # Installs those of the named packages that are missing, and says which; asks nothing.

@@ -29,7 +29,11 @@ Result<std::string> read_text(const std::filesystem::path& file) {
 
 }  // namespace
 
-Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& folder, std::span<const Assignment> assignments) try {
+Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& folder, std::span<const Assignment> assignments) {
+  return parse_scene_with(text, {folder}, assignments);
+}
+
+Result<Scene> parse_scene_with(std::string_view text, const Nameable& nameable, std::span<const Assignment> assignments) try {
   Result<JsonTree> tree = parse_json(text);
   if (!tree) return tree.take_error();
   nlohmann::json& value = tree->root;
@@ -45,7 +49,7 @@ Result<Scene> parse_scene(std::string_view text, const std::filesystem::path& fo
 
   Scene scene;
   Faults faults;
-  read_scene(value, folder, scene, faults);
+  read_scene(value, nameable, scene, faults);
   if (!faults.empty()) refuse(faults.text());
   if (!refused.empty()) return Error{refused};
   return scene;

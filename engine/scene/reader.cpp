@@ -23,14 +23,14 @@ using scene_fields::Range;
 
 class Reader {
  public:
-  Reader(const json& object, std::string path, const std::filesystem::path& folder, Faults& faults)
-      : object_(object), path_(std::move(path)), folder_(folder), faults_(faults) {}
+  Reader(const json& object, std::string path, const Nameable& nameable, Faults& faults)
+      : object_(object), path_(std::move(path)), nameable_(nameable), faults_(faults) {}
 
   /// Reads one object whole: its table, then keys that are in no table, then the rules between keys.
   template <class T>
-  static void read(const json& value, const std::string& path, const std::filesystem::path& folder, Faults& faults, T& out) {
+  static void read(const json& value, const std::string& path, const Nameable& nameable, Faults& faults, T& out) {
     if (!value.is_object()) return faults.add(path, shown(value) + ", not an object");
-    Reader reader(value, path, folder, faults);
+    Reader reader(value, path, nameable, faults);
     scene_fields::fields(reader, out);
     reader.refuse_unknown();
     check(Read{&value, path, faults}, out);
@@ -141,10 +141,14 @@ class Reader {
     if (!value->is_string()) return wrong(key, *value, "the name of a file");
     const std::string& name = value->get_ref<const std::string&>();
     if (name.empty()) return fault(key, "names no file");
+    if (std::ranges::equal(endings, scene_fields::kMeshEndings) && std::ranges::find(nameable_.meshes, name) != nameable_.meshes.end()) {
+      out = name;
+      return;
+    }
     if (std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20; }))
       return fault(key, shown(*value) + " has a control character in it");
     std::error_code error;
-    const std::filesystem::path path = folder_ / name;
+    const std::filesystem::path path = nameable_.folder / name;
     std::string ending = path.extension().string();
     std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     if (std::find(endings.begin(), endings.end(), ending) == endings.end())
@@ -157,18 +161,18 @@ class Reader {
 
   template <class T>
   void object(std::string_view key, T& out) {
-    if (const json* value = find(key)) read(*value, path_of(key), folder_, faults_, out);
+    if (const json* value = find(key)) read(*value, path_of(key), nameable_, faults_, out);
   }
 
   template <class T>
   void optional_object(std::string_view key, std::optional<T>& out) {
-    if (const json* value = find(key)) read(*value, path_of(key), folder_, faults_, out.emplace());
+    if (const json* value = find(key)) read(*value, path_of(key), nameable_, faults_, out.emplace());
   }
 
   template <class T>
   void list(std::string_view key, std::vector<T>& out, std::size_t least, std::size_t most) {
     if (least > 0 && !object_.contains(key)) fault(key, "is missing: at least " + std::to_string(least) + " is needed");
-    each(key, least, most, [&](const json& entry, const std::string& path) { read(entry, path, folder_, faults_, out.emplace_back()); });
+    each(key, least, most, [&](const json& entry, const std::string& path) { read(entry, path, nameable_, faults_, out.emplace_back()); });
   }
 
   /// A preset's name, or an object that starts from a preset's figures.
@@ -179,7 +183,7 @@ class Reader {
     if (!value->is_object()) return wrong(key, *value, "a preset's name or an object");
     if (const auto preset = value->find("preset"); preset != value->end() && preset->is_string())
       read_preset(*preset, path_of(key) + ".preset", out);
-    read(*value, path_of(key), folder_, faults_, out);
+    read(*value, path_of(key), nameable_, faults_, out);
   }
 
   /// true, false, or an object that says how many and how slack.
@@ -190,7 +194,7 @@ class Reader {
       out.tethers = value->get<bool>();
     } else if (value->is_object()) {
       scene_fields::Tethers tethers;
-      read(*value, path_of(key), folder_, faults_, tethers);
+      read(*value, path_of(key), nameable_, faults_, tethers);
       out.tethers = true;
       out.tethers_per_vertex = tethers.per_vertex;
       out.tether_slack = tethers.slack;
@@ -207,7 +211,7 @@ class Reader {
       out.enabled = value->get<bool>();
     } else if (value->is_object()) {
       out.enabled = true;
-      read(*value, path_of(key), folder_, faults_, out);
+      read(*value, path_of(key), nameable_, faults_, out);
     } else {
       wrong(key, *value, "true, false or an object");
     }
@@ -319,16 +323,16 @@ class Reader {
 
   const json& object_;
   std::string path_;
-  const std::filesystem::path& folder_;
+  const Nameable& nameable_;
   Faults& faults_;
   std::vector<std::string_view> known_;
 };
 
 }  // namespace
 
-void read_scene(const json& value, const std::filesystem::path& folder, Scene& scene, Faults& faults) {
-  scene.folder = folder;
-  Reader::read(value, "", folder, faults, scene);
+void read_scene(const json& value, const Nameable& nameable, Scene& scene, Faults& faults) {
+  scene.folder = nameable.folder;
+  Reader::read(value, "", nameable, faults, scene);
 }
 
 }  // namespace weft

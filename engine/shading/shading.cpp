@@ -65,9 +65,8 @@ std::vector<ShadedCloth> shaded_cloths(const Scene& scene, const CookedFabric& f
 }
 
 Shading::State::~State() {
-  // A draw that failed while waiting may still be on the GPU.
   try {
-    if (in_flight) (void)compute::wait_for(*device, fence.get());
+    (void)wait();
   } catch (const std::bad_alloc&) {   // it failed, and there is no memory to say so
   }
 }
@@ -75,22 +74,13 @@ Shading::State::~State() {
 Shading::Shading() = default;
 Shading::~Shading() = default;
 
-Result<void> Shading::State::create_targets() {
+Result<void> Shading::State::create_frame() {
   const compute::BufferRequest block{"shading frame", sizeof(shading::Frame), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT};
   auto uploaded = compute::Arena::create(*device, compute::Memory::upload, "shading frame", {&block, 1});
   if (!uploaded) return uploaded.take_error();
   upload = std::move(*uploaded);
 
-  const VkDeviceSize picture_bytes = VkDeviceSize{4} * size.width * size.height;
-  const compute::BufferRequest pixels{"shading picture", picture_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT};
-  auto read = compute::Arena::create(*device, compute::Memory::readback, "shading picture", {&pixels, 1});
-  if (!read) return read.take_error();
-  readback = std::move(*read);
-
-  auto made = shading::Targets::create(*device, size);
-  if (!made) return made.take_error();
-  targets = std::move(*made);
-  auto set = shading::FrameSet::create(*device, targets, upload[0]);
+  auto set = shading::FrameSet::create(*device);
   if (!set) return set.take_error();
   frame_set = std::move(*set);
 
@@ -203,9 +193,6 @@ Result<void> Shading::follow(std::span<const ShadedCloth> cloths) try {
 
 Result<std::unique_ptr<Shading>> Shading::create(compute::Device& device, const Scene& scene, std::span<const ShadedCloth> cloths,
                                                  VkExtent2D size) try {
-  constexpr std::uint32_t kLargest = 8192;
-  if (size.width < 1 || size.height < 1 || size.width > kLargest || size.height > kLargest)
-    return fail("a picture of ", size.width, " x ", size.height, " pixels is outside 1 x 1 ... ", kLargest, " x ", kLargest);
   if (!device.draws())
     return fail("device \"", device.name(), "\" cannot draw: pictures take Vulkan 1.3, a queue with graphics, and the features ",
                 "synchronization2 and dynamicRendering enabled");
@@ -214,7 +201,7 @@ Result<std::unique_ptr<Shading>> Shading::create(compute::Device& device, const 
   std::unique_ptr<Shading> made(new Shading);
   made->state_ = std::make_unique<State>(device);
   State& state = *made->state_;
-  state.size = size;
+  state.camera = scene.camera;
   state.colliders = scene.colliders;
   state.solids.reserve(scene.colliders.size());
 
@@ -228,12 +215,12 @@ Result<std::unique_ptr<Shading>> Shading::create(compute::Device& device, const 
   state.frame.occlusion_radius = 0.15f * extent.radius;
   state.frame.fade = 6 * (extent.radius + length(scene.camera.target - scene.camera.eye));
 
-  if (auto ready = state.create_targets(); !ready) return ready.take_error();
+  if (auto ready = state.create_frame(); !ready) return ready.take_error();
+  if (auto ready = state.resize(size); !ready) return ready.take_error();
   if (auto ready = state.create_cloths(scene, cloths); !ready) return ready.take_error();
   auto pipelines = shading::Pipelines::create(device, state.frame_set.layout.handle(), state.map_layout.handle());
   if (!pipelines) return pipelines.take_error();
   state.pipelines = std::move(*pipelines);
-  made->look_from(scene.camera);
   return made;
 } catch (...) {
   return caught("the picture");
@@ -242,6 +229,35 @@ Result<std::unique_ptr<Shading>> Shading::create(compute::Device& device, const 
 void Shading::look_from(const Camera& camera) {
   state_->camera = camera;
   shading::set_camera(state_->frame, camera, state_->size.width, state_->size.height);
+}
+
+Result<void> Shading::State::resize(VkExtent2D to) {
+  constexpr std::uint32_t kLargest = 8192;
+  if (to.width < 1 || to.height < 1 || to.width > kLargest || to.height > kLargest)
+    return fail("a picture of ", to.width, " x ", to.height, " pixels is outside 1 x 1 ... ", kLargest, " x ", kLargest);
+  if (auto done = wait(); !done) return done;
+  const VkDeviceSize picture_bytes = VkDeviceSize{4} * to.width * to.height;
+  const compute::BufferRequest pixels{"shading picture", picture_bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+  auto read = compute::Arena::create(*device, compute::Memory::readback, "shading picture", {&pixels, 1});
+  if (!read) return read.take_error();
+  auto made = shading::Targets::create(*device, to);
+  if (!made) return made.take_error();
+  auto set = frame_set.of(*device, *made, upload[0]);
+  if (!set) return set.take_error();
+  frame_set.set = std::move(*set);   // before the targets that the old one names
+  targets = std::move(*made);
+  readback = std::move(*read);
+  size = to;
+  shading::set_camera(frame, camera, size.width, size.height);
+  return {};
+}
+
+// A draw that failed while waiting may still be on the GPU.
+Result<void> Shading::State::wait() {
+  if (!in_flight) return {};
+  if (auto done = compute::wait_for(*device, fence.get()); !done) return done;
+  in_flight = false;
+  return {};
 }
 
 Result<void> Shading::State::prepare(const Poses& poses) {
@@ -253,10 +269,7 @@ Result<void> Shading::State::prepare(const Poses& poses) {
     return fail("the frame has ", poses.colliders.size(), " collider poses, but the scene has ", colliders.size(), " colliders");
   if (!poses.sizes.empty() && poses.sizes.size() != colliders.size())
     return fail("the frame has ", poses.sizes.size(), " sizes of colliders, but the scene has ", colliders.size(), " colliders");
-  if (in_flight) {
-    if (auto done = compute::wait_for(*device, fence.get()); !done) return done.take_error();
-    in_flight = false;
-  }
+  if (auto done = wait(); !done) return done;
 
   std::memcpy(upload[0].mapped, &frame, sizeof(frame));
   solids.clear();
@@ -272,6 +285,12 @@ Result<void> Shading::record(VkCommandBuffer commands, const Poses& poses) try {
   if (auto ready = state_->prepare(poses); !ready) return ready;
   state_->record_picture(commands, poses);
   return {};
+} catch (...) {
+  return caught("the picture");
+}
+
+Result<void> Shading::resize(VkExtent2D size) try {
+  return state_->resize(size);
 } catch (...) {
   return caught("the picture");
 }

@@ -70,13 +70,17 @@ class Shading {
   /// Sets the camera of the pictures that follow.
   void look_from(const Camera& camera);
 
+  /// Sets the size of the pictures that follow. What depends on it is made anew, image() too; textures, meshes and pipelines stay as they
+  /// are. A recorded picture must be done. Errors: a size outside 1 ... 8192; memory; what Vulkan refuses. All is then as it was.
+  Result<void> resize(VkExtent2D size);
+
   /// Draws, waits and reads back: sRGB, opaque.
   /// Errors: views that are null, of a foreign format or too short; colliders that do not match the scene's; memory; what Vulkan refuses.
   /// The next picture can be drawn all the same, but on a lost device.
   Result<Image> draw(const Poses& poses);
 
   /// Records a picture into the host's command buffer (recording state, outside a render pass, on a family that draws). It is left in
-  /// image(), of create's size, R8G8B8A8_SRGB, in the layout TRANSFER_SRC_OPTIMAL, for copies and blits behind it on the queue. Of what is
+  /// image(), of create's or resize's size, R8G8B8A8_SRGB, in the layout TRANSFER_SRC_OPTIMAL, for copies and blits behind it on the queue. Of what is
   /// earlier on the queue it waits for everything; `ready` of the poses is the host's to wait for. The host must know that a recorded
   /// picture is done before the next one is recorded or drawn, and before this is destroyed. Errors: no command buffer; as draw.
   Result<void> record(VkCommandBuffer commands, const Poses& poses);

@@ -1,4 +1,4 @@
-// What a Shading holds: made once in create, only recorded from in draw.
+// What a Shading holds: made in create, or in resize what has the picture's size; only recorded from in draw.
 #pragma once
 
 #include <string>
@@ -59,9 +59,13 @@ struct Shading::State {
   compute::OwnedFence fence;
   bool in_flight = false;
 
-  Result<void> create_targets();
+  Result<void> create_frame();
+  /// What has the picture's size, and the camera that sees all of it: made first, then put in place of what there was.
+  Result<void> resize(VkExtent2D to);
   Result<void> create_cloths(const Scene& scene, std::span<const ShadedCloth> shaded);
   Result<void> send(const Geometry& all);
+
+  Result<void> wait();
 
   /// Checks the poses, waits for the picture before, and takes over what is of this frame.
   Result<void> prepare(const Poses& poses);

@@ -32,7 +32,7 @@ Result<Targets> Targets::create(const Device& device, VkExtent2D size) {
   return made;
 }
 
-Result<FrameSet> FrameSet::create(const Device& device, const Targets& targets, const compute::Buffer& frame) {
+Result<FrameSet> FrameSet::create(const Device& device) {
   FrameSet made;
   auto texel = compute::create_sampler(device, "texel sampler", {.linear = false});
   if (!texel) return texel.take_error();
@@ -59,7 +59,10 @@ Result<FrameSet> FrameSet::create(const Device& device, const Targets& targets, 
   auto layout = compute::DescriptorLayout::create(device, "frame", bindings, kStages);
   if (!layout) return layout.take_error();
   made.layout = std::move(*layout);
+  return made;
+}
 
+Result<compute::DrawSet> FrameSet::of(const Device& device, const Targets& targets, const compute::Buffer& frame) const {
   const auto sampler = [](std::uint32_t binding, const compute::OwnedSampler& what) {
     return compute::DrawBinding{binding, {}, {what.get(), VK_NULL_HANDLE, VK_IMAGE_LAYOUT_UNDEFINED}};
   };
@@ -69,16 +72,13 @@ Result<FrameSet> FrameSet::create(const Device& device, const Targets& targets, 
   const std::array bound = {
       compute::DrawBinding{0, {frame.handle, 0, sizeof(Frame)}, {}},
       image(1, targets.sun_depth),
-      sampler(2, made.texel_sampler),
-      sampler(3, made.compare_sampler),
+      sampler(2, texel_sampler),
+      sampler(3, compare_sampler),
       image(4, targets.occlusion),
       image(5, targets.camera_depth),
       image(6, targets.rough_occlusion),
   };
-  auto set = compute::DrawSet::create(device, "frame", made.layout, bound);
-  if (!set) return set.take_error();
-  made.set = std::move(*set);
-  return made;
+  return compute::DrawSet::create(device, "frame", layout, bound);
 }
 
 }  // namespace weft::shading

@@ -28,9 +28,10 @@ struct Targets {
 struct FrameSet {
   compute::OwnedSampler texel_sampler, compare_sampler;
   compute::DescriptorLayout layout;
-  compute::DrawSet set;
+  compute::DrawSet set;   // of the targets that there are: another size has others
 
-  static Result<FrameSet> create(const compute::Device& device, const Targets& targets, const compute::Buffer& frame);
+  static Result<FrameSet> create(const compute::Device& device);
+  Result<compute::DrawSet> of(const compute::Device& device, const Targets& targets, const compute::Buffer& frame) const;
 };
 
 }  // namespace weft::shading

@@ -1,4 +1,4 @@
-"""How far down a sheet drapes, over its fabric: what a notebook would do with weft.py.
+"""How far down a sheet drapes, over its fabric: what a notebook would do with Weft.
 
     python3 samples/python/drape.py        # on whatever Vulkan device there is; takes seconds
 """

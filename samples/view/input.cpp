@@ -63,7 +63,8 @@ void Viewer::change_scene() {
 
 void Viewer::toggle_ball() {
   const bool comes = !stage_->ball();
-  if (good(stage_->put_ball(comes ? std::optional<double>(ball_radius_) : std::nullopt))) say(comes ? "a ball follows the pointer" : "the ball is gone");
+  if (good(stage_->put_ball(comes ? std::optional<double>(ball_radius_) : std::nullopt)))
+    say(comes ? "a ball follows the pointer" : "the ball is gone");
 }
 
 void Viewer::toggle_knife() {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <utility>
 
-#include "samples/view/tuning.h"
 #include "samples/view/viewer.h"
 #include "samples/weft/files.h"
 
@@ -14,7 +14,10 @@ namespace weft::view {
 namespace {
 
 constexpr std::array kColourings = {"lit", "strain", "normals", "albedo map", "normal map", "roughness map", "occlusion map"};
-constexpr float kWidth = 340;   // of the panels, in points
+
+// Lengths that were chosen beside letters of 13 pixels; they grow with these.
+float scaled(float pixels) { return pixels * ImGui::GetFontSize() / 13; }
+float panel_width() { return scaled(340); }
 
 constexpr const char* kHelp =
     "left drag on cloth    grab and throw\n"
@@ -51,7 +54,7 @@ void draw_legend(float strain) {
   ImGui::Text("-%.3g %%", 100 * static_cast<double>(strain));
   ImGui::SameLine(0.5f * width);
   ImGui::TextUnformatted("0");
-  ImGui::SameLine(width - 48);
+  ImGui::SameLine(width - scaled(48));
   ImGui::Text("+%.3g %%", 100 * static_cast<double>(strain));
 }
 
@@ -75,8 +78,8 @@ void Viewer::draw_panels() {
   // The window's own frame of the interface has begun with begin().
   const ImGuiIO& io = ImGui::GetIO();
   if (shows_panels_) {
-    ImGui::SetNextWindowPos(ImVec2(8, 8));
-    ImGui::SetNextWindowSize(ImVec2(kWidth, io.DisplaySize.y - 16));
+    ImGui::SetNextWindowPos(ImVec2(scaled(8), scaled(8)));
+    ImGui::SetNextWindowSize(ImVec2(panel_width(), io.DisplaySize.y - scaled(16)));
     ImGui::Begin("Weft", nullptr, ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
     if (stage_) {
       draw_player();
@@ -97,7 +100,7 @@ void Viewer::draw_panels() {
 }
 
 void Viewer::draw_player() {
-  if (ImGui::Button(is_playing_ ? "Pause" : "Play", ImVec2(64, 0))) set_playing(!is_playing_);
+  if (ImGui::Button(is_playing_ ? "Pause" : "Play", ImVec2(scaled(64), 0))) set_playing(!is_playing_);
   ImGui::SameLine();
   if (ImGui::Button("Step")) step_alone();
   ImGui::SameLine();
@@ -107,8 +110,9 @@ void Viewer::draw_player() {
   ImGui::SameLine();
   if (ImGui::Button("Help")) shows_help_ = !shows_help_;
   auto speed = static_cast<float>(speed_);
-  ImGui::SetNextItemWidth(0.5f * kWidth);
-  if (ImGui::SliderFloat("of real time", &speed, 0.02f, 1, "%.2f", ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp)) speed_ = speed;
+  ImGui::SetNextItemWidth(0.5f * panel_width());
+  constexpr ImGuiSliderFlags kSlides = ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp;
+  if (ImGui::SliderFloat("of real time", &speed, 0.02f, 1, "%.2f", kSlides)) speed_ = speed;
   ImGui::Text("frame %llu, %.2f s", static_cast<unsigned long long>(stage_->frame()), stage_->simulation().time());
   if (ImGui::Button("Keep this moment")) keep();
   for (std::size_t k = 0; k < stage_->kept().size(); ++k) {
@@ -132,11 +136,12 @@ void Viewer::draw_look() {
   }
   if (!is_rendered_) {
     auto colouring = static_cast<int>(look_.colouring);
-    ImGui::SetNextItemWidth(0.5f * kWidth);
-    if (ImGui::Combo("colours", &colouring, kColourings.data(), static_cast<int>(kColourings.size()))) look_.colouring = static_cast<uint>(colouring);
+    ImGui::SetNextItemWidth(0.5f * panel_width());
+    if (ImGui::Combo("colours", &colouring, kColourings.data(), static_cast<int>(kColourings.size())))
+      look_.colouring = static_cast<uint>(colouring);
     if (look_.colouring == VIEW_STRAIN) {
       float percent = 100 * look_.strain;
-      ImGui::SetNextItemWidth(0.5f * kWidth);
+      ImGui::SetNextItemWidth(0.5f * panel_width());
       if (ImGui::SliderFloat("strain, %", &percent, 0.1f, 1000, "%.3g", ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp))
         look_.strain = 0.01f * percent;
       draw_legend(look_.strain);
@@ -158,7 +163,7 @@ void Viewer::draw_look() {
   bool cuts = cuts_;
   if (ImGui::Checkbox("a knife: draw a line across cloth", &cuts)) toggle_knife();
   if (ball) {
-    ImGui::SetNextItemWidth(0.5f * kWidth);
+    ImGui::SetNextItemWidth(0.5f * panel_width());
     ImGui::SliderFloat("its radius, m", &ball_radius_, 0.01f, 10, "%.3g", ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
     if (ImGui::IsItemDeactivatedAfterEdit()) good(stage_->put_ball(ball_radius_));
   }
@@ -208,15 +213,17 @@ void Viewer::draw_scene() {
     if (save_as_.empty()) complain("a scene needs the name of a file to be saved under");
     else if (good(command::write_text(file, scene_text(stage_->scene())))) say("saved " + file.string());
   }
-  if (tune(draft_)) change_scene();
+  if (tune(draft_, tuning_)) change_scene();
+  for (const std::string& fault : std::exchange(tuning_.faults, {})) complain(fault);
 }
 
 void Viewer::draw_messages() {
   if (status_.empty() && faults_.empty()) return;
   const ImGuiIO& io = ImGui::GetIO();
-  const float left = shows_panels_ ? kWidth + 16 : 8;
-  ImGui::SetNextWindowPos(ImVec2(left, io.DisplaySize.y - 8), ImGuiCond_Always, ImVec2(0, 1));
-  ImGui::SetNextWindowSizeConstraints(ImVec2(100, 0), ImVec2(std::max(200.0f, io.DisplaySize.x - left - 8), 0.5f * io.DisplaySize.y));
+  const float margin = scaled(8), left = shows_panels_ ? panel_width() + 2 * margin : margin;
+  ImGui::SetNextWindowPos(ImVec2(left, io.DisplaySize.y - margin), ImGuiCond_Always, ImVec2(0, 1));
+  const float room = std::max(scaled(200), io.DisplaySize.x - left - margin);
+  ImGui::SetNextWindowSizeConstraints(ImVec2(scaled(100), 0), ImVec2(room, 0.5f * io.DisplaySize.y));
   constexpr ImGuiWindowFlags kPlain = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
                                       ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
   ImGui::SetNextWindowBgAlpha(0.7f);

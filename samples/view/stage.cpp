@@ -263,7 +263,8 @@ Result<std::optional<std::string>> Stage::pin_or_release(const Ray& ray) {
   const std::uint32_t vertex =
       cloth.first_vertex + nearest_to(std::span(*vertices).subspan(cloth.first_vertex, cloth.vertices), (*found)->point);
   const auto pinned = std::ranges::find(pinned_, vertex);
-  const bool is_anchor = std::ranges::any_of(simulation_->fabric().anchors, [&](const AnchorTarget& one) { return one.vertex == vertex; }) &&
+  const std::vector<AnchorTarget>& anchors = simulation_->fabric().anchors;
+  const bool is_anchor = std::ranges::find(anchors, vertex, &AnchorTarget::vertex) != anchors.end() &&
                          std::ranges::find(released_, vertex) == released_.end();
   const std::uint32_t one[] = {vertex};
   if (pinned != pinned_.end() || is_anchor) {

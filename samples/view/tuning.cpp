@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "engine/scene/fields.h"
+#include "samples/view/lists.h"
 
 namespace weft::view {
 namespace {
@@ -45,8 +46,11 @@ double within(double value, const Range& range) {
 
 // A visitor with the members that engine/scene/fields.h lists.
 struct Widgets {
+  explicit Widgets(Tuning& remembered) : tuning(&remembered) {}
+
+  Tuning* tuning;
   bool changed = false;
-  std::string labelled;
+  std::string labelled, path;
 
   // ImGui wants it ended by a zero, and is done with it when it returns.
   const char* label(std::string_view key) {
@@ -58,6 +62,33 @@ struct Widgets {
   }
   void if_done() { changed |= ImGui::IsItemDeactivatedAfterEdit(); }
   void if_now(bool now) { changed |= now; }
+
+  // What is in an object has its key before its own.
+  template <class Draw>
+  void within_key(std::string_view key, Draw draw) {
+    const std::size_t had = path.size();
+    path.append(had == 0 ? "" : ".").append(key);
+    draw();
+    path.resize(had);
+  }
+
+  // A list as a line of text. While it is typed the text is what was typed; `read` gets it when it is let go of.
+  template <class Read>
+  void line(std::string_view key, const std::string& now, Read read) {
+    const ImGuiID id = ImGui::GetID(label(key));
+    std::string text = tuning->typed_in == id ? tuning->typed : now;
+    ImGui::InputText(label(key), &text, ImGuiInputTextFlags_EnterReturnsTrue);
+    if (ImGui::IsItemActive()) {
+      tuning->typed_in = id;
+      tuning->typed = text;
+      return;
+    }
+    if (tuning->typed_in != id) return;
+    tuning->typed_in = 0;
+    if (text == now) return;
+    if (const Result<void> done = read(text); done) changed = true;
+    else within_key(key, [&] { tuning->faults.push_back(path + ": " + done.error()); });
+  }
 
   void note(std::string_view) {}
   void text(std::string_view key, std::string& value) {
@@ -140,7 +171,8 @@ struct Widgets {
   }
   void vector3(std::string_view key, Vec3& value, const Range& range) {
     if (ImGui::DragScalarN(label(key), ImGuiDataType_Float, &value.x, 3, 0.01f, nullptr, nullptr, "%.4g"))
-      value = {static_cast<float>(within(value.x, range)), static_cast<float>(within(value.y, range)), static_cast<float>(within(value.z, range))};
+      value = {static_cast<float>(within(value.x, range)), static_cast<float>(within(value.y, range)),
+               static_cast<float>(within(value.z, range))};
     if_done();
     tell(in_words(range));
   }
@@ -168,19 +200,40 @@ struct Widgets {
     for (const std::string_view ending : endings) all += (all.empty() ? "" : ", ") + std::string(ending);
     tell("a file: " + all);
   }
-  void whole_list(std::string_view key, std::vector<std::uint32_t>& value, const Range&, std::size_t) {
-    ImGui::TextDisabled("%s: %zu numbers", label(key), value.size());
+  void whole_list(std::string_view key, std::vector<std::uint32_t>& value, const Range& range, std::size_t most) {
+    constexpr std::size_t kLongest = 10'000;   // its line is made anew every frame
+    if (value.size() > kLongest) return ImGui::TextDisabled("%s: %zu numbers", label(key), value.size());
+    line(key, in_a_line(value), [&](const std::string& text) -> Result<void> {
+      auto read = numbers_in(text, range, std::min(most, kLongest));
+      if (!read) return read.take_error();
+      value = std::move(*read);
+      return {};
+    });
+    tell("whole numbers, " + in_words(range) + "; 3-7 are five of them");
   }
-  void optional_texts(std::string_view key, std::optional<std::vector<std::string>>& value, std::size_t) {
-    std::string all;
+  void optional_texts(std::string_view key, std::optional<std::vector<std::string>>& value, std::size_t most) {
+    ImGui::PushID(label(key));
+    bool is_set = value.has_value();
+    if (ImGui::Checkbox("##set", &is_set)) {
+      value = is_set ? std::optional(std::vector<std::string>()) : std::nullopt;
+      changed = true;
+    }
+    tell("set it; without it is all");
+    ImGui::SameLine();
     if (value)
-      for (const std::string& one : *value) all += (all.empty() ? "" : ", ") + one;
-    ImGui::TextDisabled("%s: %s", label(key), value ? all.c_str() : "all");
+      line(key, in_a_line(*value), [&](const std::string& text) -> Result<void> {
+        auto read = names_in(text, most);
+        if (!read) return read.take_error();
+        value = std::move(*read);
+        return {};
+      });
+    else ImGui::TextDisabled("%s: all", label(key));
+    ImGui::PopID();
   }
   template <class T>
   void object(std::string_view key, T& value) {
     if (!ImGui::TreeNode(label(key))) return;
-    scene_fields::fields(*this, value);
+    within_key(key, [&] { scene_fields::fields(*this, value); });
     ImGui::TreePop();
   }
   template <class T>
@@ -204,7 +257,7 @@ struct Widgets {
       ImGui::PushID(static_cast<int>(k));
       const bool is_open = ImGui::TreeNode("entry", "%zu", k);
       if (is_open) {
-        scene_fields::fields(*this, value[k]);
+        within_key(std::string(key) + '[' + std::to_string(k) + ']', [&] { scene_fields::fields(*this, value[k]); });
         const bool goes = value.size() > least && ImGui::SmallButton("remove");
         ImGui::TreePop();
         if (goes) {
@@ -251,8 +304,8 @@ struct Widgets {
 
 }  // namespace
 
-bool tune(Scene& scene) {
-  Widgets widgets;
+bool tune(Scene& scene, Tuning& tuning) {
+  Widgets widgets(tuning);
   ImGui::PushItemWidth(0.5f * ImGui::GetContentRegionAvail().x);
   scene_fields::fields(widgets, scene);
   ImGui::PopItemWidth();

@@ -43,6 +43,8 @@ constexpr compute::ImageUse kWritten{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PI
 constexpr compute::ImageUse kRead{VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
                                   VK_ACCESS_2_TRANSFER_READ_BIT};
 
+bool are_same(VkExtent2D a, VkExtent2D b) { return a.width == b.width && a.height == b.height; }
+
 double milliseconds(std::chrono::steady_clock::duration time) { return std::chrono::duration<double, std::milli>(time).count(); }
 
 }  // namespace
@@ -72,6 +74,7 @@ void Viewer::open(const std::filesystem::path& file, std::span<const Assignment>
   stage_ = std::move(*stage);
   orbit_ = Orbit(stage_->scene().camera);
   draft_ = stage_->scene();
+  tuning_ = {};
   save_as_ = file.stem().string() + ".changed.json";
   ball_radius_ = static_cast<float>(0.1 * orbit_.distance());
   window_->set_title("Weft: " + file.filename().string());
@@ -88,8 +91,8 @@ Result<void> Viewer::run(const ViewerOptions& options) {
   }
   const VkExtent2D size = picture_size();
   char text[160];
-  std::snprintf(text, sizeof text, "%u pictures, the last of %u x %u; medians: simulated in %.1f ms, drawn in %.1f ms", pictures_, size.width,
-                size.height, median(simulated_times_), median(drawn_times_));
+  std::snprintf(text, sizeof text, "%u pictures, the last of %u x %u; medians: simulated in %.1f ms, drawn in %.1f ms", pictures_,
+                size.width, size.height, median(simulated_times_), median(drawn_times_));
   say(text);
   return {};
 }
@@ -210,12 +213,7 @@ Result<VkImage> Viewer::picture(VkCommandBuffer commands, VkExtent2D size) {
     return workbench_->image();
   }
   // Nothing to show: an empty picture.
-  const VkExtent2D had = rendered_.request().size;
-  if (rendered_.handle() == VK_NULL_HANDLE || had.width != size.width || had.height != size.height) {
-    auto made = compute::DeviceImage::create(window_->device(), {"nothing", VK_FORMAT_R8G8B8A8_UNORM, size, kCopied});
-    if (!made) return made.take_error();
-    rendered_ = std::move(*made);
-  }
+  if (auto done = make_rendered(size); !done) return done.take_error();
   compute::change_use(window_->device(), commands, rendered_, compute::kUnused, kWritten);
   const VkClearColorValue grey{{0.2f, 0.21f, 0.23f, 1}};
   const VkImageSubresourceRange whole{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
@@ -224,25 +222,32 @@ Result<VkImage> Viewer::picture(VkCommandBuffer commands, VkExtent2D size) {
   return rendered_.handle();
 }
 
+Result<void> Viewer::make_rendered(VkExtent2D size) {
+  if (rendered_.handle() != VK_NULL_HANDLE && are_same(rendered_.request().size, size)) return {};
+  auto made = compute::DeviceImage::create(window_->device(), {"rendered", VK_FORMAT_R8G8B8A8_UNORM, size, kCopied});
+  if (!made) return made.take_error();
+  rendered_ = std::move(*made);
+  return {};
+}
+
 // The library's picture is in a format that copies convert; what is shown is copied bit by bit into one that they do not.
 Result<void> Viewer::record_rendered(VkCommandBuffer commands, VkExtent2D size) {
   const Simulation& simulation = stage_->simulation();
-  if (!shading_ || shading_size_.width != size.width || shading_size_.height != size.height) {
+  if (!shading_) {
     const auto cloths = shaded_cloths(simulation.scene(), simulation.fabric(), simulation.meshes());
-    shading_.reset();
     auto made = Shading::create(window_->device(), simulation.scene(), cloths, size);
     if (!made) return made.take_error();
     shading_ = std::move(*made);
-    auto image = compute::DeviceImage::create(window_->device(), {"rendered", VK_FORMAT_R8G8B8A8_UNORM, size, kCopied});
-    if (!image) return image.take_error();
-    rendered_ = std::move(*image);
-    shading_size_ = size;
     rendered_splits_ = simulation.splits();
+  } else if (!are_same(shading_size_, size)) {
+    if (auto done = shading_->resize(size); !done) return done;
   }
   if (rendered_splits_ != simulation.splits()) {
     if (auto done = shading_->follow(shaded_cloths(simulation.scene(), simulation.fabric(), simulation.meshes())); !done) return done;
     rendered_splits_ = simulation.splits();
   }
+  shading_size_ = size;
+  if (auto done = make_rendered(size); !done) return done;
   shading_->look_from(orbit_.camera());
   if (auto done = shading_->record(commands, {.positions = simulation.positions(),
                                               .normals = simulation.normals(),
@@ -254,8 +259,8 @@ Result<void> Viewer::record_rendered(VkCommandBuffer commands, VkExtent2D size) 
   VkImageCopy whole{};
   whole.srcSubresource = whole.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
   whole.extent = {size.width, size.height, 1};
-  vkCmdCopyImage(commands, shading_->image(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, rendered_.handle(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-                 1, &whole);
+  vkCmdCopyImage(commands, shading_->image(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, rendered_.handle(),
+                 VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &whole);
   compute::change_use(window_->device(), commands, rendered_, kWritten, kRead);
   return {};
 }

@@ -14,6 +14,7 @@
 #include "engine/shading/shading.h"
 #include "samples/view/orbit.h"
 #include "samples/view/stage.h"
+#include "samples/view/tuning.h"
 #include "samples/view/window.h"
 #include "samples/view/workbench.h"
 
@@ -41,6 +42,7 @@ class Viewer {
   Result<void> draw();
   Result<VkImage> picture(VkCommandBuffer commands, VkExtent2D size);
   Result<void> record_rendered(VkCommandBuffer commands, VkExtent2D size);
+  Result<void> make_rendered(VkExtent2D size);
   void choose_scale();
   bool is_still() const;
   double scale_at_rest() const;
@@ -90,7 +92,7 @@ class Viewer {
   std::unique_ptr<Workbench> workbench_;
   std::unique_ptr<Shading> shading_;     // once it is asked for
   VkExtent2D shading_size_{};
-  compute::DeviceImage rendered_;        // its picture, as bits that are no longer converted
+  compute::DeviceImage rendered_;        // its picture, as bits that are no longer converted; or an empty one
   std::uint32_t shown_splits_ = 0, rendered_splits_ = 0;   // how much of its cloth was torn then
   std::uint64_t shown_ = 0;              // the stage's generation that these are of
   Orbit orbit_;
@@ -118,6 +120,7 @@ class Viewer {
   std::uint32_t pictures_ = 0;
   Clock::time_point last_ = Clock::now();
   Scene draft_;                          // as the panel has it
+  Tuning tuning_;
   std::string status_, save_as_;
   std::vector<std::string> faults_;
   float ball_radius_ = 0.1f;             // m

@@ -122,6 +122,7 @@ void Window::listen() {
     self.y_ = y;
     self.pointed_.push_back({.what = Pointed::What::moved, .x = x, .y = y});
   });
+  glfwSetWindowContentScaleCallback(window_, [](GLFWwindow* window, float, float) { of(window).has_letters_ = false; });
   glfwSetWindowRefreshCallback(window_, [](GLFWwindow* window) { of(window); });
   glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int, int) { of(window).is_stale_ = true; });
 }
@@ -194,7 +195,8 @@ Result<void> Window::create_swapchain() {
   create.compositeAlpha = VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR;
   create.presentMode = VK_PRESENT_MODE_FIFO_KHR;
   create.clipped = VK_TRUE;
-  if (auto done = checked(vkCreateSwapchainKHR(device_->handle(), &create, nullptr, &swapchain_), "making the swapchain"); !done) return done;
+  const VkResult created = vkCreateSwapchainKHR(device_->handle(), &create, nullptr, &swapchain_);
+  if (auto done = checked(created, "making the swapchain"); !done) return done;
   std::uint32_t count = 0;
   vkGetSwapchainImagesKHR(device_->handle(), swapchain_, &count, nullptr);
   std::vector<VkImage> images(count);
@@ -236,42 +238,11 @@ void Window::destroy_swapchain() {
   swapchain_ = VK_NULL_HANDLE;
 }
 
-Result<void> Window::create_interface() {
-  const VkDescriptorPoolSize images{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 8};
-  auto create = typed<VkDescriptorPoolCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO);
-  create.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT;
-  create.maxSets = 8;
-  create.poolSizeCount = 1;
-  create.pPoolSizes = &images;
-  if (auto done = checked(vkCreateDescriptorPool(device_->handle(), &create, nullptr, &descriptors_), "making the interface's pool"); !done)
-    return done;
-  ImGui::CreateContext();
-  ImGui::GetIO().IniFilename = nullptr;   // nothing is left behind where it runs
-  ImGui::StyleColorsDark();
-  has_interface_ = true;
-  ImGui_ImplGlfw_InitForVulkan(window_, true);
-  ImGui_ImplVulkan_InitInfo init{};
-  init.Instance = device_->instance();
-  init.PhysicalDevice = device_->physical();
-  init.Device = device_->handle();
-  init.QueueFamily = device_->queue_family();
-  init.Queue = device_->queue();
-  init.DescriptorPool = descriptors_;
-  init.MinImageCount = 2;
-  init.ImageCount = std::max<std::uint32_t>(2, static_cast<std::uint32_t>(targets_.size()));
-  init.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
-  if (!ImGui_ImplVulkan_Init(&init, pass_)) return fail("the interface could not be made on ", device_->name());
-  if (auto done = compute::run_once(*device_, "fonts", [](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); }); !done)
-    return done;
-  ImGui_ImplVulkan_DestroyFontUploadObjects();
-  return {};
-}
-
 Window::~Window() {
   if (device_) {
     device_->wait_idle();
     if (has_interface_) {
-      ImGui_ImplVulkan_Shutdown();
+      if (ImGui::GetIO().BackendRendererUserData != nullptr) ImGui_ImplVulkan_Shutdown();
       ImGui_ImplGlfw_Shutdown();
       ImGui::DestroyContext();
     }
@@ -318,6 +289,8 @@ Result<void> Window::wait() {
 Result<std::optional<VkCommandBuffer>> Window::begin() {
   if (auto done = wait(); !done) return done.take_error();
   if (is_minimised()) return std::optional<VkCommandBuffer>();
+  if (!has_letters_)
+    if (auto done = create_letters(); !done) return done.take_error();
   if (is_stale_ || swapchain_ == VK_NULL_HANDLE) {
     destroy_swapchain();
     if (auto done = create_swapchain(); !done) return done.take_error();

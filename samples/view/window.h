@@ -69,7 +69,8 @@ class Window {
   /// Files dropped since the last call.
   std::vector<std::filesystem::path> take_dropped();
 
-  /// Waits for the frame before, and begins one of Dear ImGui's. Nothing where there is nothing to draw into: minimised, or changing its size.
+  /// Waits for the frame before, and begins one of Dear ImGui's. Nothing where there is nothing to draw into: minimised, or changing its
+  /// size.
   Result<std::optional<VkCommandBuffer>> begin();
   /// `picture` in the layout TRANSFER_SRC_OPTIMAL, of `extent` pixels. Returns when it is presented and done.
   Result<void> finish(VkImage picture, VkExtent2D extent);
@@ -85,6 +86,7 @@ class Window {
   static Window& of(GLFWwindow* window);
   Result<void> create_frame();
   Result<void> create_interface();
+  Result<void> create_letters();
   Result<void> create_swapchain();
   void destroy_swapchain();
 
@@ -108,7 +110,7 @@ class Window {
   compute::OwnedSemaphore acquired_;
   compute::OwnedFence fence_;
   std::uint32_t target_ = 0;
-  bool is_under_way_ = false, is_stale_ = false, has_interface_ = false, is_heard_ = true;
+  bool is_under_way_ = false, is_stale_ = false, has_interface_ = false, has_letters_ = false, is_heard_ = true;
   double drawn_ms_ = 0;
   std::vector<std::filesystem::path> dropped_;
   std::vector<Key> keys_;

@@ -24,7 +24,8 @@ namespace {
 // The shaders write sRGB values themselves, and blits must not convert them.
 constexpr VkFormat kPicture = VK_FORMAT_R8G8B8A8_UNORM, kDepth = VK_FORMAT_D32_SFLOAT;
 constexpr VkShaderStageFlags kStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
-constexpr compute::ImageUse kLeft{VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT};
+constexpr compute::ImageUse kLeft{VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+                                  VK_ACCESS_2_TRANSFER_READ_BIT};
 
 template <class T>
 std::span<const std::byte> bytes_of(const std::vector<T>& values) {
@@ -167,7 +168,8 @@ Result<void> Workbench::create_parts() {
 Result<void> Workbench::create_segments(std::size_t ends) {
   room_ = std::max<std::size_t>(ends, 1024);
   const compute::BufferRequest request{"view lines", room_ * sizeof(Vec4), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
-  if (auto done = take(compute::Arena::create(*device_, compute::Memory::upload, "view lines", {&request, 1}), segments_); !done) return done;
+  auto arena = compute::Arena::create(*device_, compute::Memory::upload, "view lines", {&request, 1});
+  if (auto done = take(std::move(arena), segments_); !done) return done;
   return create_set();
 }
 

@@ -72,7 +72,8 @@ class Workbench {
   void record_surfaces(VkCommandBuffer commands, const Look& look) const;
   void record_solids(VkCommandBuffer commands, const Camera& camera) const;
   void record_lines(VkCommandBuffer commands, const Look& look, std::span<const Segments> lines) const;
-  void draw(VkCommandBuffer commands, const compute::OwnedPipeline& pipeline, const Lines& lines, std::uint32_t first, std::uint32_t count) const;
+  void draw(VkCommandBuffer commands, const compute::OwnedPipeline& pipeline, const Lines& lines, std::uint32_t first,
+            std::uint32_t count) const;
 
   const compute::Device* device_;
   const Simulation* simulation_;

@@ -1,6 +1,8 @@
-"""weft.py, as its users use it. Run by CTest, with WEFT_LIBRARY and PYTHONPATH set."""
+"""Weft for Python, as its users use it. Run by CTest, with WEFT_LIBRARY and PYTHONPATH set."""
+import os
 import pathlib
 import sys
+import tempfile
 import unittest
 
 import numpy as np
@@ -83,6 +85,87 @@ class Weft(unittest.TestCase):
         self.cloth.move_grab(held.grab, held.point + np.float32([0, 0.2, 0]))
         self.cloth.let_go(held.grab)
 
+    def test_meshes_are_made_in_code_and_named_by_scenes(self) -> None:
+        x, z = np.meshgrid(np.linspace(0, 1, 5), np.linspace(0, 1, 5))
+        at = np.stack([x.ravel(), 0 * x.ravel(), z.ravel()], axis=1)
+        first = np.array([5 * j + i for j in range(4) for i in range(4)])
+        triangles = np.concatenate([np.stack([first, first + 6, first + 1], 1), np.stack([first, first + 5, first + 6], 1)])
+        scene = {"cloths": [{"mesh": "sheet", "start": {"imperfection": 0}, "maps": {"mass": "_HEAVY"}, "anchors": [{"vertices": [0, 4]}]}]}
+        with weft.Mesh(at, triangles, at[:, [0, 2]], {"_HEAVY": np.arange(1, 26)}) as sheet:
+            cloth = weft.Simulation(self.device, scene, meshes={"sheet": sheet}, timings=True)
+        with cloth:
+            np.testing.assert_array_equal(cloth.positions(), at.astype(np.float32))
+            np.testing.assert_array_equal(cloth.uvs(), at[:, [0, 2]].astype(np.float32))
+            self.assertEqual(cloth.triangles().shape, (32, 3))
+            masses = cloth.particles()[cloth.vertex_particles(), 3]
+            self.assertEqual(list(np.flatnonzero(masses == 0)), [0, 4])
+            np.testing.assert_array_equal(cloth.anchor_vertices(), [0, 4])
+            self.assertGreater(masses[6], 1.5 * masses[12])   # the 13th has nearly twice the 7th's mass a vertex
+            cloth.advance(0.1)
+            self.assertGreater(cloth.gpu_milliseconds, 0)
+            self.assertLess(cloth.positions()[24, 1], 0)
+            moved = cloth.particles()
+            moved[:, 1] += 1
+            cloth.write_particles(moved)
+            cloth.write_velocities(np.zeros_like(cloth.velocities()))
+            np.testing.assert_allclose(cloth.particles()[:, 1], moved[:, 1])
+            self.assertEqual(cloth.scene()["cloths"][0]["mesh"], "sheet")
+            self.assertEqual(cloth.parts(), [weft.Part("cloth", 0, slice(0, 25), slice(0, 32), [], [])])
+            self.assertIsInstance(cloth.notes(), list)
+            np.testing.assert_array_equal(cloth.origin, [0, 0, 0])
+
+    def test_drives_characters_colliders_and_air(self) -> None:
+        ball = {"shape": "sphere", "radius": 0.2, "centre": [0, -0.25, 0], "resizes": True}
+        scene = {**SCENE, "reactions": True, "air": {"fields": [{"shape": "sphere"}]}, "colliders": [ball, ball],
+                 "cloths": [{**SCENE["cloths"][0], "skin": {}, "inertia": {}, "motion_constraints": {"max_distance": 0.5}}]}
+        with weft.Simulation(self.device, scene) as cloth:
+            self.assertEqual(cloth.parts()[0].joints, [""])
+            raised = np.eye(4)
+            raised[1, 3] = 0.25
+            cloth.set_pose(0, [raised])
+            cloth.set_morphs(0, [])
+            cloth.limit_motion(0, 0.5)
+            cloth.move_frame(0, weft.Frame((0, 0, 0)))
+            cloth.move_air_field(0, (0, 0, 0), (1, 0, 0))
+            cloth.move_colliders([weft.Pose((0, -0.2, 0)), weft.Pose((3, 0, 0))])
+            cloth.resize_collider(0, weft.Size(radius=0.3))
+            cloth.reserve_contacts(100)
+            cloth.advance(1 / 60)
+            np.testing.assert_allclose(cloth.positions()[[0, 8], 1], 0.25)   # anchors go with the skin
+            self.assertEqual(cloth.collider_size(0).radius, 0.3)
+            self.assertEqual(cloth.collider(1).centre, (3, 0, 0))
+            reactions = cloth.take_reactions()
+            self.assertLess(reactions.impulse[0, 1], 0)   # it is pushed down
+            np.testing.assert_array_equal(reactions.impulse[1], 0)
+            np.testing.assert_array_equal(cloth.take_reactions().impulse, 0)
+            held = cloth.grab_near((0.5, 0, 0.5), stiffness=500)
+            cloth.move_grab(held.grab, held.point + np.float32([0, 0.5, 0]))
+            cloth.place_collider(0, weft.Pose((0, -9, 0)))
+            cloth.advance(1 / 60)
+            self.assertGreater(cloth.take_pulls().impulse[0, 1] ** 2, 0)
+            here = cloth.positions()
+            cloth.teleport(0, weft.Frame((0, 0, 0)), weft.Frame((0, 2, 0)))
+            np.testing.assert_allclose(cloth.positions(), here + np.float32([0, 2, 0]), atol=1e-5)
+            self.assertEqual(cloth.quality().unconverged, 0)
+            cloth.check_fits(cloth.save())
+
+    def test_writes_what_other_programs_read(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "cloth.pc2")
+            with self.cloth.cache(file, frames=2) as cache:
+                cache.add()
+                self.cloth.advance(1 / 60)
+                cache.add()
+                cache.finish()
+            frames = np.frombuffer(file.read_bytes()[32:], "<f4").reshape(2, 81, 3)
+            np.testing.assert_array_equal(frames[1], self.cloth.positions())
+            left = self.cloth.cache(pathlib.Path(folder, "left.pc2"), frames=2)
+            self.cloth.close()
+            with self.assertRaises(weft.Error):
+                left.add()
+            left.close()
+            self.assertEqual(os.listdir(folder), ["cloth.pc2"])
+
     def test_refuses_with_sentences(self) -> None:
         for wrong, said in (
             (lambda: weft.Device("a GPU that nobody has"), "a GPU that nobody has"),
@@ -98,6 +181,18 @@ class Weft(unittest.TestCase):
             (lambda: self.cloth.move_pins([0, 8], [[0, 0, 0]]), "1 targets for 2"),
             (lambda: self.cloth.restore(b"nothing"), "snapshot"),
             (lambda: self.cloth.set_wind((1, 0, 0)), "air"),
+            (lambda: self.cloth.set_gravity([[0, 1, 0], [0, 1, 0]]), "3 numbers"),
+            (lambda: self.cloth.set_pose(0, np.eye(4)), "not of matrices"),
+            (lambda: self.cloth.set_pose(0, [np.eye(4)]), "skin"),
+            (lambda: self.cloth.inflate(0, 2), "gas"),
+            (lambda: self.cloth.take_reactions(), "reactions"),
+            (lambda: self.cloth.write_particles(np.zeros((3, 4))), "there are 81"),
+            (lambda: self.cloth.cache("cloth.txt", 1), "pc2"),
+            (lambda: self.cloth.check_fits(b"nothing"), "snapshot"),
+            (lambda: weft.Mesh([[0, 0, 0]], [[0, 0, 1]]), "past the last"),
+            (lambda: weft.Mesh([[0, 0, 0]], [0, 0, 0]), "three vertices"),
+            (lambda: weft.Mesh(np.eye(3), [[0, 1, 2]], attributes={"_A": [1, 2]}), "2 vertices"),
+            (lambda: weft.Simulation(self.device, SCENE, meshes={"flag": weft.Mesh(np.eye(3), [[0, 1, 2]])}), "flag"),
         ):
             with self.assertRaises(weft.Error) as caught:
                 wrong()

@@ -182,6 +182,35 @@ TEST_F(Pictures, a_recorded_picture_has_the_bits_of_a_drawn_one) {
   EXPECT_FALSE((*shading)->record(VK_NULL_HANDLE, poses()));
 }
 
+TEST_F(Pictures, another_size_has_the_bits_of_a_picture_that_was_made_so_and_reads_no_texture_again) {
+  look().albedo = map_of("red.png", {200, 30, 30});
+  make_sheet(wavy);
+  add_floor();
+  const ShadedCloth cloth{&mesh_, &look(), transmission_};
+  constexpr VkExtent2D kOther{100, 140};
+  auto made_so = Shading::create(*device_, scene_, {&cloth, 1}, kOther);
+  auto shading = create();
+  ASSERT_TRUE(made_so && shading);
+  const auto wanted = (*made_so)->draw(poses()), before = (*shading)->draw(poses());
+  ASSERT_TRUE(wanted && before);
+  std::filesystem::remove_all(folder_);
+  const auto resize = [&](VkExtent2D to) {
+    auto done = (*shading)->resize(to);
+    EXPECT_TRUE(done) << done.error();
+  };
+  resize(kOther);
+  const auto other = (*shading)->draw(poses());
+  ASSERT_TRUE(other) << other.error();
+  EXPECT_EQ(other->height, kOther.height);
+  EXPECT_EQ(other->rgba, wanted->rgba);
+  const auto refused = (*shading)->resize({8193, 1});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error(), "a picture of 8193 x 1 pixels is outside 1 x 1 ... 8192 x 8192");
+  EXPECT_EQ((*shading)->draw(poses()).value().rgba, wanted->rgba);
+  resize(kSize);
+  EXPECT_EQ((*shading)->draw(poses()).value().rgba, before->rgba);
+}
+
 TEST_F(Pictures, no_pixel_is_black_and_all_are_opaque) {
   add_floor();
   scene_.colliders.emplace_back();

@@ -241,6 +241,23 @@ TEST_F(ScarceMemoryOnDevice, is_a_sentence_where_a_picture_is_drawn) {
   at_every_allocation(
       100, [] { return nullptr; }, [&](std::nullptr_t) { return done_or_why(draw()); },
       [&](std::nullptr_t, bool) { EXPECT_EQ(must(draw()).rgba, expected.rgba); });
+  // Another size has few allocations of ours, and a picture after each takes long: some of them.
+  int refused = 0;
+  for (const long at : {1L, 2L, 4L, 8L}) {
+    Result<void> done;
+    {
+      const test::ScarceMemory scarce(at, test::ScarceMemory::Lasts::once);
+      done = shading->resize({48, 20});
+    }
+    if (!done) {
+      ++refused;
+      EXPECT_EQ(done.kind(), ErrorKind::memory) << done.error();
+      EXPECT_EQ(must(draw()).rgba, expected.rgba);
+    }
+    must(shading->resize({32, 32}));
+  }
+  EXPECT_GT(refused, 1);
+  EXPECT_EQ(must(draw()).rgba, expected.rgba);
 }
 
 }  // namespace

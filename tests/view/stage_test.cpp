@@ -20,7 +20,8 @@ class ViewStage : public compute::OnDevice {
  protected:
   void SetUp() override {
     OnDevice::SetUp();
-    file = std::filesystem::path(testing::TempDir()) / ("weft_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) + ".json");
+    const std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
+    file = std::filesystem::path(testing::TempDir()) / ("weft_" + name + ".json");
     std::ofstream(file) << kScene;
     auto opened = Stage::open(device(), file, {});
     ASSERT_TRUE(opened) << opened.error();

@@ -29,7 +29,8 @@ constexpr int kPanel = 350;                         // its panel's width
 class ViewWindow : public testing::Test {
  protected:
   void SetUp() override {
-    folder = std::filesystem::path(testing::TempDir()) / ("weft_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    const std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder = std::filesystem::path(testing::TempDir()) / ("weft_" + name);
     std::filesystem::remove_all(folder);
     std::filesystem::create_directories(folder);
     start_screen();
@@ -69,7 +70,8 @@ class ViewWindow : public testing::Test {
     std::vector<char*> given;
     for (std::string& one : all) given.push_back(one.data());
     given.push_back(nullptr);
-    if (freopen((folder / "said").c_str(), "w", stdout) == nullptr || freopen((folder / "complained").c_str(), "w", stderr) == nullptr) _exit(126);
+    const auto into = [&](const char* name, FILE* stream) { return freopen((folder / name).c_str(), "w", stream) != nullptr; };
+    if (!into("said", stdout) || !into("complained", stderr)) _exit(126);
     execv(WEFT_BINARIES "/weft", given.data());
     _exit(127);
   }
@@ -95,6 +97,7 @@ class ViewWindow : public testing::Test {
     return testing::AssertionFailure() << '"' << what << "\" was not said, but: " << said() << text("complained");
   }
   int do_it(const std::string& what) const { return std::system(("timeout 20 xdotool " + what + " >/dev/null 2>&1").c_str()); }
+  int x_client(const std::string& what) const { return std::system((WEFT_BINARIES "/weft_x_client " + what).c_str()); }
   void focus() {
     ASSERT_EQ(do_it("search --sync --onlyvisible --name '^Weft' windowfocus --sync"), 0) << "on Debian: apt install xdotool";
   }
@@ -140,9 +143,9 @@ class ViewWindow : public testing::Test {
       for (int x = kPanel; x < kWidth; ++x) differ += pixel(a, x, y) != pixel(b, x, y);
     return differ;
   }
-  static std::size_t count(const Image& image, bool (*wanted)(const std::array<int, 3>&)) {
+  static std::size_t count(const Image& image, bool (*wanted)(const std::array<int, 3>&), int rows = kHeight) {
     std::size_t found = 0;
-    for (int y = 0; y < kHeight; ++y)
+    for (int y = 0; y < rows; ++y)
       for (int x = kPanel; x < kWidth; ++x) found += wanted(pixel(image, x, y));
     return found;
   }
@@ -161,6 +164,7 @@ constexpr const char* kSheet =
                    "appearance":{"base_colour":[0.7,0.02,0.02]}}]})";
 
 bool is_red(const std::array<int, 3>& p) { return p[0] > 2 * p[1] && p[0] > 60; }
+bool is_fault(const std::array<int, 3>& p) { return p[0] > 200 && p[1] < 140 && p[2] < 120 && p[1] > 90; }
 bool is_bright(const std::array<int, 3>& p) { return p[0] > 180 && p[1] > 170 && p[2] > 150; }
 
 TEST_F(ViewWindow, plays_and_closes_by_itself_without_a_word_of_validation) {
@@ -231,7 +235,9 @@ TEST_F(ViewWindow, shows_strain_wires_anchors_bounds_and_the_rendered_picture) {
   const Image lit = sees("the sheet", [](const Image& seen) { return count(seen, is_red) > 20000; });
   const std::size_t red = count(lit, is_red);
   do_it("key 2");
-  sees("a sheet that is not stretched: light grey", [&](const Image& seen) { return count(seen, is_red) == 0 && count(seen, is_bright) > 20000; });
+  sees("a sheet that is not stretched: light grey", [&](const Image& seen) {
+    return count(seen, is_red) == 0 && count(seen, is_bright) > 20000;
+  });
   do_it("key 1 key w");
   sees("wires, and only on the sheet", [&](const Image& seen) { return difference(lit, seen) > 2000 && difference(lit, seen) < red; });
   do_it("key w key a key b");
@@ -241,7 +247,9 @@ TEST_F(ViewWindow, shows_strain_wires_anchors_bounds_and_the_rendered_picture) {
     return count(seen, is_orange) > 20 && count(seen, is_orange) < 400 && count(seen, is_green) > 200;
   });
   do_it("key a key b key 0");
-  sees("the rendered picture, with another sky", [&](const Image& seen) { return count(seen, is_red) > 15000 && difference(lit, seen) > 50000; });
+  sees("the rendered picture, with another sky", [&](const Image& seen) {
+    return count(seen, is_red) > 15000 && difference(lit, seen) > 50000;
+  });
   do_it("key ctrl+q");
   EXPECT_EQ(wait_for_end(), 0) << said() << text("complained");
 }
@@ -263,7 +271,7 @@ TEST_F(ViewWindow, survives_every_size_and_being_hidden) {
   EXPECT_EQ(wait_for_end(), 0) << said() << text("complained");
 }
 
-TEST_F(ViewWindow, a_key_of_the_scene_is_changed_by_a_click_and_written_to_a_file) {
+TEST_F(ViewWindow, keys_of_the_scene_are_changed_by_clicks_and_letters_and_written_to_a_file) {
   std::ofstream(folder / "sheet.json") << kSheet;
   height = 690;   // all of the panel
   start({(folder / "sheet.json").string(), "--paused"});
@@ -271,17 +279,35 @@ TEST_F(ViewWindow, a_key_of_the_scene_is_changed_by_a_click_and_written_to_a_fil
   focus();
   const auto click = [&](const char* at) { do_it("mousemove " + std::string(at) + " sleep 0.3 mousedown 1 sleep 0.1 mouseup 1"); };
   const auto is_blue = [](const std::array<int, 3>& p) { return p[2] > p[0] + 20; };
-  sees("a panel that ends with its headings", [&](const Image& seen) { return is_blue(pixel(seen, 200, 398)) && !is_blue(pixel(seen, 60, 536)); });
+  sees("a panel that ends with its headings", [&](const Image& seen) {
+    return is_blue(pixel(seen, 200, 398)) && !is_blue(pixel(seen, 60, 536));
+  });
   click("60 398");   // "Scene"
   sees("the scene's keys", [&](const Image& seen) { return is_blue(pixel(seen, 60, 536)); });
   click("25 667");   // "reactions"
   ASSERT_TRUE(hears("changed; made anew"));
-  click("50 444");   // "Save scene"
+
+  // A list, which is a line of text: room for it, "cloths", the first, its "anchors", the first, its "vertices".
+  for (const char* at : {"60 250", "60 112", "26 333", "47 350", "68 567", "89 584", "150 604"})
+    do_it("mousemove " + std::string(at) + " sleep 0.1 mousedown 1 sleep 0.1 mouseup 1 sleep 0.05");
+  const auto type = [&](const char* text) {   // in place of what is there; a key that is up again at once is not seen
+    do_it("keydown ctrl keydown a sleep 0.1 keyup a keyup ctrl type '" + std::string(text) + "'");
+    do_it("keydown Return sleep 0.1 keyup Return");
+  };
+  type("0, top");
+  sees("red letters", [&](const Image& seen) { return count(seen, is_fault, height) >= 200; });
+  EXPECT_NE(text("complained").find("cloths[0].anchors[0].vertices: \"top\" is no whole number"), std::string::npos) << text("complained");
+  const std::size_t heard = said().size();
+  do_it("mousedown 1 sleep 0.1 mouseup 1");
+  type("0-4 10");
+  ASSERT_TRUE(hears("changed; made anew", heard));
+  click("50 204");   // "Save scene"
   ASSERT_TRUE(hears("saved "));
   auto changed = load_scene(folder / "sheet.changed.json");
   ASSERT_TRUE(changed) << changed.error();
   EXPECT_TRUE(changed->reactions);
   EXPECT_EQ(changed->cloths[0].grid->cells_x, 10u);
+  EXPECT_EQ(changed->cloths[0].anchors[0].vertices, (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 10}));
   do_it("key ctrl+q");
   EXPECT_EQ(wait_for_end(), 0) << said() << text("complained");
 }
@@ -311,11 +337,40 @@ TEST_F(ViewWindow, shows_the_times_of_passes) {
 TEST_F(ViewWindow, a_broken_scene_is_told_of_in_the_window_which_stays) {
   std::ofstream(folder / "broken.json") << R"({"cloths":[{"grid":{"size":[1,1],"cells":[0,1]}}]})";
   start({(folder / "broken.json").string()});
-  const auto is_fault = [](const std::array<int, 3>& p) { return p[0] > 200 && p[1] < 140 && p[2] < 120; };
   sees("red letters", [&](const Image& seen) { return count(seen, is_fault) >= 200; });
   EXPECT_NE(text("complained").find("cells"), std::string::npos) << text("complained");
   focus();
   do_it("key ctrl+q");
+  EXPECT_EQ(wait_for_end(), 0) << said() << text("complained");
+}
+
+TEST_F(ViewWindow, files_that_are_dropped_are_opened_and_a_broken_one_is_told_of) {
+  const auto path = [&](const char* name) { return (folder / name).string(); };
+  std::ofstream(folder / "sheet.json") << kSheet;
+  std::ofstream(folder / "broken.json") << R"({"cloths":[{"grid":{"size":[1,1],"cells":[0,1]}}]})";
+  std::filesystem::copy_file(WEFT_ASSETS "/generated/cape.glb", folder / "a cape.glb");   // its name is to be unescaped
+  start({path("sheet.json"), "--paused"});
+  ASSERT_TRUE(hears("opened sheet.json"));
+  focus();
+  sees("the sheet", [](const Image& seen) { return count(seen, is_red) > 20000; });
+  ASSERT_EQ(x_client("drop '" + path("broken.json") + "'"), 0);
+  sees("red letters, and the sheet", [](const Image& seen) { return count(seen, is_fault) >= 200 && count(seen, is_red) > 20000; });
+  EXPECT_NE(text("complained").find("cloths[0].grid.cells[0]"), std::string::npos) << text("complained");
+  ASSERT_EQ(x_client("drop '" + path("a cape.glb") + "'"), 0);
+  ASSERT_TRUE(hears("opened a cape.glb"));
+  sees("no red sheet", [](const Image& seen) { return count(seen, is_red) < 2000; });
+  do_it("key ctrl+q");
+  EXPECT_EQ(wait_for_end(), 0) << said() << text("complained");
+}
+
+TEST_F(ViewWindow, letters_are_twice_as_large_on_a_screen_of_twice_the_density) {
+  std::ofstream(folder / "sheet.json") << kSheet;
+  ASSERT_EQ(x_client("dpi 192"), 0);
+  start({(folder / "sheet.json").string(), "--paused"});
+  ASSERT_TRUE(hears("opened sheet.json"));
+  // It ends at 696, over most of the sheet, instead of at 348.
+  sees("a panel twice as wide", [](const Image& seen) { return is_red(pixel(seen, 720, 300)) && !is_red(pixel(seen, 680, 300)); });
+  EXPECT_EQ(do_it("search --sync --onlyvisible --name '^Weft' windowfocus --sync key ctrl+q"), 0);
   EXPECT_EQ(wait_for_end(), 0) << said() << text("complained");
 }
 
