@@ -36,8 +36,8 @@ TEST(MeshFaults, what_is_no_mesh_file_is_refused_by_name) {
   std::filesystem::create_directory(folder / "folder.glb");
   expect_says(refusal(folder / "folder.glb"), "is a folder");
   expect_says(refusal(folder.write("empty.obj", "")), "is empty");
-  expect_says(refusal(folder.write("cloth.fbx", "x")), "\".fbx\"; .gltf, .glb and .obj can be read");
-  expect_says(refusal(folder / "cloth.usd"), "\".usd\"; .gltf, .glb and .obj can be read");
+  expect_says(refusal(folder.write("cloth.fbx", "x")), "\".fbx\"; .gltf, .glb, .obj, .ply, .stl, .dae and .fbx can be read");
+  expect_says(refusal(folder / "cloth.usd"), "\".usd\"; .gltf, .glb, .obj, .ply, .stl, .dae and .fbx can be read");
   if (std::filesystem::exists("/dev/null")) {
     std::filesystem::create_symlink("/dev/null", folder / "device.obj");
     expect_says(refusal(folder / "device.obj"), "not a regular file");

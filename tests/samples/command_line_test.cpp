@@ -63,7 +63,7 @@ TEST_F(CommandLine, a_mesh_of_a_format_that_is_not_read_is_told_which_are) {
     for (const char* command : {"check", "run"}) {
       const Outcome outcome = weft({command, write(name, "Kaydara FBX Binary")});
       EXPECT_EQ(outcome.exit, 2) << name;
-      EXPECT_NE(outcome.error.find("; .gltf, .glb and .obj can be read"), std::string::npos) << outcome.error;
+      EXPECT_NE(outcome.error.find("; .gltf, .glb, .obj, .ply, .stl, .dae and .fbx can be read"), std::string::npos) << outcome.error;
     }
 }
 
