@@ -12,7 +12,8 @@
 // w cross(normal, tangent) points up in the picture, which is what glTF's normal maps (+Y up) expect.
 //
 // Limitations: welding goes by position alone, so two sheets that lie exactly on each other become one (their triangles are
-// duplicates then, and are counted as such). Of a vertex's joints the four with the largest weights count. Of vertices that become one point the first says where morph targets and joints take it.
+// duplicates then, and are counted as such). Of a vertex's joints the four with the largest weights count. Of vertices that
+// become one point the first says where morph targets and joints take it.
 #pragma once
 
 #include <array>
@@ -39,8 +40,7 @@ using Triangle = std::array<std::uint32_t, 3>;
 /// weft::shading show a cloth's own textures instead.
 struct Materials {
   std::size_t count = 0;
-  std::string text;                  // a JSON object with glTF's lists "materials", "textures", "samplers" and "images"; the "bufferView" of
-                                     // an image is a number in `images`
+  std::string text;                  // JSON: glTF's lists "materials", "textures", "samplers", "images"; an image's "bufferView" is one of `images`
   std::vector<std::string> images;   // PNG, JPEG, WebP or KTX2, as the file holds them
 };
 
@@ -157,10 +157,10 @@ inline constexpr std::uint32_t kMostCorners = 1000;   // of a face: the time tha
 /// Reads glTF, GLB or OBJ: all triangle primitives of the default scene, node transforms applied (a mirroring one turns the
 /// winding back outwards; a skinned mesh has none, as glTF says), missing normals and UVs made; with skins, morph targets, their
 /// animations, vertex colours, and materials with their textures. The mesh has its base shape: that of morph targets with weights of 0.
-/// Faces of an OBJ are cut into triangles, concave ones too. Lines, points, and skins (with the morph targets), attributes or materials that
-/// are not as they must be, are left out, with a sentence in `mended`. Where triangles share no vertices, those that agree in everything are
-/// joined. What meshopt or Draco has compressed is unpacked, where Weft was built with them. A glTF's buffers and images are read only below
-/// its own folder, links followed, or anywhere; nothing that another file names is.
+/// Faces of an OBJ are cut into triangles, concave ones too. Lines, points, and skins (with the morph targets), attributes or
+/// materials that are not as they must be, are left out, with a sentence in `mended`. Where triangles share no vertices, those that
+/// agree in everything are joined. What meshopt or Draco has compressed is unpacked, where Weft was built with them. A glTF's buffers
+/// and images are read only below its own folder, links followed, or anywhere; nothing that another file names is.
 /// PLY, STL, Collada and FBX: the triangles, vertex colours and plain materials that assimp finds, in metres, +y up; a process of its own
 /// reads them (engine/mesh/apart.h), and their vertices have assimp's numbers.
 /// Errors: missing, unreadable, cut short or foreign file, or one of more than 1 GiB; a buffer that is missing or not allowed;

@@ -1,5 +1,5 @@
-// Work in a process of its own, for other people's readers of anyone's files. Where one of them crashes, runs on or takes more memory than it
-// may, a sentence says so and nothing else has happened. Internal.
+// Work in a process of its own, for other people's readers of anyone's files. Where one of them crashes, runs on or takes more memory
+// than it may, a sentence says so and nothing else has happened. Internal.
 #pragma once
 
 #include <cstddef>

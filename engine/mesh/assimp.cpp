@@ -114,7 +114,10 @@ class Scribe {
         if (has_normals_ && mesh.HasNormals())
           normal = narrow_number(add<Vec3>(count, "VEC3", [&](unsigned v) { return vector(mesh.mNormals[v]); }));
         if (mesh.HasTextureCoords(0))   // assimp's point up
-          uv = narrow_number(add<Vec2>(count, "VEC2", [&](unsigned v) { return Vec2{mesh.mTextureCoords[0][v].x, 1 - mesh.mTextureCoords[0][v].y}; }));
+          uv = narrow_number(add<Vec2>(count, "VEC2", [&](unsigned v) {
+            const aiVector3D& at = mesh.mTextureCoords[0][v];
+            return Vec2{at.x, 1 - at.y};
+          }));
         if (mesh.HasVertexColors(0))
           colour = narrow_number(add<Vec4>(count, "VEC4", [&](unsigned v) {
             const aiColor4D& c = mesh.mColors[0][v];
@@ -168,7 +171,8 @@ std::string note_on(const aiScene& scene, bool is_stl) {
   std::string note;
   if (joints > 0 || scene.mNumAnimations > 0)
     note = fail(joints, " joints and ", scene.mNumAnimations, " animations were left out: a skin is read from glTF alone").message;
-  if (is_stl) note += fail(note.empty() ? "" : "; ", corners, " corners of an STL, which has no shared vertices, were joined where they meet").message;
+  if (!is_stl) return note;
+  note += fail(note.empty() ? "" : "; ", corners, " corners of an STL, which has no shared vertices, were joined where they meet").message;
   return note;
 }
 
@@ -181,7 +185,7 @@ Result<Harvest> read_foreign(const std::string& content, const std::string& kind
     Assimp::Importer importer;
     const aiScene* scene = importer.ReadFileFromMemory(content.data(), content.size(), aiProcess_Triangulate, kind.c_str());
     if (!scene || !scene->mRootNode) return fail("assimp cannot read it: ", importer.GetErrorString());
-    return note_on(*scene, is_stl) + "\n" + Scribe(*scene, !is_stl).write();   // an STL's normals are its triangles', which cloth has anyway
+    return note_on(*scene, is_stl) + "\n" + Scribe(*scene, !is_stl).write();   // an STL's normals are its triangles'
   });
   if (!read) return read.take_error();
   const std::size_t line = read->find('\n');

@@ -1,8 +1,8 @@
 // The triangles of a glTF's scene.
 //
 // A file may be anyone's: every range and reference is checked before anything is taken, and what is held is bounded by kMostVertices,
-// kMostIndices and kMostPieces, however often a document shows it. Primitives of a mesh that share their accessors share the vertices. Skins
-// and vertex colours (gltf_skin.cpp), morph targets (gltf_morph.cpp) and materials (gltf_material.cpp) are read beside it.
+// kMostIndices and kMostPieces, however often a document shows it. Primitives of a mesh that share their accessors share the vertices.
+// Skins and vertex colours (gltf_skin.cpp), morph targets (gltf_morph.cpp) and materials (gltf_material.cpp) are read beside it.
 #include "engine/mesh/gltf.h"
 
 #include <algorithm>

@@ -117,8 +117,8 @@ struct Accessor {
 
 enum class Components { indices, floats, numbers };   // numbers: floats, and integers of up to 16 bits
 
-/// The accessor that `key` of `object` names, sparse or not. `type` is SCALAR, VEC2 to VEC4 or MAT4. None, and a fault, where it is not what
-/// is wanted or reaches beyond its buffer.
+/// The accessor that `key` of `object` names, sparse or not. `type` is SCALAR, VEC2 to VEC4 or MAT4. None, and a fault, where it is not
+/// what is wanted or reaches beyond its buffer.
 Accessor accessor(GltfDocument& document, const json& object, const char* key, std::string_view type, Components components);
 
 /// The same of three numbers each, as values of which the document keeps nothing.
@@ -186,7 +186,8 @@ class MaterialReader {
   TextureCoordinates coordinates_of(std::uint32_t material);
   /// Those that triangles have, renumbered in `material_of`; none, and a fault, where something about them is wrong. Where no triangle has
   /// one there is none.
-  std::shared_ptr<const Materials> take(std::vector<std::uint32_t>& material_of, const std::filesystem::path& folder, BufferFiles buffer_files);
+  std::shared_ptr<const Materials> take(std::vector<std::uint32_t>& material_of, const std::filesystem::path& folder,
+                                        BufferFiles buffer_files);
   /// Of those that were taken: with textures whose coordinates are not those of coordinates_of.
   std::size_t differing() const { return differing_; }
 

@@ -1,5 +1,5 @@
-// Draco (KHR_draco_mesh_compression). Its decoder believes what a stream says of itself, so it has a process with bounds to its memory and time,
-// by what the document says must come out.
+// Draco (KHR_draco_mesh_compression). Its decoder believes what a stream says of itself, so it has a process with bounds to its memory and
+// time, by what the document says must come out.
 #include "engine/mesh/apart.h"
 #include "engine/mesh/gltf.h"
 
@@ -38,19 +38,21 @@ Result<void> add_unpacked(const DracoMesh& wanted, std::string& all) {
   if (!decoded.ok()) return fail("Draco says: ", decoded.status().error_msg_string());
   const draco::Mesh& mesh = *decoded.value();
   if (mesh.num_points() != wanted.vertices || std::uint64_t{3} * mesh.num_faces() != wanted.corners)
-    return fail("its stream has ", mesh.num_points(), " vertices and ", mesh.num_faces(), " triangles, and the document says ", wanted.vertices,
-                " and ", wanted.corners / 3);
+    return fail("its stream has ", mesh.num_points(), " vertices and ", mesh.num_faces(), " triangles, and the document says ",
+                wanted.vertices, " and ", wanted.corners / 3);
   for (draco::FaceIndex f(0); f < mesh.num_faces(); ++f)
     for (const draco::PointIndex& corner : mesh.face(f)) {
       const std::uint32_t index = corner.value();
       all.append(reinterpret_cast<const char*>(&index), sizeof index);
     }
   for (const DracoMesh::Attribute& attribute : wanted.attributes) {
-    const draco::PointAttribute* from = attribute.id < 0xffffffffu ? mesh.GetAttributeByUniqueId(static_cast<std::uint32_t>(attribute.id)) : nullptr;
+    const bool is_id = attribute.id < kNone;
+    const draco::PointAttribute* from = is_id ? mesh.GetAttributeByUniqueId(static_cast<std::uint32_t>(attribute.id)) : nullptr;
     if (!from) return fail("its stream has no attribute ", attribute.id);
     if (from->data_type() != type_of(attribute.component) || static_cast<std::size_t>(from->num_components()) != attribute.width ||
         static_cast<std::size_t>(from->byte_stride()) != attribute.size())
-      return fail("attribute ", attribute.id, " of its stream has ", int{from->num_components()}, " numbers of another type than the document says");
+      return fail("attribute ", attribute.id, " of its stream has ", int{from->num_components()},
+                  " numbers of another type than the document says");
     for (draco::PointIndex p(0); p < mesh.num_points(); ++p) {
       const draco::AttributeValueIndex at = from->mapped_index(p);
       if (at.value() >= from->size()) return fail("attribute ", attribute.id, " of its stream lacks vertex ", p.value());
@@ -75,7 +77,9 @@ Result<std::string> unpack_draco(std::span<const DracoMesh> meshes, std::uint64_
   });
 }
 #else
-Result<std::string> unpack_draco(std::span<const DracoMesh>, std::uint64_t) { return fail("this Weft was built without Draco (libdraco-dev)"); }
+Result<std::string> unpack_draco(std::span<const DracoMesh>, std::uint64_t) {
+  return fail("this Weft was built without Draco (libdraco-dev)");
+}
 #endif
 
 }  // namespace weft::parts

@@ -83,7 +83,8 @@ Vec2 TextureCoordinates::at(Vec2 uv) const {
 std::uint32_t MaterialReader::number_of(const json& primitive) const {
   if (!has(primitive, "material")) return kNone;
   const json& number = primitive["material"];
-  const bool is_there = number.is_number_unsigned() && number.get<std::uint64_t>() < document_.list(document_.tree.root, "materials").size();
+  const std::size_t count = document_.list(document_.tree.root, "materials").size();
+  const bool is_there = number.is_number_unsigned() && number.get<std::uint64_t>() < count;
   return is_there ? number.get<std::uint32_t>() : kWrong;
 }
 
@@ -102,8 +103,9 @@ TextureCoordinates MaterialReader::coordinates_of(std::uint32_t material) {
 std::shared_ptr<const Materials> MaterialReader::take(std::vector<std::uint32_t>& material_of, const std::filesystem::path& folder,
                                                       BufferFiles buffer_files) {
   Taken materials(document_, "materials"), textures(document_, "textures"), images(document_, "images");
+  const std::size_t count = document_.list(document_.tree.root, "materials").size();
   for (std::uint32_t& material : material_of) {
-    if (material == kWrong) document_.say("a primitive's \"material\" is not one of the ", document_.list(document_.tree.root, "materials").size());
+    if (material == kWrong) document_.say("a primitive's \"material\" is not one of the ", count);
     if (material < kWrong) material = materials.number(material);
   }
   auto taken = std::make_shared<Materials>();

@@ -1,6 +1,6 @@
-// What is compressed in a glTF, unpacked before anything of it is read. The decoders are other people's: meshoptimizer's are made for anyone's
-// bytes, and what they are given cannot hold more than the sizes below; Draco's takes its sizes from its own stream, so it works in a process
-// of its own (engine/mesh/apart.h).
+// What is compressed in a glTF, unpacked before anything of it is read. The decoders are other people's: meshoptimizer's are made for
+// anyone's bytes, and what they are given cannot hold more than the sizes below; Draco's takes its sizes from its own stream, so it works in
+// a process of its own (engine/mesh/apart.h).
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -35,8 +35,8 @@ struct Packed {
   std::string_view filter;
 };
 
-/// A fault unless all is as the extension says, and the stream is long enough to hold what is said to be in it: its codecs take two bits for
-/// sixteen bytes of vertices, a byte for a triangle, and a byte for any other index.
+/// A fault unless all is as the extension says, and the stream is long enough to hold what is said to be in it: its codecs take two bits
+/// for sixteen bytes of vertices, a byte for a triangle, and a byte for any other index.
 Packed packed(GltfDocument& document, const json& view, const json& described, std::size_t number) {
   const auto say = [&](const auto&... parts) { document.say("buffer view ", number, " (", kMeshopt, "): ", parts...); };
   const auto text = [&](const char* key, const char* missing) -> std::string_view {
@@ -49,7 +49,8 @@ Packed packed(GltfDocument& document, const json& view, const json& described, s
                 mode == "ATTRIBUTES", mode == "TRIANGLES", filter};
   const std::uint64_t stride = packed.stride, wanted = document.natural(view, "byteLength", 0);
   if (mode != "ATTRIBUTES" && mode != "TRIANGLES" && mode != "INDICES") say("has the mode \"", mode.substr(0, 40), "\"");
-  if (packed.is_vertices ? stride % 4 != 0 || stride == 0 || stride > 256 : stride != 2 && stride != 4) say("has a stride of ", stride, " bytes");
+  if (packed.is_vertices ? stride % 4 != 0 || stride == 0 || stride > 256 : stride != 2 && stride != 4)
+    say("has a stride of ", stride, " bytes");
   const bool fits = filter == "NONE" || (packed.is_vertices && ((filter == "OCTAHEDRAL" && (stride == 4 || stride == 8)) ||
                                                                 (filter == "QUATERNION" && stride == 8) || filter == "EXPONENTIAL"));
   if (!fits) say("has the filter \"", filter.substr(0, 40), "\" on ", stride, " bytes");
@@ -57,7 +58,8 @@ Packed packed(GltfDocument& document, const json& view, const json& described, s
     say("has ", packed.count, " elements of ", stride, " bytes, and ", wanted, " bytes");
   if (packed.is_triangles && packed.count % 3 != 0) say("has ", packed.count, " corners, which is no multiple of 3");
   const std::uint64_t most = packed.bytes.size() * (packed.is_vertices ? 64 : packed.is_triangles ? 3 : 1);
-  if ((packed.is_vertices ? wanted : packed.count) > most) say("cannot hold ", packed.count, " elements in ", packed.bytes.size(), " bytes");
+  if ((packed.is_vertices ? wanted : packed.count) > most)
+    say("cannot hold ", packed.count, " elements in ", packed.bytes.size(), " bytes");
   return packed;
 }
 
@@ -92,7 +94,8 @@ void unpack_meshopt(GltfDocument& document) {
     if (plain < document.buffers.size() && !document.buffers[plain].empty()) continue;
     const auto bytes = document.natural(view, "byteLength", 0);
     if (!kHasMeshopt)
-      return document.say("buffer view ", k, " is compressed (", kMeshopt, "), and this Weft was built without meshoptimizer (libmeshoptimizer-dev)");
+      return document.say("buffer view ", k, " is compressed (", kMeshopt, "): this Weft was built without meshoptimizer ",
+                          "(libmeshoptimizer-dev)");
     const Packed from = packed(document, view, described, k);
     if (total += bytes; total > kMostUnpacked) document.say("its compressed buffer views hold more than ", kMostUnpacked, " bytes");
     if (!document.fault.empty()) return;
@@ -121,14 +124,16 @@ void add_compressed(GltfDocument& document, json& primitive, const json& describ
     const json* accessor = document.entry(document.list(document.tree.root, "accessors"), primitive, "indices");
     if (accessor) one.mesh.corners = document.natural(*accessor, "count", 0);
   }
-  for (const auto& [name, id] : member(described, "attributes").items()) {   // `id` is the stream's name for it
+  const json& ids = member(described, "attributes");
+  for (const auto& [name, id] : ids.items()) {
     const json* accessor = document.entry(document.list(document.tree.root, "accessors"), attributes, name.c_str());
     if (!accessor) return;
     const std::string* type = has(*accessor, "type") ? (*accessor)["type"].get_ptr<const std::string*>() : nullptr;
     const bool is_vector = type && type->size() == 4 && type->starts_with("VEC") && type->back() >= '2' && type->back() <= '4';
-    if (!is_vector && !(type && *type == "SCALAR")) return document.say("the accessor of \"", name, "\" is compressed and not a SCALAR or a vector");
+    if (!is_vector && !(type && *type == "SCALAR"))
+      return document.say("the accessor of \"", name, "\" is compressed and not a SCALAR or a vector");
     one.names.push_back(name);
-    one.mesh.attributes.push_back({document.natural(member(described, "attributes"), name.c_str(), 0), document.natural(*accessor, "componentType", 0),
+    one.mesh.attributes.push_back({document.natural(ids, name.c_str(), 0), document.natural(*accessor, "componentType", 0),
                                    is_vector ? static_cast<std::size_t>(type->back() - '0') : 1});
     const std::uint64_t count = document.natural(*accessor, "count", 0);
     if (one.mesh.attributes.size() > 1 && count != one.mesh.vertices)
@@ -178,7 +183,8 @@ void unpack_draco(GltfDocument& document) {
       if (has(*position, "bufferView")) continue;   // a plain copy
       add_compressed(document, primitive, described, all);
       if (!document.fault.empty()) return;
-      if ((total += all.back().mesh.size()) > kMostUnpacked) return document.say("its compressed primitives hold more than ", kMostUnpacked, " bytes");
+      if ((total += all.back().mesh.size()) > kMostUnpacked)
+        return document.say("its compressed primitives hold more than ", kMostUnpacked, " bytes");
     }
   }
   if (all.empty()) return;
@@ -188,7 +194,7 @@ void unpack_draco(GltfDocument& document) {
   if (!unpacked) return document.say("a primitive is compressed (", kDraco, "): ", unpacked.error());
   std::string_view rest = *unpacked;
   for (const Compressed& one : all) {
-    if (rest.size() < one.mesh.size()) return document.say("a primitive is compressed (", kDraco, "), and its stream holds less than it says");
+    if (rest.size() < one.mesh.size()) return document.say("a primitive is compressed (", kDraco, "): its stream holds less than it says");
     put_unpacked(document, one, rest.substr(0, one.mesh.size()));
     rest.remove_prefix(one.mesh.size());
   }

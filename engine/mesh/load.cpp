@@ -142,7 +142,8 @@ Result<Mesh> load(const std::filesystem::path& file, BufferFiles buffer_files) {
   const auto note = [&](std::size_t count, const char* one, const char* many, const char* what) {
     if (count) mesh->mended.insert(mesh->mended.begin(), fail(count, " ", count == 1 ? one : many, what).message);
   };
-  note(harvest->other_coordinates, "material has", "materials have", " textures with other coordinates than the first's, which all have now");
+  note(harvest->other_coordinates, "material has", "materials have",
+       " textures with other coordinates than the first's, which all have now");
   note(harvest->crossed_faces, "face crosses", "faces cross", " over itself; triangles of it lie on each other or face different ways");
   note(harvest->bad_uvs, "texture coordinate was", "texture coordinates were", " not finite; projected instead");
   note(harvest->bad_normals, "normal was", "normals were", " not finite or had no direction; made anew");
@@ -150,7 +151,8 @@ Result<Mesh> load(const std::filesystem::path& file, BufferFiles buffer_files) {
   if (!harvest->skin_fault.empty()) mesh->mended.insert(mesh->mended.begin(), "its skin was left out: " + harvest->skin_fault);
   if (!harvest->attribute_fault.empty())
     mesh->mended.insert(mesh->mended.begin(), "its vertex attributes were left out: " + harvest->attribute_fault);
-  if (!harvest->material_fault.empty()) mesh->mended.insert(mesh->mended.begin(), "its materials were left out: " + harvest->material_fault);
+  if (!harvest->material_fault.empty())
+    mesh->mended.insert(mesh->mended.begin(), "its materials were left out: " + harvest->material_fault);
   if (!harvest->note.empty()) mesh->mended.insert(mesh->mended.begin(), harvest->note);
   note(harvest->lines, "line was", "lines were", " left out");
   note(harvest->points, "point was", "points were", " left out");

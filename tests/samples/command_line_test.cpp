@@ -59,7 +59,7 @@ TEST_F(CommandLine, every_fault_of_a_scene_has_its_line) {
 }
 
 TEST_F(CommandLine, a_mesh_of_a_format_that_is_not_read_is_told_which_are) {
-  for (const char* name : {"cloth.fbx", "cloth.USD", "cloth.ply"})
+  for (const char* name : {"cloth.abc", "cloth.USD", "cloth.3ds"})
     for (const char* command : {"check", "run"}) {
       const Outcome outcome = weft({command, write(name, "Kaydara FBX Binary")});
       EXPECT_EQ(outcome.exit, 2) << name;
