@@ -1,4 +1,4 @@
-// PLY, STL, Collada and FBX, by assimp. Its readers are many and trust their files: damaged ones make them run for ever, or ask for any
+// PLY, STL, Collada and FBX, by assimp. Its readers are many and trust their files: damaged ones make them crash, run for ever or ask for any
 // memory. So they work in a process of their own (engine/mesh/apart.h), which sends back a GLB; that is read as any other.
 #include <assimp/Importer.hpp>
 #include <assimp/material.h>
@@ -180,7 +180,7 @@ std::string note_on(const aiScene& scene, bool is_stl) {
 
 Result<Harvest> read_foreign(const std::string& content, const std::string& kind) {
   const bool is_stl = kind == "stl";
-  const Bounds bounds{(std::size_t{256} << 20) + 64 * content.size(), static_cast<unsigned>(10 + content.size() / (1 << 20))};
+  const Bounds bounds{(std::size_t{256} << 20) + 64 * content.size(), static_cast<unsigned>(3 + content.size() / (1 << 20))};
   Result<std::string> read = apart("assimp", bounds, [&]() -> Result<std::string> {
     Assimp::Importer importer;
     const aiScene* scene = importer.ReadFileFromMemory(content.data(), content.size(), aiProcess_Triangulate, kind.c_str());

@@ -68,7 +68,7 @@ Result<std::string> unpack_draco(std::span<const DracoMesh> meshes, std::uint64_
   std::uint64_t packed = 0;
   for (const DracoMesh& mesh : meshes) packed += mesh.bytes.size();
   const Bounds bounds{static_cast<std::size_t>((std::uint64_t{256} << 20) + 16 * total + 4 * packed),
-                      static_cast<unsigned>(10 + (total + packed) / (1 << 20))};
+                      static_cast<unsigned>(3 + (total + packed) / (1 << 20))};
   return apart("Draco", bounds, [&]() -> Result<std::string> {
     std::string all;
     for (const DracoMesh& mesh : meshes)
