@@ -43,7 +43,7 @@ nlohmann::json document(const std::filesystem::path& glb) {
 
 std::string name_of(const Mesh& mesh, std::size_t triangle) {
   const std::uint32_t number = mesh.render.material_of[triangle];
-  return number == kNone ? "none" : nlohmann::json::parse(mesh.render.materials->text)["materials"][number]["name"].get<std::string>();
+  return number == kNone ? "none" : nlohmann::json::parse(mesh.render.materials->text)["materials"][number].value("name", "plain");
 }
 
 TEST(MeshMaterials, come_back_with_their_textures_and_their_triangles) {
