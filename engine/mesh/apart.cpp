@@ -44,7 +44,8 @@ bool send(int pipe, std::string_view bytes) {
 
 [[noreturn]] void be_child(int pipe, Bounds bounds, [[maybe_unused]] std::size_t own,
                            const std::function<Result<std::string>()>& work) {
-  for (const int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGXCPU, SIGALRM, SIGPIPE, SIGTERM, SIGINT}) std::signal(signal, SIG_DFL);
+  for (const int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGXCPU, SIGALRM, SIGPIPE, SIGTERM, SIGINT})
+    std::signal(signal, SIG_DFL);
   const int nowhere = open("/dev/null", O_RDWR);   // readers print what they think of a file
   for (const int shown : {STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, shown);
 #ifndef __SANITIZE_ADDRESS__   // whose shadow takes terabytes

@@ -1,5 +1,5 @@
-// PLY, STL, Collada and FBX, by assimp. Its readers are many and trust their files: damaged ones make them crash, run for ever or ask for any
-// memory. So they work in a process of their own (engine/mesh/apart.h), which sends back a GLB; that is read as any other.
+// PLY, STL, Collada and FBX, by assimp. Its readers are many and trust their files: damaged ones make them crash, run for ever or ask for
+// any memory. So they work in a process of their own (engine/mesh/apart.h), which sends back a GLB; that is read as any other.
 #include <assimp/Importer.hpp>
 #include <assimp/material.h>
 #include <assimp/postprocess.h>

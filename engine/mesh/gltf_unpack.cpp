@@ -1,6 +1,6 @@
 // What is compressed in a glTF, unpacked before anything of it is read. The decoders are other people's: meshoptimizer's are made for
-// anyone's bytes, and what they are given cannot hold more than the sizes below; Draco's takes its sizes from its own stream, so it works in
-// a process of its own (engine/mesh/apart.h).
+// anyone's bytes, and what they are given cannot hold more than the sizes below; Draco's takes its sizes from its own stream, so it works
+// in a process of its own (engine/mesh/apart.h).
 #include <algorithm>
 #include <array>
 #include <cstring>

@@ -77,14 +77,15 @@ TEST(MeshFormats, sparse_accessors_of_a_few_words_cannot_claim_the_memory) {
 
 TEST(MeshFormats, texture_coordinates_are_transformed_as_the_base_colour_has_it) {
   Gltf gltf;
-  const std::size_t position = gltf.vec3({0, 0, 0, 1, 0, 0, 0, 1, 0}), first = gltf.vec2({9, 9, 9, 9, 9, 9}), second = gltf.vec2({0, 0, 1, 0, 0, 1});
+  const std::size_t position = gltf.vec3({0, 0, 0, 1, 0, 0, 0, 1, 0});
+  const std::size_t first = gltf.vec2({9, 9, 9, 9, 9, 9}), second = gltf.vec2({0, 0, 1, 0, 0, 1});
   auto& primitive = gltf.primitive(position);
   primitive["attributes"]["TEXCOORD_0"] = first;
   primitive["attributes"]["TEXCOORD_1"] = second;
   primitive["material"] = 0;
   const nlohmann::json transform = {{"offset", {0.5, 0.25}}, {"rotation", 1.5707963267948966}, {"scale", {2, 3}}, {"texCoord", 1}};
-  gltf.json["materials"] = {{{"normalTexture", {{"index", 0}}},
-                             {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}, {"extensions", {{"KHR_texture_transform", transform}}}}}}}}};
+  const nlohmann::json colour = {{"index", 0}, {"extensions", {{"KHR_texture_transform", transform}}}};
+  gltf.json["materials"] = {{{"normalTexture", {{"index", 0}}}, {"pbrMetallicRoughness", {{"baseColorTexture", colour}}}}};
   gltf.json["textures"] = {{{"source", 0}}};
   gltf.json["images"] = {{{"uri", "data:image/png;base64,iVBORw=="}}};
   gltf.json["extensionsRequired"] = {"KHR_texture_transform"};
@@ -129,8 +130,10 @@ TEST(MeshFormats, a_stream_of_draco_s_that_is_not_what_the_document_says_is_refu
   const std::string of = "a primitive is compressed (KHR_draco_mesh_compression): ";
   EXPECT_EQ(refused("/accessors/0/count", 93), of + "its stream has 25 vertices and 32 triangles, and the document says 25 and 31");
   EXPECT_EQ(refused("/accessors/1/count", 24), "a compressed primitive has 24 and 25 vertices");
-  EXPECT_EQ(refused("/accessors/1/componentType", 5123), of + "attribute 0 of its stream has 3 numbers of another type than the document says");
-  EXPECT_EQ(refused("/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression/attributes/POSITION", 7), of + "its stream has no attribute 7");
+  EXPECT_EQ(refused("/accessors/1/componentType", 5123),
+            of + "attribute 0 of its stream has 3 numbers of another type than the document says");
+  EXPECT_EQ(refused("/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression/attributes/POSITION", 7),
+            of + "its stream has no attribute 7");
   EXPECT_EQ(refused("/bufferViews/0/byteLength", 90).substr(0, of.size() + 11), of + "Draco says:");
   EXPECT_EQ(refused("/accessors/0/count", 4'000'000'000u).substr(0, 22), "a compressed primitive");
 }
