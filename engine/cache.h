@@ -14,7 +14,8 @@
 // | pc2    | POINTCACHE2: positions                                                    | 2^31 - 1 points and frames                    |
 // | mdd    | MDD: positions, big-endian                                                | the same                                      |
 // | glb    | glTF 2.0: the mesh at rest and a morph target a frame, whose weights are  | 4 GiB, 32767 frames                           |
-// |        | animated, linearly; positions are differences from those at rest          |                                               |
+// |        | animated, linearly; positions are differences from those at rest;         |                                               |
+// |        | with the materials and textures of the meshes' files                      |                                               |
 // | usda   | USD: a Mesh whose points, normals and extent are time samples             | none but the disk's                           |
 // | ply    | a file a frame: NAME_0001.ply, binary, as final.ply of `weft run`         | none but the disk's                           |
 // | obj    | a file a frame: NAME_0001.obj                                             | none but the disk's                           |

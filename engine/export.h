@@ -24,9 +24,11 @@ Result<void> write_ply(const std::filesystem::path& file, std::span<const Vec3> 
 Result<void> write_obj(const std::filesystem::path& file, std::span<const Vec3> positions, std::span<const Vec3> normals,
                        std::span<const Vec2> uvs, std::span<const Triangle> triangles);
 
-/// GLB (glTF 2.0): one node, one mesh, one double-sided material without textures; positions, normals, UVs, 32-bit indices.
+/// GLB (glTF 2.0): one node, one mesh, with a primitive for each of its materials, which keep their textures; one that is double-sided for
+/// triangles without any; positions, normals, UVs, 32-bit indices. Triangles lie by their materials, each of these in their order.
 /// Tangents are not written: a reader makes them from the UVs. Normals and UVs are as many as the positions, or none.
-/// Errors: as write_ply; also no triangle at all, which glTF does not allow, and more than 4 GiB, which a GLB does not hold.
+/// Errors: as write_ply; also a material that is not there, no triangle at all, which glTF does not allow, and more than 4 GiB, which a
+/// GLB does not hold.
 Result<void> write_glb(const std::filesystem::path& file, const RenderMesh& mesh);
 
 }  // namespace weft

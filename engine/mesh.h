@@ -12,14 +12,15 @@
 // w cross(normal, tangent) points up in the picture, which is what glTF's normal maps (+Y up) expect.
 //
 // Limitations: welding goes by position alone, so two sheets that lie exactly on each other become one (their triangles are
-// duplicates then, and are counted as such). Materials of a file are not read. Of a vertex's joints the four with the largest weights
-// count. Of vertices that become one point the first says where morph targets and joints take it.
+// duplicates then, and are counted as such). Of a vertex's joints the four with the largest weights count. Of vertices that
+// become one point the first says where morph targets and joints take it.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -35,6 +36,14 @@ inline constexpr std::uint32_t kNone = 0xffffffffu;
 
 using Triangle = std::array<std::uint32_t, 3>;
 
+/// What a file says of how its triangles look: kept for whoever writes the mesh back (engine/export.h, engine/cache.h). Pictures of
+/// weft::shading show a cloth's own textures instead.
+struct Materials {
+  std::size_t count = 0;
+  std::string text;                  // JSON: glTF's lists "materials", "textures", "samplers", "images"; an image's "bufferView" is one of `images`
+  std::vector<std::string> images;   // PNG, JPEG, WebP or KTX2, as the file holds them
+};
+
 /// What the renderer draws: one entry a vertex in all four lists, three indices a triangle.
 struct RenderMesh {
   std::vector<Vec3> positions;   // m, rest pose, node transforms applied
@@ -42,6 +51,8 @@ struct RenderMesh {
   std::vector<Vec4> tangents;    // unit, at right angles to the normal, w = handedness (+1 or -1)
   std::vector<Vec2> uvs;
   std::vector<Triangle> triangles;
+  std::vector<std::uint32_t> material_of = {};             // of each triangle, a number below materials->count or kNone; empty: all have none
+  std::shared_ptr<const Materials> materials = {};         // none: material_of is empty
 };
 
 /// An edge and what lies on both sides of it, after Baumgart's winged edge (1972).
@@ -147,12 +158,15 @@ inline constexpr std::uint32_t kMostCorners = 1000;   // of a face: the time tha
 
 /// Reads glTF, GLB or OBJ: all triangle primitives of the default scene, node transforms applied (a mirroring one turns the
 /// winding back outwards; a skinned mesh has none, as glTF says), missing normals and UVs made; with skins, morph targets, their
-/// animations and vertex colours. The mesh has its base shape: that of morph targets with weights of 0. Faces of an OBJ are cut into
-/// triangles, concave ones too. Lines, points, and skins (with the morph targets) or attributes that are not as they must be, are left
-/// out, with a sentence in `mended`. Where triangles share no vertices, those that agree in everything are joined. A glTF's
-/// buffers are read only below its own folder, links followed, or anywhere; nothing that an OBJ names is.
+/// animations, vertex colours, and materials with their textures. The mesh has its base shape: that of morph targets with weights of 0.
+/// Faces of an OBJ are cut into triangles, concave ones too. Lines, points, and skins (with the morph targets), attributes or
+/// materials that are not as they must be, are left out, with a sentence in `mended`. Where triangles share no vertices, those that
+/// agree in everything are joined. What meshopt or Draco has compressed is unpacked, where Weft was built with them. A glTF's buffers
+/// and images are read only below its own folder, links followed, or anywhere; nothing that another file names is.
+/// PLY, STL, Collada and FBX: the triangles, vertex colours and plain materials that assimp finds, in metres, +y up; a process of its own
+/// reads them (engine/mesh/apart.h), and their vertices have assimp's numbers.
 /// Errors: missing, unreadable, cut short or foreign file, or one of more than 1 GiB; a buffer that is missing or not allowed;
-/// a glTF that needs an extension, or uses sparse (but for morph targets), quantised or compressed accessors;
+/// a glTF that needs an extension; what is compressed and cannot be unpacked;
 /// indices that make no whole triangles; no triangle; a vertex that is not finite, or 1e10 m or more away; more than kMostVertices
 /// vertices; a scene of more than 100,000 nodes, or as many primitives that share no accessors; a face of more than kMostCorners corners.
 Result<Mesh> load_mesh(const std::filesystem::path& file, BufferFiles buffer_files = BufferFiles::below_its_folder);

@@ -1,4 +1,4 @@
-// gltf_cloth IN OUT [seconds]: loads a mesh (glTF, GLB or OBJ), lets it hang from its top, and writes it as it hangs then.
+// gltf_cloth IN OUT [seconds]: loads a mesh, lets it hang from its top, and writes it as it hangs then.
 //
 // The shortest program that puts a mesh through Weft and gets a mesh back. Exit codes: 0 done, 1 the machine's fault,
 // 2 the input's.
@@ -23,7 +23,7 @@ int complain(int code, const std::string& sentence) {
 }  // namespace
 
 int main(int count, char** words) {
-  if (count < 3 || count > 4) return complain(2, "usage: gltf_cloth IN OUT [seconds]   (IN is a .gltf, .glb or .obj, OUT a .glb)");
+  if (count < 3 || count > 4) return complain(2, "usage: gltf_cloth IN OUT [seconds]   (IN is a mesh: .glb, .obj and others; OUT a .glb)");
   char* end = nullptr;
   const double seconds = count == 4 ? std::strtod(words[3], &end) : 2;
   if (count == 4 && (end == words[3] || *end != '\0' || !(seconds >= 0 && seconds <= kMostSeconds)))

@@ -52,14 +52,16 @@ class Morphs : public Layout {
     for (JsonTree* accessor : {&input, &output}) scene.accessors.root.push_back(std::move(accessor->root));
     for (JsonTree* added : {&tables, &differences}) scene.views.root.push_back(std::move(added->root));
     view_ = view + 1;
-    JsonTree targets(nlohmann::json::array());
-    std::size_t accessor = times + 2;
-    for (std::uint64_t k = 0; k < frames_; ++k) {
-      JsonTree target = object_of("POSITION", accessor++);
-      if (!normals_.empty()) put(target, "NORMAL", accessor++);
-      targets.root.push_back(std::move(target.root));
+    for (nlohmann::json& primitive : scene.primitives.root) {   // each has the same
+      JsonTree targets(nlohmann::json::array());
+      std::size_t accessor = times + 2;
+      for (std::uint64_t k = 0; k < frames_; ++k) {
+        JsonTree target = object_of("POSITION", accessor++);
+        if (!normals_.empty()) put(target, "NORMAL", accessor++);
+        targets.root.push_back(std::move(target.root));
+      }
+      primitive["targets"] = std::move(targets.root);
     }
-    put(scene.primitive, "targets", std::move(targets));
     JsonTree sampler = object_of("input", times, "output", times + 1, "interpolation", "LINEAR");
     JsonTree channel = object_of("sampler", 0, "target", object_of("node", 0, "path", "weights"));
     JsonTree animation = object_of("channels", list_of(std::move(channel)), "samplers", list_of(std::move(sampler)));

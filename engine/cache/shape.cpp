@@ -3,6 +3,7 @@
 #include <cassert>
 
 #include "engine/cache.h"
+#include "engine/mesh/materials.h"
 
 namespace weft {
 namespace {
@@ -52,6 +53,12 @@ void add_render(CachedShape& shape, const Shown& shown, Vec3 origin) {
   shape.mesh.normals.insert(shape.mesh.normals.end(), render.normals.begin(), render.normals.end());
   shape.mesh.uvs.insert(shape.mesh.uvs.end(), render.uvs.begin(), render.uvs.end());
   for (const Triangle& t : render.triangles) shape.mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  if (render.material_of.empty()) return;
+  auto all = std::make_shared<Materials>(shape.mesh.materials ? *shape.mesh.materials : Materials());
+  const std::uint32_t number = parts::append(*all, *render.materials);
+  shape.mesh.materials = std::move(all);
+  shape.mesh.material_of.resize(shape.mesh.triangles.size() - render.triangles.size(), kNone);
+  for (const std::uint32_t m : render.material_of) shape.mesh.material_of.push_back(m == kNone ? kNone : number + m);
 }
 
 std::vector<Vec3> chosen(const CachedShape& shape, std::span<const Vec3> all, std::span<const Vec3> at_rest) {
@@ -73,11 +80,14 @@ CachedShape cached_shape(const CookedFabric& fabric, std::span<const Mesh> meshe
     if (is_point_cache(format) && !shown.mesh.point_of_source.empty()) add_source(shape, shown, origin);
     else add_render(shape, shown, origin);
   }
+  if (shape.mesh.materials) shape.mesh.material_of.resize(shape.mesh.triangles.size(), kNone);
   shape.has_strain = fabric.render_meshes.empty() && !is_point_cache(format);
   if (!is_point_cache(format)) return shape;
   shape.mesh.normals.clear();
   shape.mesh.uvs.clear();
   shape.mesh.triangles.clear();
+  shape.mesh.material_of.clear();
+  shape.mesh.materials = nullptr;
   return shape;
 }
 

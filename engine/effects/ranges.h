@@ -53,7 +53,7 @@ inline constexpr std::array<std::string_view, 9> kMethods = {"default", "jacobi"
                                                              "verlet", "implicit", "auto"};
 inline constexpr std::array<std::string_view, 2> kLinears = {"cg", "jacobi"};
 inline constexpr std::array<std::string_view, 2> kAveragings = {"mass_split", "count"};
-inline constexpr std::array<std::string_view, 3> kMeshEndings = {".gltf", ".glb", ".obj"};
+inline constexpr std::array<std::string_view, 7> kMeshEndings = {".gltf", ".glb", ".obj", ".ply", ".stl", ".dae", ".fbx"};
 inline constexpr std::array<std::string_view, 3> kPictureEndings = {".png", ".jpg", ".jpeg"};
 
 }  // namespace weft::scene_fields

@@ -95,10 +95,20 @@ Result<void> points_are_described(const Mesh& mesh) {
     for (const Vec4& v : values)
       if (!std::isfinite(v.x + v.y + v.z + v.w)) return fail("attributes[\"", name, "\"] has a value that is not finite");
   }
+  if (Result<void> good = parts::check_materials(mesh.render); !good) return good;
   return mesh.skin ? parts::check_skin(*mesh.skin, mesh.points.size()) : Result<void>();
 }
 
 }  // namespace
+
+Result<void> parts::check_materials(const RenderMesh& render) {
+  const std::size_t count = render.materials ? render.materials->count : 0, triangles = render.triangles.size();
+  if (!render.material_of.empty() && render.material_of.size() != triangles)
+    return fail("render.material_of has ", render.material_of.size(), " entries, and there are ", triangles, " triangles");
+  for (const std::uint32_t material : render.material_of)
+    if (material != kNone && material >= count) return fail("render.material_of: ", material, " is not one of the ", count, " materials");
+  return {};
+}
 
 Result<void> check(const Mesh& mesh) try {
   for (const auto good : {lists_are_as_long, points_are_there, triangles_are_of_points, edges_are_of_triangles, points_are_described})

@@ -1,8 +1,12 @@
 #include "engine/mesh/glb.h"
 
 #include <algorithm>
+#include <iterator>
+#include <map>
 #include <span>
 #include <utility>
+
+#include "engine/mesh/materials.h"
 
 namespace weft::glb {
 namespace {
@@ -26,6 +30,40 @@ std::string words(std::initializer_list<std::uint64_t> values) {
     bytes.append(reinterpret_cast<const char*>(&word), sizeof word);
   }
   return bytes;
+}
+
+// Those of a mesh, after its arrays; and one that is double-sided where some triangles have none.
+void add_materials(Scene& scene, const RenderMesh& mesh, bool some_have_none) {
+  if (mesh.materials) {
+    JsonTree lists = parts::material_lists(*mesh.materials);
+    for (json& image : lists.root["images"])
+      if (image.is_object() && image.contains("bufferView") && image["bufferView"].is_number_unsigned())
+        image["bufferView"] = image["bufferView"].get<std::size_t>() + scene.views.root.size();
+    for (const std::string& image : mesh.materials->images) {
+      JsonTree view = object_of("buffer", 0, "byteOffset", scene.binary.size(), "byteLength", image.size());
+      scene.views.root.push_back(std::move(view.root));
+      scene.binary += image;
+      scene.binary.resize((scene.binary.size() + 3) / 4 * 4, '\0');
+    }
+    for (const char* key : {"materials", "textures", "samplers", "images"})   // an empty list is not allowed
+      if (!lists.root[key].empty()) put(scene.materials, key, std::move(lists.root[key]));
+    std::vector<std::string> names;
+    parts::add_extensions(scene.materials.root, names);
+    if (!names.empty()) put(scene.materials, "extensionsUsed", names);
+  }
+  if (!some_have_none) return;
+  JsonTree look = object_of("metallicFactor", 0, "roughnessFactor", 0.8);
+  JsonTree plain = object_of("doubleSided", true, "pbrMetallicRoughness", std::move(look));
+  if (!scene.materials.root.contains("materials")) put(scene.materials, "materials", json::array());
+  scene.materials.root["materials"].push_back(std::move(plain.root));
+}
+
+// Triangles by their material, those without one last.
+std::vector<std::pair<std::uint32_t, std::vector<Triangle>>> by_material(const RenderMesh& mesh) {
+  std::map<std::uint32_t, std::vector<Triangle>> groups;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    groups[mesh.material_of.empty() ? kNone : mesh.material_of[t]].push_back(mesh.triangles[t]);
+  return {std::make_move_iterator(groups.begin()), std::make_move_iterator(groups.end())};
 }
 
 }  // namespace
@@ -56,21 +94,33 @@ Result<Scene> scene_of(const std::filesystem::path& file, const RenderMesh& mesh
   if (!mesh.normals.empty())
     attributes["NORMAL"] = add(scene, std::span<const Vec3>(mesh.normals), kFloat, "VEC3", vertices, kVertexTarget);
   if (!mesh.uvs.empty()) attributes["TEXCOORD_0"] = add(scene, std::span<const Vec2>(mesh.uvs), kFloat, "VEC2", vertices, kVertexTarget);
-  const std::size_t indices =
-      add(scene, std::span<const Triangle>(mesh.triangles), kInteger, "SCALAR", mesh.triangles.size() * 3, kIndexTarget);
-  scene.primitive = object_of("attributes", std::move(shown), "indices", indices, "material", 0);
+  const std::size_t materials = mesh.materials ? mesh.materials->count : 0;
+  if (!mesh.material_of.empty() && mesh.material_of.size() != mesh.triangles.size())
+    return fail(file.string(), " is not written: ", mesh.material_of.size(), " materials for ", mesh.triangles.size(), " triangles");
+  bool some_have_none = false;
+  for (const auto& [material, triangles] : by_material(mesh)) {
+    if (material != kNone && material >= materials)
+      return fail(file.string(), " is not written: a triangle has material ", material, " of ", materials);
+    some_have_none |= material == kNone;
+    const std::size_t indices =
+        add(scene, std::span<const Triangle>(triangles), kInteger, "SCALAR", triangles.size() * 3, kIndexTarget);
+    JsonTree flat(json(shown.root));   // numbers alone
+    JsonTree primitive = object_of("attributes", std::move(flat), "indices", indices, "material", material == kNone ? materials : material);
+    scene.primitives.root.push_back(std::move(primitive.root));
+  }
+  add_materials(scene, mesh, some_have_none);
   return scene;
 }
 
 JsonTree document_of(Scene& scene, std::uint64_t bytes, std::string_view name) {
-  JsonTree look = object_of("metallicFactor", 0, "roughnessFactor", 0.8);
-  JsonTree materials = list_of(object_of("doubleSided", true, "pbrMetallicRoughness", std::move(look)));
   JsonTree node = object_of("mesh", 0);
   if (!name.empty()) put(node, "name", std::string(name));
-  return object_of("asset", object_of("version", "2.0", "generator", "Weft"), "scene", 0, "scenes",
-                   list_of(object_of("nodes", list_of(json(0)))), "nodes", list_of(std::move(node)), "materials", std::move(materials),
-                   "meshes", list_of(object_of("primitives", list_of(std::move(scene.primitive)))), "bufferViews", std::move(scene.views),
-                   "buffers", list_of(object_of("byteLength", bytes)));
+  JsonTree document = object_of("asset", object_of("version", "2.0", "generator", "Weft"), "scene", 0, "scenes",
+                                list_of(object_of("nodes", list_of(json(0)))), "nodes", list_of(std::move(node)), "meshes",
+                                list_of(object_of("primitives", std::move(scene.primitives))), "bufferViews", std::move(scene.views),
+                                "buffers", list_of(object_of("byteLength", bytes)));
+  for (auto& [key, list] : scene.materials.root.items()) put(document, key, std::move(list));
+  return document;
 }
 
 std::string head_of(std::uint64_t text_bytes, std::uint64_t binary_bytes) {

@@ -15,18 +15,19 @@ inline constexpr int kFloat = 5126, kInteger = 5125;                  // compone
 inline constexpr int kVertexTarget = 34962, kIndexTarget = 34963;     // of buffer views
 inline constexpr std::uint64_t kMostBytes = 0xffffffffu;
 
-/// One node with one mesh of one primitive, double-sided and without textures. `binary` begins with its arrays, each 4-byte aligned.
+/// One node with one mesh, with a primitive for each of its materials; without any, double-sided and without textures. `binary` begins
+/// with its arrays, each 4-byte aligned.
 struct Scene {
   std::string binary;
-  JsonTree accessors = nlohmann::json::array(), views = nlohmann::json::array();
-  JsonTree primitive;
+  JsonTree accessors = nlohmann::json::array(), views = nlohmann::json::array(), primitives = nlohmann::json::array();
+  JsonTree materials = nlohmann::json::object();   // with textures, samplers and images, and the extensions that they use
 };
 
-/// Positions with their bounds, normals and texture coordinates where there are some, indices. Errors: nothing to draw, lists of unequal
-/// length, indices out of range.
+/// Positions with their bounds, normals and texture coordinates where there are some, indices, materials. Errors: nothing to draw, lists of
+/// unequal length, indices out of range.
 Result<Scene> scene_of(const std::filesystem::path& file, const RenderMesh& mesh);
 
-/// All but the accessors: these are taken out of `scene`, as are views and primitive. `bytes`: of the binary chunk.
+/// All but the accessors: these are taken out of `scene`, as are the others. `bytes`: of the binary chunk.
 JsonTree document_of(Scene& scene, std::uint64_t bytes, std::string_view name);
 
 /// The file's first bytes, up to the JSON text; its length is divisible by 4.

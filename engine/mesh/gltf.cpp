@@ -1,15 +1,14 @@
-// glTF, checked and stripped to the triangles of its scene before assimp sees it (engine/mesh/gltf_decode.cpp).
+// The triangles of a glTF's scene.
 //
-// assimp decodes well, but it trusts lengths and references, follows materials and animations that a cloth does not need, and has a
-// mesh for every primitive, with all vertices of its accessors. So every range is checked here, and what passed is written into a
-// new GLB in memory, where primitives that share their accessors are one. Skins and vertex colours (gltf_skin.cpp) and morph targets
-// (gltf_morph.cpp) are read beside it. What is copied is bounded by kMostVertices, kMostIndices and kMostPieces, however often a document shows it.
+// A file may be anyone's: every range and reference is checked before anything is taken, and what is held is bounded by kMostVertices,
+// kMostIndices and kMostPieces, however often a document shows it. Primitives of a mesh that share their accessors share the vertices.
+// Skins and vertex colours (gltf_skin.cpp), morph targets (gltf_morph.cpp) and materials (gltf_material.cpp) are read beside it.
 #include "engine/mesh/gltf.h"
 
 #include <algorithm>
 #include <array>
-#include <cstring>
-#include <functional>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -18,19 +17,21 @@
 namespace weft::parts {
 namespace {
 
-constexpr std::size_t kMostPieces = 100'000;                               // nodes, and sets of vertices: kilobytes each in assimp
+constexpr std::size_t kMostPieces = 100'000;   // nodes, and sets of vertices
 
 enum Mode : std::uint64_t { points, lines, line_loop, line_strip, triangles, triangle_strip, triangle_fan };
 
 /// The accessors that primitives share, or do not.
 struct Vertices {
   Accessor position, normal, tangent, uv;
+  TextureCoordinates coordinates;
   const json *attributes, *targets;
 };
-using AccessorNumbers = std::pair<std::array<std::uint64_t, 6>, std::string>;   // the text: of morph targets
+using AccessorNumbers = std::tuple<std::array<std::uint64_t, 6>, TextureCoordinates, std::string>;   // the text: of morph targets
 
 struct Primitive {
-  std::size_t vertices;   // of its mesh's
+  std::size_t vertices;     // of its mesh's
+  std::uint32_t material;   // the document's
   std::uint64_t mode, count;
   Accessor indices;
 
@@ -46,21 +47,21 @@ struct Primitive {
 struct Part {
   const json* mesh = nullptr;          // the document's
   std::vector<Vertices> vertices;
-  std::vector<Primitive> primitives;   // of triangles; each has one at least
+  std::vector<Primitive> primitives;   // of triangles; each has one at least; in the order of their vertices
   std::size_t points = 0, lines = 0, morph_targets = 0;
-  std::size_t written = kNone;   // its number in the GLB
 };
 
 bool harmless(const std::string& extension) {
   return extension.starts_with("KHR_materials_") || extension == "KHR_texture_transform" || extension == "KHR_texture_basisu" ||
-         extension == "KHR_lights_punctual" || extension == "EXT_texture_webp";
+         extension == "KHR_lights_punctual" || extension == "EXT_texture_webp" || extension == "KHR_mesh_quantization" ||
+         extension == "EXT_meshopt_compression" || extension == "KHR_draco_mesh_compression";
 }
 
-class GltfStripper {
+class GltfReader {
  public:
-  explicit GltfStripper(GltfDocument& document) : document_(document), root_(document.tree.root) {}
+  explicit GltfReader(GltfDocument& document) : document_(document), root_(document.tree.root), materials_(document) {}
 
-  Result<GltfGeometry> strip() {
+  Result<Harvest> read(const std::filesystem::path& folder, BufferFiles buffer_files) {
     for (const json& name : document_.list(root_, "extensionsRequired"))
       if (!name.is_string() || !harmless(name.get<std::string>()))
         document_.say("it needs the extension ", name.dump(), ", which is not read");
@@ -68,12 +69,15 @@ class GltfStripper {
       if (document_.fault.empty()) read_part(mesh);
     if (document_.fault.empty()) show_scene();
     if (!document_.fault.empty()) return Error{document_.fault};
+    out_.source_vertices = out_.render.positions.size();
     // A file is read without what is wrong in these.
     out_.attributes = read_attributes(document_, shown_);
     out_.attribute_fault = std::exchange(document_.fault, {});
     if (out_.skins > 0 || out_.morph_targets > 0) out_.skin = read_skin(document_, shown_);
     out_.skin_fault = std::exchange(document_.fault, {});
-    out_.glb = glb_.finish();
+    out_.render.materials = materials_.take(out_.render.material_of, folder, buffer_files);
+    out_.material_fault = std::exchange(document_.fault, {});
+    out_.other_coordinates = materials_.differing();
     return std::move(out_);
   }
 
@@ -97,20 +101,16 @@ class GltfStripper {
       if (!document_.fault.empty()) return;
       part.morph_targets = std::max(part.morph_targets, document_.list(primitive, "targets").size());
     }
+    std::ranges::stable_sort(part.primitives, {}, &Primitive::vertices);
   }
 
   void read_primitive(const json& primitive, Part& part, std::map<AccessorNumbers, std::size_t>& known) {
     const std::uint64_t mode = document_.natural(primitive, "mode", triangles);
     if (mode > triangle_fan) return say("a primitive has the mode ", mode, "; the highest is ", std::uint64_t{triangle_fan});
-    static const json none = json::object();
-    const auto member = [&](const char* key) -> const json& { return has(primitive, key) ? primitive[key] : none; };
-    const json &attributes = member("attributes"), &extensions = member("extensions");
-    if (has(extensions, "KHR_draco_mesh_compression") && !has_plain_copy(attributes))
-      return say("a primitive is compressed (KHR_draco_mesh_compression), which is not read");
-
-    const Accessor position = accessor(document_, attributes, "POSITION", "VEC3", Components::floats);
+    const json& attributes = member(primitive, "attributes");
+    const Accessor position = accessor(document_, attributes, "POSITION", "VEC3", Components::numbers);
     if (!document_.fault.empty()) return;
-    Primitive read{part.vertices.size(), mode, position.count, {}};
+    Primitive read{part.vertices.size(), materials_.number_of(primitive), mode, position.count, {}};
     if (has(primitive, "indices")) {
       read.indices = accessor(document_, primitive, "indices", "SCALAR", Components::indices);
       read.count = read.indices.count;
@@ -128,16 +128,18 @@ class GltfStripper {
     if (read.count < 3) return say("a strip or fan has ", read.count, " corners; 3 are needed");
 
     const json& targets = document_.list(primitive, "targets");
-    AccessorNumbers all{{}, targets.empty() ? std::string() : targets.dump()};
-    std::array<std::uint64_t, 6>& numbers = all.first;
-    Vertices vertices{position, {}, {}, {}, &attributes, &targets};
+    const TextureCoordinates coordinates = materials_.coordinates_of(read.material);
+    const std::string uv = "TEXCOORD_" + std::to_string(coordinates.set);
+    AccessorNumbers all{{}, coordinates, targets.empty() ? std::string() : targets.dump()};
+    auto& numbers = std::get<0>(all);
+    Vertices vertices{position, {}, {}, {}, coordinates, &attributes, &targets};
     std::size_t k = 0;
     numbers[k++] = document_.natural(attributes, "POSITION", kNone);
     for (const auto& [name, type, into] : {std::tuple{"NORMAL", "VEC3", &vertices.normal}, {"TANGENT", "VEC4", &vertices.tangent},
-                                           {"TEXCOORD_0", "VEC2", &vertices.uv}}) {
+                                           {uv.c_str(), "VEC2", &vertices.uv}}) {
       numbers[k++] = document_.natural(attributes, name, kNone);
       if (!attributes.contains(name)) continue;
-      *into = accessor(document_, attributes, name, type, Components::floats);
+      *into = accessor(document_, attributes, name, type, Components::numbers);
       if (into->count != position.count) say("a primitive has ", position.count, " positions but ", into->count, " of ", name);
     }
     for (const char* name : {"JOINTS_0", "WEIGHTS_0"})
@@ -148,32 +150,26 @@ class GltfStripper {
     if (added) part.vertices.push_back(vertices);
   }
 
-  /// Whether an attribute that is compressed as well can be read without that, as glTF allows.
-  bool has_plain_copy(const json& attributes) {
-    const json* accessor = document_.entry(document_.list(root_, "accessors"), attributes, "POSITION");
-    return accessor && has(*accessor, "bufferView");
-  }
-
-  /// A node's place below its parent, as the document has it.
-  JsonTree place(const json& node, std::size_t n) {
-    JsonTree tree = json::object();
-    json& copy = tree.root;
-    for (const auto& [key, length] :
-         {std::pair{"matrix", 16u}, std::pair{"translation", 3u}, std::pair{"rotation", 4u}, std::pair{"scale", 3u}}) {
-      const json& numbers = document_.list(node, key);
-      if (numbers.empty()) continue;
-      if (numbers.size() != length || !std::ranges::all_of(numbers, [](const json& x) { return x.is_number(); }))
-        say("node ", n, ": \"", key, "\" is not ", length, " numbers");
+  /// Where a node lies below its parent.
+  Eigen::Affine3d place(const json& node, std::size_t n) {
+    const auto numbers = [&]<std::size_t N>(const char* key, std::array<double, N> values) {
+      const json& list = document_.list(node, key);
+      if (list.empty()) return values;
+      if (list.size() != N || !std::ranges::all_of(list, [](const json& x) { return x.is_number(); }))
+        say("node ", n, ": \"", key, "\" is not ", N, " numbers");
       else
-        put(tree, key, numbers);
-    }
-    if (copy.contains("rotation")) {   // assimp takes the quaternion to have length 1
-      json& rotation = copy["rotation"];
-      auto turn = rotation.get<std::array<double, 4>>();
-      Eigen::Map<Eigen::Vector4d>(turn.data()).stableNormalize();
-      for (std::size_t k = 0; k < turn.size(); ++k) rotation[k] = turn[k];
-    }
-    return tree;
+        for (std::size_t k = 0; k < N; ++k) values[k] = list[k].template get<double>();
+      return values;
+    };
+    Eigen::Affine3d matrix = Eigen::Affine3d::Identity();
+    const auto columns = numbers("matrix", std::array<double, 16>{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
+    for (Eigen::Index k = 0; k < 12; ++k) matrix.matrix()(k % 3, k / 3) = columns[static_cast<std::size_t>(k / 3 * 4 + k % 3)];
+    const auto shift = numbers("translation", std::array<double, 3>{}), size = numbers("scale", std::array<double, 3>{1, 1, 1});
+    const auto turn = numbers("rotation", std::array<double, 4>{0, 0, 0, 1});
+    Eigen::Vector4d q(turn[0], turn[1], turn[2], turn[3]);   // of any length
+    q.stableNormalize();
+    const auto rotation = q.norm() > 0.5 ? Eigen::Quaterniond(q) : Eigen::Quaterniond::Identity();
+    return matrix * Eigen::Translation3d(shift[0], shift[1], shift[2]) * rotation * Eigen::Scaling(size[0], size[1], size[2]);
   }
 
   std::vector<std::size_t> roots(const json& nodes, const std::vector<std::size_t>& parent) {
@@ -200,22 +196,25 @@ class GltfStripper {
 
   void show_scene() {
     struct Visit {
-      std::size_t node, parent;   // of the document; in the GLB
+      std::size_t node;
+      Eigen::Affine3d parent;
     };
+    const Eigen::Affine3d here = Eigen::Affine3d::Identity();
     const json& nodes = document_.list(root_, "nodes");
     const std::vector<std::size_t> tops = roots(nodes, parents_of(document_, nodes));
-    for (std::size_t n = 0; n < nodes.size(); ++n) place(nodes[n], n);   // faults of nodes that no scene shows, too
+    std::vector<Eigen::Affine3d> places;
+    for (std::size_t n = 0; n < nodes.size(); ++n) places.push_back(place(nodes[n], n));   // faults of nodes that no scene shows, too
     // A file of meshes without nodes is a library in glTF's words; every mesh is shown once.
     if (nodes.empty() && document_.list(root_, "scenes").empty())
-      for (Part& part : parts_) show(part, glb_.add_node(JsonTree(json::object()), kNone), kNone, kNone);
+      for (const Part& part : parts_) show(part, here, kNone, kNone);
     std::vector<Visit> stack;
-    for (std::size_t k = tops.size(); k-- > 0;) stack.push_back({tops[k], kNone});
+    for (std::size_t k = tops.size(); k-- > 0;) stack.push_back({tops[k], here});
     while (!stack.empty() && document_.fault.empty()) {
       const auto [n, parent] = stack.back();
       stack.pop_back();
       const json& node = nodes[n];
-      const std::size_t copy = glb_.add_node(place(node, n), parent);
-      if (copy >= kMostPieces) return say("its scene has more than ", kMostPieces, " nodes");
+      if (++shown_nodes_ > kMostPieces) return say("its scene has more than ", kMostPieces, " nodes");
+      const Eigen::Affine3d own = parent * places[n];
       if (has(node, "mesh")) {
         const std::uint64_t mesh = document_.natural(node, "mesh", 0);
         if (mesh >= parts_.size()) return say("node ", n, ": \"mesh\" points to ", mesh, " of ", parts_.size());
@@ -223,92 +222,91 @@ class GltfStripper {
         if (has(node, "skin") && !parts_[mesh].primitives.empty()) {
           ++out_.skins;
           skin = node["skin"].is_number_unsigned() ? node["skin"].get<std::size_t>() : kNone - 1;
-          glb_.nodes.root[copy]["name"] = kSkinned;
         }
-        show(parts_[mesh], copy, n, skin);
+        show(parts_[mesh], skin == kNone ? own : here, n, skin);   // joints alone place what has a skin (glTF 2.0, 3.7.3.3)
       }
       const json& children = document_.list(node, "children");
-      for (std::size_t k = children.size(); k-- > 0;) stack.push_back({children[k].get<std::size_t>(), copy});   // the first is taken next
+      for (std::size_t k = children.size(); k-- > 0;) stack.push_back({children[k].get<std::size_t>(), own});   // the first is taken next
     }
-    if (out_.triangles == 0) say("it has no triangle in its scene");
+    if (out_.render.triangles.empty()) say("it has no triangle in its scene");
   }
 
-  /// `node` is that of the GLB, `from` and `skin` are the document's.
-  void show(Part& part, std::size_t node, std::size_t from, std::size_t skin) {
+  /// `from` and `skin` are the document's.
+  void show(const Part& part, const Eigen::Affine3d& place, std::size_t from, std::size_t skin) {
     out_.points += part.points;
     out_.lines += part.lines;
     out_.morph_targets += part.morph_targets;
-    if (part.primitives.empty()) return;
-    for (const Vertices& vertices : part.vertices) {
-      out_.vertices += vertices.position.count;
-      shown_.push_back({from, skin, vertices.attributes, vertices.targets, part.mesh, vertices.position.count});
-    }
-    if (out_.vertices > kMostVertices) return say("it has more than ", kMostVertices, " vertices");
-    for (const Primitive& primitive : part.primitives) out_.triangles += primitive.triangle_count();
-    if (out_.triangles > kMostIndices / 3) return say("it has more than ", kMostIndices / 3, " triangles");
-    if (part.written == kNone) write(part);
-    glb_.nodes.root[node]["mesh"] = part.written;
-  }
-
-  /// A primitive for each set of vertices, with the triangles of all that share it.
-  void write(Part& part) {
+    std::size_t vertices = out_.render.positions.size(), triangles = out_.render.triangles.size();
+    for (const Vertices& some : part.vertices) vertices += some.position.count;
+    for (const Primitive& primitive : part.primitives) triangles += primitive.triangle_count();
     sets_ += part.vertices.size();
+    if (vertices > kMostVertices) return say("it has more than ", kMostVertices, " vertices");
+    if (triangles > kMostIndices / 3) return say("it has more than ", kMostIndices / 3, " triangles");
     if (sets_ > kMostPieces) return say("its primitives have more than ", kMostPieces, " sets of accessors");
-    std::vector<std::vector<std::uint32_t>> corners;
-    for (const Vertices& vertices : part.vertices) {
-      // A reader may keep only vertices that corners name, in that order; so triangles come first that name all (see decode_gltf).
-      std::vector<std::uint32_t>& list = corners.emplace_back(3 * triangles_that_name(vertices.position.count));
-      for (std::size_t i = 0; i < list.size(); ++i) list[i] = static_cast<std::uint32_t>(std::min(i, vertices.position.count - 1));
-    }
-    for (const Primitive& primitive : part.primitives)
-      for (std::size_t i = 0; i < primitive.triangle_count(); ++i) {
-        const Triangle triangle = primitive.triangle(i);
-        corners[primitive.vertices].insert(corners[primitive.vertices].end(), triangle.begin(), triangle.end());
-      }
-    JsonTree primitives = json::array();
+    const bool turned = place.linear().determinant() < 0;   // a mirrored triangle is wound backwards
+    auto primitive = part.primitives.begin();
     for (std::size_t k = 0; k < part.vertices.size(); ++k) {
-      const Vertices& vertices = part.vertices[k];
-      JsonTree tree = object_of("POSITION", add<Vec3>(vertices.position, "VEC3"));
-      json& attributes = tree.root;
-      if (vertices.normal.bytes) attributes["NORMAL"] = add<Vec3>(vertices.normal, "VEC3");
-      if (vertices.tangent.bytes) attributes["TANGENT"] = add<Vec4>(vertices.tangent, "VEC4");
-      if (vertices.uv.bytes) {
-        // assimp turns the second number of a texture coordinate over, which rounds; so both travel as first ones.
-        attributes["TEXCOORD_0"] = add<Vec2>(vertices.uv, "VEC2", [](Vec2 uv) { return Vec2{uv.x, 0}; });
-        attributes["TEXCOORD_1"] = add<Vec2>(vertices.uv, "VEC2", [](Vec2 uv) { return Vec2{uv.y, 0}; });
-      }
-      const std::string bytes(reinterpret_cast<const char*>(corners[k].data()), corners[k].size() * sizeof(std::uint32_t));
-      const std::size_t indices = glb_.add_values(bytes, corners[k].size(), 5125, "SCALAR");
-      JsonTree primitive = object_of("attributes", std::move(tree), "indices", indices);
-      primitives.root.push_back(std::move(primitive.root));
+      const Vertices& some = part.vertices[k];
+      const auto base = static_cast<std::uint32_t>(out_.render.positions.size());
+      append(some, place);
+      shown_.push_back({from, skin, some.attributes, some.targets, part.mesh, some.position.count});
+      for (; primitive != part.primitives.end() && primitive->vertices == k; ++primitive)
+        for (std::size_t i = 0; i < primitive->triangle_count(); ++i) {
+          const auto [a, b, c] = primitive->triangle(i);
+          out_.render.triangles.push_back(turned ? Triangle{base + c, base + b, base + a} : Triangle{base + a, base + b, base + c});
+          out_.render.material_of.push_back(primitive->material);
+        }
     }
-    part.written = glb_.meshes.root.size();
-    JsonTree mesh = object_of("primitives", std::move(primitives));
-    glb_.meshes.root.push_back(std::move(mesh.root));
   }
 
-  template <class T, class Change = std::identity>
-  std::size_t add(const Accessor& from, const char* type, Change change = {}) {
-    std::string bytes(from.count * sizeof(T), '\0');
-    for (std::size_t v = 0; v < from.count; ++v) {
-      const T value = change(from.at<T>(v));
-      std::memcpy(bytes.data() + v * sizeof(T), &value, sizeof value);
+  void append(const Vertices& vertices, const Eigen::Affine3d& place) {
+    RenderMesh& render = out_.render;
+    // A mirrored mesh is turned inside out with its winding, and its normals with it. The cofactors are the inverse transpose times the
+    // determinant, and exist for a flattening transform too.
+    const Eigen::Matrix3d linear = place.linear();
+    const double side = linear.determinant() < 0 ? -1 : 1;
+    Eigen::Matrix3d cofactors;
+    cofactors << linear.col(1).cross(linear.col(2)), linear.col(2).cross(linear.col(0)), linear.col(0).cross(linear.col(1));
+    const bool is_moved = place.matrix() != Eigen::Affine3d::Identity().matrix();   // else bits stay
+    const auto vector = [](const Accessor& from, std::size_t v) {
+      return Eigen::Vector3d(from.number(v, 0), from.number(v, 1), from.number(v, 2));
+    };
+    const float missing = std::numeric_limits<float>::quiet_NaN();
+    for (std::size_t v = 0; v < vertices.position.count; ++v) {
+      const Eigen::Vector3d at = vector(vertices.position, v);
+      render.positions.push_back(narrow(is_moved ? Eigen::Vector3d(place * at) : at));
+      Vec3& normal = render.normals.emplace_back();
+      Vec4& tangent = render.tangents.emplace_back();
+      Vec2& uv = render.uvs.emplace_back(Vec2{missing, missing});
+      if (vertices.uv.bytes) {
+        uv = vertices.coordinates.at({static_cast<float>(vertices.uv.number(v, 0)), static_cast<float>(vertices.uv.number(v, 1))});
+        out_.bad_uvs += !finite(uv);
+      }
+      if (!vertices.normal.bytes) continue;   // tangents without normals do not count (glTF 2.0, 3.7.2.1)
+      normal = narrow(Eigen::Vector3d((side * (cofactors * vector(vertices.normal, v))).normalized()));
+      out_.bad_normals += !finite(normal) || normal == Vec3{};
+      if (!vertices.tangent.bytes) continue;
+      const Vec3 along = narrow(Eigen::Vector3d((linear * vector(vertices.tangent, v)).normalized()));
+      tangent = {along.x, along.y, along.z, static_cast<float>(side * (vertices.tangent.number(v, 3) < 0 ? -1 : 1))};
     }
-    return glb_.add_values(bytes, from.count, 5126, type);
   }
 
   GltfDocument& document_;
   const json& root_;
-  GltfGeometry out_;
-  GltfWriter glb_;
+  Harvest out_;
+  MaterialReader materials_;
   std::vector<Part> parts_;
   std::vector<ShownVertices> shown_;
   std::uint64_t index_total_ = 0;
-  std::size_t sets_ = 0;
+  std::size_t sets_ = 0, shown_nodes_ = 0;
 };
 
 }   // namespace
 
-Result<GltfGeometry> strip_gltf(GltfDocument& document) { return GltfStripper(document).strip(); }
+Result<Harvest> read_gltf(const std::string& content, const std::filesystem::path& folder, BufferFiles buffer_files) {
+  Result<GltfDocument> document = open_gltf(content, folder, buffer_files);
+  if (!document) return document.take_error();
+  return GltfReader(*document).read(folder, buffer_files);
+}
 
 }   // namespace weft::parts

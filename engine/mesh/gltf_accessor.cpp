@@ -32,6 +32,8 @@ double Accessor::number(std::size_t element, std::size_t k) const {
 
 namespace {
 
+constexpr std::uint64_t kMostDense = std::uint64_t{256} << 20;   // bytes of all sparse accessors: much for real files
+
 void check_component(GltfDocument& document, const char* key, std::uint64_t component, Components components) {
   const bool small = component == 5120 || component == 5121 || component == 5122 || component == 5123;
   const bool right = components == Components::floats    ? component == 5126
@@ -53,67 +55,96 @@ Accessor elements(GltfDocument& document, const json& place, const char* key, st
   const json* view = document.entry(document.list(document.tree.root, "bufferViews"), place, "bufferView");
   if (!view) return {};
   const std::size_t size = width * (component <= 5121 ? 1 : component <= 5123 ? 2 : 4);
-  const std::uint64_t buffer = document.natural(*view, "buffer", 0), view_offset = document.natural(*view, "byteOffset", 0),
-                      view_size = document.natural(*view, "byteLength", 0);
   const std::uint64_t offset = document.natural(place, "byteOffset", 0);
   const std::uint64_t stride = document.natural(*view, "byteStride", 0), step = stride ? stride : size;
-  if (buffer >= document.buffers.size() || view_offset + view_size > document.buffers[buffer].size())
-    say("the buffer view of \"", key, "\" reaches past the end of its buffer: ", view_offset, " + ", view_size, " bytes");
+  const std::string_view bytes = document.view(*view, key);
   if (step < size || step > 252) say("the buffer view of \"", key, "\" has a stride of ", step, " bytes, outside ", size, " ... 252");
   if (count > kMostIndices)
     say("the accessor of \"", key, "\" has ", count, " elements; at most ", kMostIndices, " are allowed");
-  else if (count > 0 && offset + (count - 1) * step + size > view_size)
-    say("the accessor of \"", key, "\" reaches past the end of its buffer view: ", count, " elements in ", view_size, " bytes");
+  else if (count > 0 && offset + (count - 1) * step + size > bytes.size())
+    say("the accessor of \"", key, "\" reaches past the end of its buffer view: ", count, " elements in ", bytes.size(), " bytes");
   if (!document.fault.empty()) return {};
-  return {document.buffers[buffer].data() + view_offset + offset, step, count, component,
-          has(place, "normalized") && place["normalized"] == true};
+  return {bytes.data() + offset, step, count, component, has(place, "normalized") && place["normalized"] == true};
 }
 
-Accessor dense(GltfDocument& document, const json& accessor, const char* key, std::string_view type, Components components) {
+struct Element {
+  std::uint64_t component = 0;
+  std::size_t width = 0;
+  std::size_t size() const { return width * (component <= 5121 ? 1 : component <= 5123 ? 2 : 4); }
+};
+
+Element kind_of(GltfDocument& document, const json& accessor, const char* key, std::string_view type, Components components) {
   const std::uint64_t component = document.natural(accessor, "componentType", 0);
   check_component(document, key, component, components);
   if (!has(accessor, "type") || !is_text(accessor["type"], type)) document.say("the accessor of \"", key, "\" is not a ", type);
-  const std::size_t width = type == "SCALAR" ? 1 : type == "MAT4" ? 16 : static_cast<std::size_t>(type.back() - '0');
-  return elements(document, accessor, key, document.natural(accessor, "count", 0), width, component);
+  return {component, type == "SCALAR" ? std::size_t{1} : type == "MAT4" ? 16 : static_cast<std::size_t>(type.back() - '0')};
 }
 
-}  // namespace
-
-Accessor accessor(GltfDocument& document, const json& object, const char* key, std::string_view type, Components components) {
-  const json* accessor = document.entry(document.list(document.tree.root, "accessors"), object, key);
-  if (!accessor) return {};
-  if (has(*accessor, "sparse")) document.say("the accessor of \"", key, "\" is sparse, which is not read");
-  return dense(document, *accessor, key, type, components);
-}
-
-std::vector<Vec3> vectors(GltfDocument& document, const json& object, const char* key) {
-  const json* described = document.entry(document.list(document.tree.root, "accessors"), object, key);
-  if (!described) return {};
-  const bool is_sparse = has(*described, "sparse");
-  const std::uint64_t count = document.natural(*described, "count", 0);
-  if (count > kMostVertices)
-    document.say("the accessor of \"", key, "\" has ", count, " elements; at most ", kMostVertices, " are allowed");
-  Accessor base;   // zeros, where a sparse one has none
-  if (!is_sparse || has(*described, "bufferView")) base = dense(document, *described, key, "VEC3", Components::floats);
+// What a sparse accessor comes to: its elements, or zeros, and what it changes of them. `bytes` is where they lie.
+Accessor changed(GltfDocument& document, const json& described, const char* key, Element kind, std::uint64_t count, std::string& bytes) {
+  const json &sparse = described["sparse"], &places = member(sparse, "indices"), &changes = member(sparse, "values");
+  const std::uint64_t changed = document.natural(sparse, "count", 0), index_kind = document.natural(places, "componentType", 0);
+  check_component(document, key, index_kind, Components::indices);
+  Accessor base;
+  if (has(described, "bufferView")) base = elements(document, described, key, count, kind.width, kind.component);
   if (!document.fault.empty()) return {};
-  std::vector<Vec3> values(static_cast<std::size_t>(count));
-  for (std::size_t k = 0; k < base.count; ++k) values[k] = base.at<Vec3>(k);
-  if (!is_sparse) return values;
-  const json& sparse = (*described)["sparse"];
-  static const json none = json::object();
-  const json &places = has(sparse, "indices") ? sparse["indices"] : none, &changes = has(sparse, "values") ? sparse["values"] : none;
-  const std::uint64_t changed = document.natural(sparse, "count", 0), kind = document.natural(places, "componentType", 0);
-  check_component(document, key, kind, Components::indices);
-  check_component(document, key, document.natural(*described, "componentType", 0), Components::floats);
+  const Accessor indices = elements(document, places, key, changed, 1, index_kind);
+  const Accessor changed_to = elements(document, changes, key, changed, kind.width, kind.component);
   if (!document.fault.empty()) return {};
-  const Accessor indices = elements(document, places, key, changed, 1, kind), changed_to = elements(document, changes, key, changed, 3, 5126);
+  const std::size_t size = kind.size();
+  bytes.assign(static_cast<std::size_t>(count) * size, '\0');
+  for (std::size_t k = 0; k < base.count; ++k) std::memcpy(bytes.data() + k * size, base.bytes + k * base.step, size);
   for (std::size_t k = 0; k < indices.count && document.fault.empty(); ++k) {
     const std::uint32_t at = indices.index(k);
     if (at >= count || (k > 0 && at <= indices.index(k - 1)))
       document.say("the sparse accessor of \"", key, "\" changes element ", at, " of ", count, ", or not after the one before");
     else
-      values[at] = changed_to.at<Vec3>(k);
+      std::memcpy(bytes.data() + at * size, changed_to.bytes + k * changed_to.step, size);
   }
+  return {bytes.data(), size, count, kind.component, has(described, "normalized") && described["normalized"] == true};
+}
+
+const json* described_by(GltfDocument& document, const json& object, const char* key) {
+  return document.entry(document.list(document.tree.root, "accessors"), object, key);
+}
+
+}  // namespace
+
+std::string_view GltfDocument::view(const json& view, std::string_view name) {
+  const std::uint64_t buffer = natural(view, "buffer", 0), offset = natural(view, "byteOffset", 0), size = natural(view, "byteLength", 0);
+  if (buffer < buffers.size() && offset + size <= buffers[buffer].size())
+    return std::string_view(buffers[buffer]).substr(static_cast<std::size_t>(offset), static_cast<std::size_t>(size));
+  say("the buffer view of \"", name, "\" reaches past the end of its buffer: ", offset, " + ", size, " bytes");
+  return {};
+}
+
+Accessor accessor(GltfDocument& document, const json& object, const char* key, std::string_view type, Components components) {
+  const json* described = described_by(document, object, key);
+  if (!described) return {};
+  const Element kind = kind_of(document, *described, key, type, components);
+  const std::uint64_t count = document.natural(*described, "count", 0);
+  if (!has(*described, "sparse")) return elements(document, *described, key, count, kind.width, kind.component);
+  // A few words of a document can ask for all of these.
+  if (count > kMostDense || (document.dense_bytes += count * kind.size()) > kMostDense)
+    document.say("its sparse accessors have more than ", kMostDense, " bytes");
+  if (!document.fault.empty()) return {};
+  return changed(document, *described, key, kind, count, document.dense.emplace_back());
+}
+
+std::vector<Vec3> vectors(GltfDocument& document, const json& object, const char* key) {
+  const json* described = described_by(document, object, key);
+  if (!described) return {};
+  const std::uint64_t count = document.natural(*described, "count", 0);
+  if (count > kMostVertices)
+    document.say("the accessor of \"", key, "\" has ", count, " elements; at most ", kMostVertices, " are allowed");
+  const Element kind = kind_of(document, *described, key, "VEC3", Components::numbers);
+  if (!document.fault.empty()) return {};
+  std::string bytes;
+  const Accessor read = has(*described, "sparse") ? changed(document, *described, key, kind, count, bytes)
+                                                  : elements(document, *described, key, count, kind.width, kind.component);
+  if (!document.fault.empty()) return {};
+  std::vector<Vec3> values(read.count);
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = read.vector(k);
   return values;
 }
 

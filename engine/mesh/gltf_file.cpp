@@ -100,18 +100,8 @@ Result<std::filesystem::path> found(const std::filesystem::path& folder, const s
   return file;
 }
 
-Result<std::string> bytes_of(const json& buffer, std::uint64_t wanted, const std::string* chunk, const std::filesystem::path& folder,
-                             BufferFiles buffer_files) {
-  if (!buffer.is_object() || !buffer.contains("uri")) return chunk ? chunk->substr(0, wanted) : std::string();
-  const std::string uri = buffer["uri"].is_string() ? buffer["uri"].get<std::string>() : std::string();
-  if (!uri.starts_with("data:")) {
-    const Result<std::filesystem::path> file = found(folder, uri, buffer_files);
-    return file ? read_file(*file, wanted) : Result<std::string>(Error{file.why()});
-  }
-  const std::size_t comma = uri.find(";base64,");
-  std::optional<std::string> decoded = comma == std::string::npos ? std::nullopt : decode_base64(std::string_view(uri).substr(comma + 8));
-  if (!decoded) return fail("it is not base64");
-  return std::move(*decoded);
+std::string text_of(const json& object, const char* key) {
+  return object[key].is_string() ? object[key].get<std::string>() : std::string();
 }
 
 void read_buffers(GltfDocument& document, const std::string* chunk, const std::filesystem::path& folder, BufferFiles buffer_files) {
@@ -121,10 +111,16 @@ void read_buffers(GltfDocument& document, const std::string* chunk, const std::f
     const std::uint64_t wanted = document.natural(buffer, "byteLength", 0);
     total += wanted;
     if (total > kMostBytes) return document.say("its buffers have ", total, " bytes or more; at most ", kMostBytes, " are allowed");
-    Result<std::string> bytes = bytes_of(buffer, wanted, number == 0 ? chunk : nullptr, folder, buffer_files);
+    const bool is_fallback = has(member(buffer, "extensions"), "EXT_meshopt_compression") && !has(buffer, "uri");
+    Result<std::string> bytes = has(buffer, "uri")                      ? bytes_at(text_of(buffer, "uri"), wanted, folder, buffer_files)
+                                : number == 0 && chunk && !is_fallback ? Result<std::string>(chunk->substr(0, wanted))
+                                                                        : Result<std::string>(std::string());
     if (!bytes) return document.say("buffer ", number, ": ", bytes.error());
-    if (bytes->size() < wanted && buffer.contains("extensions") && buffer["extensions"].contains("EXT_meshopt_compression"))
-      return document.say("buffer ", number, " is compressed (EXT_meshopt_compression), which is not read");
+    if (is_fallback) {   // for who cannot unpack: what is in it is unpacked, and no view of it is read
+      document.buffers.emplace_back();
+      total -= wanted;
+      continue;
+    }
     if (bytes->size() < wanted) return document.say("buffer ", number, " is cut short: it has ", bytes->size(), " of ", wanted, " bytes");
     bytes->resize(wanted);
     document.buffers.push_back(std::move(*bytes));
@@ -139,6 +135,18 @@ bool version_is_2(const json& root) {
 }
 
 }   // namespace
+
+Result<std::string> bytes_at(const std::string& uri, std::optional<std::size_t> first_bytes, const std::filesystem::path& folder,
+                             BufferFiles buffer_files) {
+  if (!uri.starts_with("data:")) {
+    const Result<std::filesystem::path> file = found(folder, uri, buffer_files);
+    return file ? read_file(*file, first_bytes) : Result<std::string>(Error{file.why()});
+  }
+  const std::size_t comma = uri.find(";base64,");
+  std::optional<std::string> decoded = comma == std::string::npos ? std::nullopt : decode_base64(std::string_view(uri).substr(comma + 8));
+  if (!decoded) return fail("it is not base64");
+  return std::move(*decoded);
+}
 
 const json& GltfDocument::list(const json& object, const char* key) {
   static const json empty = json::array();
@@ -186,10 +194,12 @@ Result<GltfDocument> open_gltf(const std::string& content, const std::filesystem
     }
   }
   if (std::string fault = outline_fault(text); !fault.empty()) return Error{std::move(fault)};
-  GltfDocument document{parsed_json(text), {}, {}};
+  GltfDocument document;
+  document.tree = parsed_json(text);
   if (document.tree.root.is_discarded() || !document.tree.root.is_object()) return fail("it is not a JSON document, or is cut short");
   if (!version_is_2(document.tree.root)) return fail("it is not a glTF 2.0 document: \"asset.version\" does not start with 2");
   read_buffers(document, has_chunk ? &chunk : nullptr, folder, buffer_files);
+  if (document.fault.empty()) unpack_gltf(document);
   return document;
 }
 

@@ -69,7 +69,7 @@ void MorphReader::read(const ShownVertices& vertices, const Eigen::Affine3d& pla
   if (moved_ > kMostMoved) document_.say("its morph targets, times their vertices, are more than ", kMostMoved);
   if (count == 0 || !document_.fault.empty()) return;
   Accessor normals;
-  if (vertices.attributes->contains("NORMAL")) normals = accessor(document_, *vertices.attributes, "NORMAL", "VEC3", Components::floats);
+  if (vertices.attributes->contains("NORMAL")) normals = accessor(document_, *vertices.attributes, "NORMAL", "VEC3", Components::numbers);
   for (std::size_t m = 0; m < count && document_.fault.empty(); ++m) {
     const json& target = (*vertices.targets)[m];
     const auto deltas = [&](const char* key) {
@@ -90,7 +90,7 @@ void MorphReader::read(const ShownVertices& vertices, const Eigen::Affine3d& pla
       if (moves(turn)) morph.normal_deltas.resize(morph.points.size());   // those before did not turn
       morph.points.push_back(static_cast<std::uint32_t>(begin + v));
       morph.deltas.push_back(narrow(Eigen::Vector3d(place.linear() * wide(delta))));
-      if (moves(turn) || !morph.normal_deltas.empty()) morph.normal_deltas.push_back(turned(place, normals.at<Vec3>(v), turn));
+      if (moves(turn) || !morph.normal_deltas.empty()) morph.normal_deltas.push_back(turned(place, normals.vector(v), turn));
     }
   }
 }

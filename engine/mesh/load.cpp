@@ -80,11 +80,14 @@ std::vector<std::uint32_t> join_copies(RenderMesh& render) {
 Result<parts::Harvest> harvest_of(const std::filesystem::path& file, BufferFiles buffer_files) {
   std::string kind = file.extension().string();
   for (char& c : kind) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-  const bool gltf = kind == ".gltf" || kind == ".glb";
-  if (!gltf && kind != ".obj") return fail(file.string(), " has the extension \"", kind, "\"; .gltf, .glb and .obj can be read");
+  const bool gltf = kind == ".gltf" || kind == ".glb", foreign = kind == ".ply" || kind == ".stl" || kind == ".dae" || kind == ".fbx";
+  if (!gltf && !foreign && kind != ".obj")
+    return fail(file.string(), " has the extension \"", kind, "\"; .gltf, .glb, .obj, .ply, .stl, .dae and .fbx can be read");
   Result<std::string> content = parts::read_file(file);
   if (!content) return content.take_error();
-  Result<parts::Harvest> harvest = gltf ? parts::read_gltf(*content, file.parent_path(), buffer_files) : parts::read_obj(*content);
+  Result<parts::Harvest> harvest = gltf      ? parts::read_gltf(*content, file.parent_path(), buffer_files)
+                                  : foreign ? parts::read_foreign(*content, kind.substr(1))
+                                            : parts::read_obj(*content);
   if (!harvest) return fail(file.string(), ": ", harvest.why());
   return harvest;
 }
@@ -139,6 +142,8 @@ Result<Mesh> load(const std::filesystem::path& file, BufferFiles buffer_files) {
   const auto note = [&](std::size_t count, const char* one, const char* many, const char* what) {
     if (count) mesh->mended.insert(mesh->mended.begin(), fail(count, " ", count == 1 ? one : many, what).message);
   };
+  note(harvest->other_coordinates, "material has", "materials have",
+       " textures with other coordinates than the first's, which all have now");
   note(harvest->crossed_faces, "face crosses", "faces cross", " over itself; triangles of it lie on each other or face different ways");
   note(harvest->bad_uvs, "texture coordinate was", "texture coordinates were", " not finite; projected instead");
   note(harvest->bad_normals, "normal was", "normals were", " not finite or had no direction; made anew");
@@ -146,6 +151,9 @@ Result<Mesh> load(const std::filesystem::path& file, BufferFiles buffer_files) {
   if (!harvest->skin_fault.empty()) mesh->mended.insert(mesh->mended.begin(), "its skin was left out: " + harvest->skin_fault);
   if (!harvest->attribute_fault.empty())
     mesh->mended.insert(mesh->mended.begin(), "its vertex attributes were left out: " + harvest->attribute_fault);
+  if (!harvest->material_fault.empty())
+    mesh->mended.insert(mesh->mended.begin(), "its materials were left out: " + harvest->material_fault);
+  if (!harvest->note.empty()) mesh->mended.insert(mesh->mended.begin(), harvest->note);
   note(harvest->lines, "line was", "lines were", " left out");
   note(harvest->points, "point was", "points were", " left out");
   return mesh;
@@ -154,14 +162,7 @@ Result<Mesh> load(const std::filesystem::path& file, BufferFiles buffer_files) {
 }   // namespace
 
 Result<Mesh> load_mesh(const std::filesystem::path& file, BufferFiles buffer_files) try {
-  // assimp throws on some damaged files, and memory can run out on any; no exception may leave this function.
-  try {
-    return load(file, buffer_files);
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& problem) {
-    return fail(file.string(), " cannot be read: ", problem.what());
-  }
+  return load(file, buffer_files);
 } catch (...) {
   return caught("the mesh");
 }

@@ -70,26 +70,34 @@ struct Harvest {
   RenderMesh render;                 // a normal or tangent that is missing is zero, a texture coordinate not finite
   std::size_t source_vertices = 0;   // the file's own, the first of `render`; copies of an OBJ's come after them
   std::size_t points = 0, lines = 0, skins = 0, morph_targets = 0;
-  std::size_t bad_normals = 0, bad_uvs = 0, crossed_faces = 0;
+  std::size_t bad_normals = 0, bad_uvs = 0, crossed_faces = 0, other_coordinates = 0;
   std::optional<Skin> skin;          // over the file's own vertices, as these are
   std::map<std::string, std::vector<Vec4>> attributes;
-  std::string skin_fault, attribute_fault;   // why one was left out
+  std::string skin_fault, attribute_fault, material_fault;   // why one was left out
+  std::string note;                  // what else is to be said
 };
 
 /// A glTF or GLB file's scene. `folder` is where the file's relative URIs start from, and nothing outside it is read.
-/// Errors: not JSON, too large or nested too deeply, cut short, a reference or a range out of bounds, a required extension, sparse,
-/// quantised or compressed accessors, indices that make no whole triangles, too many vertices, triangles, nodes or sets of accessors.
+/// Errors: not JSON, too large or nested too deeply, cut short, a reference or a range out of bounds, a required extension, indices that
+/// make no whole triangles, too many vertices, triangles, nodes or sets of accessors; compressed, in a Weft without what unpacks it.
 Result<Harvest> read_gltf(const std::string& content, const std::filesystem::path& folder, BufferFiles buffer_files);
 
 /// An OBJ file's faces.
 /// Errors: a line that does not read as what it claims to be, an index without its vertex, too many corners or vertices, no face.
 Result<Harvest> read_obj(std::string_view content);
 
+/// A PLY, STL, Collada or FBX file, as assimp reads it; `kind` is its ending, without the dot.
+/// Errors: assimp's sentence, or that it did not come to an end with the memory and the time that a file of this size needs.
+Result<Harvest> read_foreign(const std::string& content, const std::string& kind);
+
 /// Whether a skin of a mesh of so many points is what Skin says; else a sentence.
 Result<void> check_skin(const Skin& skin, std::size_t points);
 
 /// Whether all are finite and nearer than kTooLarge (engine/finite.h); else a sentence with the first that is not.
 Result<void> check_places(std::span<const Vec3> positions);
+
+/// Whether each triangle has a material that is there, or none; else a sentence.
+Result<void> check_materials(const RenderMesh& render);
 
 /// Sets Mesh::loose, from where the file has its vertices.
 void keep_loose(Mesh& mesh, std::span<const Vec3> source);

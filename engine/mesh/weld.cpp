@@ -153,12 +153,11 @@ Result<void> check_lists(const RenderMesh& render) {
     return fail(bad, " of ", render.triangles.size(), " triangles ", bad == 1 ? "points" : "point", " past the last of ", count,
                 " vertices, the first is triangle ", first);
   if (render.triangles.empty()) return fail("the mesh has no triangle");
-  return {};
+  return parts::check_materials(render);
 }
 
-/// The triangles that have an area and are no duplicates; `lowest` is what weld returned.
-std::vector<Triangle> sound_triangles(const RenderMesh& render, std::span<const std::uint32_t> lowest, double diagonal,
-                                      std::vector<std::string>& mended) {
+/// Leaves the triangles that have an area and are no duplicates; `lowest` is what weld returned.
+void keep_sound_triangles(RenderMesh& render, std::span<const std::uint32_t> lowest, double diagonal, std::vector<std::string>& mended) {
   struct Key {
     Triangle sorted;
     std::uint32_t triangle;
@@ -189,10 +188,12 @@ std::vector<Triangle> sound_triangles(const RenderMesh& render, std::span<const 
                      (copies == 1 ? "was" : "were") + " dropped");
 
   std::sort(keys.begin(), keys.end(), [](const Key& l, const Key& r) { return l.triangle < r.triangle; });
-  std::vector<Triangle> kept;
-  kept.reserve(keys.size());
-  for (const Key& key : keys) kept.push_back(render.triangles[key.triangle]);
-  return kept;
+  for (std::size_t t = 0; t < keys.size(); ++t) {
+    render.triangles[t] = render.triangles[keys[t].triangle];
+    if (!render.material_of.empty()) render.material_of[t] = render.material_of[keys[t].triangle];
+  }
+  render.triangles.resize(keys.size());
+  if (!render.material_of.empty()) render.material_of.resize(keys.size());
 }
 
 /// Drops vertices that no triangle has; returns the old index of each that stays.
@@ -283,7 +284,7 @@ Result<Mesh> weld_mesh(RenderMesh render) try {
   mesh.weld_tolerance = parts::kWeldFraction * diagonal;
   const std::vector<std::uint32_t> lowest = weld(render.positions, used, box.low, mesh.weld_tolerance);
   const std::size_t triangle_count = render.triangles.size(), vertex_count = render.positions.size();
-  render.triangles = sound_triangles(render, lowest, diagonal, mesh.mended);
+  keep_sound_triangles(render, lowest, diagonal, mesh.mended);
   if (render.triangles.empty()) return fail("none of the ", triangle_count, " triangles has an area");
   const std::vector<Vec3> source = render.positions;
   const std::vector<std::uint32_t> old_index = drop_unused(render);

@@ -20,7 +20,8 @@ Exit obey(int count, char** arguments) {
   view::WindowRequest window;
   std::vector<std::string> sets;
   std::uint32_t frames = 0;
-  app.add_option("scene", options.file, "A scene (JSON) or a mesh (glTF, GLB, OBJ)")->required()->type_name("SCENE|MESH");
+  app.add_option("scene", options.file, "A scene (JSON) or a mesh (glTF, GLB, OBJ, PLY, STL, Collada, FBX)")
+      ->required()->type_name("SCENE|MESH");
   add_set(app, sets);
   app.add_flag("--paused", options.is_paused, "Do not play at once");
   app.add_option("--width", window.width, "Of the window")->check(CLI::Range(64, 16384))->capture_default_str();

@@ -87,7 +87,7 @@ void Viewer::draw_panels() {
       if (ImGui::CollapsingHeader("Figures", ImGuiTreeNodeFlags_DefaultOpen)) draw_figures();
       if (ImGui::CollapsingHeader("Scene")) draw_scene();
     } else {
-      ImGui::TextWrapped("There is nothing to show. Drop a scene (.json) or a mesh (.gltf, .glb, .obj) here.");
+      ImGui::TextWrapped("There is nothing to show. Drop a scene (.json) or a mesh (.gltf, .glb, .obj, .ply, .stl, .dae, .fbx) here.");
     }
     end_panel();
   }

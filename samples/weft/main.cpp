@@ -16,6 +16,8 @@ namespace {
 using namespace weft;
 using namespace weft::command;
 
+constexpr const char* kSceneOrMesh = "A scene (JSON) or a mesh (glTF, GLB, OBJ, PLY, STL, Collada, FBX)";
+
 // "2ms", "2 ms" or "2".
 std::optional<double> milliseconds(const std::string& text) {
   double value = 0;
@@ -27,7 +29,7 @@ std::optional<double> milliseconds(const std::string& text) {
 }
 
 void add_outside(CLI::App& command, bool& allow_outside) {
-  command.add_flag("--allow-outside", allow_outside, "Read a glTF's buffers wherever it says they are, not only below its own folder");
+  command.add_flag("--allow-outside", allow_outside, "Read a glTF's buffers and images wherever it says they are, not only below its own folder");
 }
 
 // A command or an option that is not there, with the nearest that is; empty where something else is wrong.
@@ -62,7 +64,7 @@ Exit obey(int count, char** arguments) {
   std::uint32_t frames = 0;
   bool no_picture = false;
   CLI::App* run_command = app.add_subcommand("run", "Simulate a scene; write a picture, times, figures and the final mesh");
-  run_command->add_option("scene", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ)")->required()->type_name("SCENE|MESH");
+  run_command->add_option("scene", file, kSceneOrMesh)->required()->type_name("SCENE|MESH");
   CLI::Option* frames_option = run_command->add_option("--frames", frames, "How many frames; by default the scene's");
   frames_option->check(CLI::Range(0u, kMostFrames));
   run_command->add_option("--out", run_options.out, "Where files go")->type_name("DIR")->capture_default_str();
@@ -91,7 +93,7 @@ Exit obey(int count, char** arguments) {
 
   TimeOptions time_options;
   CLI::App* time_command = app.add_subcommand("time", "Time a scene pass by pass; write a table, CSV and a trace");
-  time_command->add_option("scene", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ)")->required()->type_name("SCENE|MESH");
+  time_command->add_option("scene", file, kSceneOrMesh)->required()->type_name("SCENE|MESH");
   time_command->add_option("--frames", time_options.frames, "Frames that are timed")
       ->check(CLI::Range(1u, kMostFrames))
       ->capture_default_str();
@@ -135,7 +137,7 @@ Exit obey(int count, char** arguments) {
   std::string budget;
   CLI::App* accuracy_command =
       app.add_subcommand("accuracy", "Measure error over milliseconds for solvers, substeps, iterations and resolutions");
-  accuracy_command->add_option("scene", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ)")->required()->type_name("SCENE|MESH");
+  accuracy_command->add_option("scene", file, kSceneOrMesh)->required()->type_name("SCENE|MESH");
   accuracy_command->add_flag("--quick", accuracy_options.quick, "A coarse sweep of under a minute");
   CLI::Option* accuracy_frames_option =
       accuracy_command->add_option("--frames", accuracy_frames, "Frames that each setting is run for: 48, quick 24");
@@ -168,7 +170,7 @@ Exit obey(int count, char** arguments) {
   CLI::App* harden_command =
       app.add_subcommand("harden", "Run a scene, or the hard cases, through jittered starts, other rates, masses, places and sizes");
   harden_command
-      ->add_option("scene", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ); or the folder of the hard cases, assets/scenes/hard")
+      ->add_option("scene", file, std::string(kSceneOrMesh) + "; or the folder of the hard cases, assets/scenes/hard")
       ->required()
       ->type_name("SCENE|FOLDER");
   CLI::Option* harden_frames_option = harden_command->add_option("--frames", harden_frames, "How many frames; by default the scene's");
@@ -194,7 +196,7 @@ Exit obey(int count, char** arguments) {
   app.add_subcommand("view", "Look at a scene in a window while it is simulated; weft view --help tells how");
   CLI::App* info_command = app.add_subcommand("info", "List Vulkan devices and what they support");
   CLI::App* check_command = app.add_subcommand("check", "Name everything that is wrong with a scene or a mesh");
-  check_command->add_option("file", file, "A scene (JSON) or a mesh (glTF, GLB, OBJ)")->required()->type_name("FILE");
+  check_command->add_option("file", file, kSceneOrMesh)->required()->type_name("FILE");
   add_outside(*check_command, allow_outside);
 
   try {

@@ -19,8 +19,8 @@ bool is_mesh(const std::filesystem::path& file) {
   std::string ending = file.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   // Those of the second line cannot be read; it is the loader that says so, and which can.
-  constexpr std::string_view kMeshes[] = {".gltf", ".glb", ".obj",
-                                          ".fbx", ".usd", ".usda", ".usdc", ".usdz", ".ply", ".stl", ".abc", ".dae", ".3ds", ".blend"};
+  constexpr std::string_view kMeshes[] = {".gltf", ".glb", ".obj", ".ply", ".stl", ".dae", ".fbx",
+                                          ".usd", ".usda", ".usdc", ".usdz", ".abc", ".3ds", ".blend"};
   return std::ranges::find(kMeshes, ending) != std::end(kMeshes);
 }
 

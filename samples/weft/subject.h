@@ -15,7 +15,7 @@
 
 namespace weft::command {
 
-/// By its ending: .gltf, .glb or .obj.
+/// By its ending: those that can be read, and others that a mesh may have.
 bool is_mesh(const std::filesystem::path& file);
 
 /// Loads a scene, or the default scene of a mesh, and applies assignments. Every error is the input's.

@@ -1,13 +1,16 @@
 // Any bytes as a mesh: they end in a sentence, or in a mesh whose indices are in range and whose points are finite.
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "engine/mesh.h"
 
@@ -17,7 +20,11 @@ namespace {
 class File {
  public:
   explicit File(std::string_view content) {
-    const char* kind = content.starts_with("glTF") ? ".glb" : content.starts_with("{") ? ".gltf" : ".obj";
+    constexpr std::pair<std::string_view, const char*> kinds[] = {
+        {"glTF", ".glb"}, {"{", ".gltf"}, {"ply", ".ply"}, {"solid", ".stl"}, {"<?xml", ".dae"}, {"; FBX", ".fbx"}, {"Kaydara", ".fbx"}};
+    const auto is_begun = [&](const auto& kind) { return content.starts_with(kind.first); };
+    const auto found = std::ranges::find_if(kinds, is_begun);
+    const char* kind = found == std::end(kinds) ? ".obj" : found->second;
     const std::filesystem::path memory = "/dev/shm";
     path_ = (std::filesystem::is_directory(memory) ? memory : std::filesystem::temp_directory_path()) /
             ("weft_fuzz_" + std::to_string(getpid()) + kind);
@@ -45,6 +52,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   }
   demand(!mesh->triangles.empty() && mesh->render.triangles.size() == mesh->triangles.size());
   demand(mesh->render.normals.size() == mesh->render.positions.size() && mesh->render.uvs.size() == mesh->render.positions.size());
+  demand(bool(weft::check(*mesh)));
   for (const weft::Vec3& p : mesh->points) demand(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
   for (const weft::Vec3& n : mesh->render.normals) demand(std::isfinite(n.x) && std::isfinite(n.y) && std::isfinite(n.z));
   for (const weft::Triangle& triangle : mesh->triangles)

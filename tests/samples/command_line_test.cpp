@@ -59,11 +59,11 @@ TEST_F(CommandLine, every_fault_of_a_scene_has_its_line) {
 }
 
 TEST_F(CommandLine, a_mesh_of_a_format_that_is_not_read_is_told_which_are) {
-  for (const char* name : {"cloth.fbx", "cloth.USD", "cloth.ply"})
+  for (const char* name : {"cloth.abc", "cloth.USD", "cloth.3ds"})
     for (const char* command : {"check", "run"}) {
       const Outcome outcome = weft({command, write(name, "Kaydara FBX Binary")});
       EXPECT_EQ(outcome.exit, 2) << name;
-      EXPECT_NE(outcome.error.find("; .gltf, .glb and .obj can be read"), std::string::npos) << outcome.error;
+      EXPECT_NE(outcome.error.find("; .gltf, .glb, .obj, .ply, .stl, .dae and .fbx can be read"), std::string::npos) << outcome.error;
     }
 }
 

@@ -1,0 +1,65 @@
+// Whatever work in a process of its own does, the caller goes on with a sentence.
+#include "engine/mesh/apart.h"
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <vector>
+
+namespace weft {
+namespace {
+
+using parts::apart;
+using parts::Bounds;
+
+constexpr Bounds kBounds{std::size_t{64} << 20, 1};
+
+TEST(Apart, what_it_returns_comes_back_however_long) {
+  const std::string long_one(3'000'001, '\0');
+  const auto done = apart("a reader", kBounds, [&]() -> Result<std::string> { return long_one + "end"; });
+  ASSERT_TRUE(done) << done.error();
+  EXPECT_EQ(*done, long_one + "end");
+  const auto nothing = apart("a reader", kBounds, []() -> Result<std::string> { return std::string(); });
+  ASSERT_TRUE(nothing) << nothing.error();
+  EXPECT_EQ(*nothing, "");
+}
+
+TEST(Apart, a_sentence_comes_back_as_one) {
+  const auto refused = apart("a reader", kBounds, []() -> Result<std::string> { return fail("line ", 3, " is wrong"); });
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error(), "line 3 is wrong");
+}
+
+TEST(Apart, a_crash_an_endless_loop_and_greed_are_sentences) {
+  const auto ends = [](const std::function<void()>& badly) {
+    return apart("a reader", kBounds, [&]() -> Result<std::string> {
+             badly();
+             return std::string("done");
+           }).why().message;
+  };
+  EXPECT_EQ(ends([] { std::raise(SIGKILL); }), "a reader crashed on it: Killed");
+  EXPECT_EQ(ends([] { std::raise(SIGABRT); }).substr(0, 22), "a reader crashed on it");
+  EXPECT_EQ(ends([] { _exit(3); }), "a reader crashed on it");
+  EXPECT_EQ(ends([] { throw std::bad_alloc(); }), "a reader needs more than 64 MiB of memory for it");
+  EXPECT_EQ(ends([] { for (volatile bool runs = true; runs;) {} }), "a reader did not come to an end in 1 s");
+#ifndef __SANITIZE_ADDRESS__
+  EXPECT_EQ(ends([] { std::vector<char> much(std::size_t{1} << 30); }), "a reader needs more than 64 MiB of memory for it");
+#endif
+}
+
+TEST(Apart, it_changes_nothing_here_and_opens_no_file) {
+  int number = 1;
+  const auto done = apart("a reader", kBounds, [&]() -> Result<std::string> {
+    number = 2;
+    return std::string(std::ifstream(__FILE__) || std::ifstream("/proc/self/statm") ? "open" : "closed");
+  });
+  ASSERT_TRUE(done) << done.error();
+  EXPECT_EQ(*done, "closed");
+  EXPECT_EQ(number, 1);
+}
+
+}  // namespace
+}  // namespace weft
