@@ -52,6 +52,7 @@ std::string quoted(std::string name) {
 
 Exit conclude_family(const Rows& all, const fs::path& out) {
   TextStream text;
+  text.precision(9);
   text << "run,frames,particles,strain_mean,strain_rms,strain_max,non_finite,crossings_max,hash,ms_median\n";
   for (const auto& [item, row] : all.rows) {
     text << quoted(row.at("name").get<std::string>()) << ',' << row.at("frames").get<std::uint32_t>() << ','

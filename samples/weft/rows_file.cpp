@@ -96,13 +96,12 @@ std::string text_of(const Part& part) {
 }
 
 Result<Part> parse_part(std::string_view text) {
-  if (!text.starts_with('{')) return fail("holds no rows of weft");
+  if (text.substr(0, text.find('\n')).find("\"weft_rows\":") == text.npos) return fail("holds no rows of weft");
   const std::size_t end = text.rfind(kEnd);
   if (end == text.npos || text.substr(end) != end_line(text.substr(0, end))) return fail("is damaged: its fingerprint is not that of its rows");
   text = text.substr(0, end);
   const Row head = parse_line(next_line(text));
-  if (!head.is_object() || !is_number(head, "weft_rows", 1, kMostItems)) return fail("holds no rows of weft");
-  if (head["weft_rows"] != kFormat) return fail("is of another version of weft");
+  if (!head.is_object() || head.value("weft_rows", Row()) != kFormat) return fail("is of another version of weft");
   if (!is_head(head)) return fail("is damaged: its first line does not say what it holds");
   Part part{{head["part"], head["parts"]}, head["key"], {{head["command"], head["facts"], head["place"], head["of"], head["items"]}, {}}};
   while (!text.empty()) {

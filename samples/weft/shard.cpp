@@ -39,7 +39,7 @@ Result<Part> begun(const std::filesystem::path& file, Part fresh, bool anew) {
 // What is said of work that was stopped.
 std::string stopped_at(const Part& part, std::size_t items, const std::filesystem::path& file) {
   const std::size_t rows = part.content.rows.size();
-  if (rows == 0) return " before anything was measured: nothing is written";
+  if (rows == 0) return " before the first of " + std::to_string(items) + " rows was whole; the same command goes on from here";
   return " after " + std::to_string(rows) + " of " + std::to_string(items) + " rows, which are in " + file.string() +
          "; the same command goes on from here";
 }
