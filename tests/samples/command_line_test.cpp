@@ -375,8 +375,8 @@ TEST_F(CommandLine, an_accuracy_sweep_goes_on_where_it_was_interrupted_and_leave
   const std::vector<std::string> call = {"accuracy", write("sheet.json", kHung), "--quick", "--frames", "4", "--budget", "1000ms", "--out",
                                          out()};
   const pid_t child = spawn(call);
-  const fs::path csv = folder / "out/curve.csv";
-  for (int tries = 0; tries < 600 && !fs::exists(csv); ++tries) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const fs::path csv = folder / "out/curve.csv", rows = folder / "out/accuracy.rows";
+  for (int tries = 0; tries < 600 && !fs::exists(rows); ++tries) std::this_thread::sleep_for(std::chrono::milliseconds(100));
   kill(child, SIGINT);
   EXPECT_EQ(wait(child).exit, 130);
   const std::string begun = read(csv);
@@ -385,7 +385,7 @@ TEST_F(CommandLine, an_accuracy_sweep_goes_on_where_it_was_interrupted_and_leave
 
   const Outcome outcome = weft(call);
   ASSERT_EQ(outcome.exit, 0) << outcome.error;
-  EXPECT_NE(outcome.out.find(std::to_string(lines - 7) + " are in "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("Going on: " + std::to_string(lines - 7) + " of "), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("Within 1000 ms: "), std::string::npos) << outcome.out;
   const std::string whole = read(csv), page = read(folder / "out/curve.html");
   EXPECT_EQ(whole.rfind(begun, 0), 0u) << "what was measured stays";
