@@ -13,6 +13,7 @@ Result<void> write_text(const std::filesystem::path& file, std::string_view text
 }
 
 Result<void> make_folder(const std::filesystem::path& folder) {
+  if (folder.empty()) return {};   // of a file without a folder: the one that the program is in
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (!is_folder(folder)) return fail(folder.string(), ": cannot be made a folder: ", error ? error.message() : "a file is there");
