@@ -34,7 +34,7 @@ if $interop; then
   (( $# > 0 )) || set -- "${everyone[@]}"
   needed=()
   for name in "$@"; do
-    packages=packages_for_$name[@]
+    packages="packages_for_${name}[@]"
     [[ " ${everyone[*]} " == *" $name "* ]] || { usage >&2; exit 2; }
     needed+=("${!packages}")
   done

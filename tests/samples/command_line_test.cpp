@@ -2,7 +2,9 @@
 #include "tests/support/command_line.h"
 
 #include <chrono>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 #include <thread>
 
@@ -396,6 +398,25 @@ TEST_F(CommandLine, an_accuracy_sweep_goes_on_where_it_was_interrupted_and_leave
     EXPECT_EQ(page.find(elsewhere), std::string::npos) << elsewhere;
   EXPECT_EQ(read(folder / "out/curve.svg").rfind("<svg", 0), 0u);
   EXPECT_EQ(read(folder / "out/curve.png").substr(1, 3), "PNG");
+
+  // A merge of all parts, here of one, makes the same pages, and a part measures what the whole does but for its times.
+  const Outcome merged = weft({"merge", rows.string(), "--out", out("merged")});
+  EXPECT_EQ(merged.exit, 0) << merged.error;
+  for (const char* name : {"curve.csv", "curve.svg", "curve.png", "curve.html"})
+    EXPECT_EQ(read(folder / "merged" / name), read(folder / "out" / name)) << name;
+  ASSERT_EQ(weft({"accuracy", (folder / "sheet.json").string(), "--quick", "--frames", "4", "--out", out(), "--shard", "20/30"}).exit, 0);
+  const auto points = [](const std::string& text) {
+    const std::regex times("(\n[^\n,]*(,[^,]*){6})(,[^,]*){3}|,[^,]*\n$");
+    std::map<int, std::string> found;
+    std::istringstream lines(text);
+    for (std::string at; std::getline(lines, at);)
+      if (const json row = json::parse(at, nullptr, false); row.contains("row"))
+        found[row["item"]] = std::regex_replace(row["row"].value("point", "none"), times, "$1");
+    return found;
+  };
+  const auto all = points(read(rows)), some = points(read(folder / "out/accuracy.20-of-30.rows"));
+  ASSERT_EQ(some.size(), 2u);
+  for (const auto& [item, point] : some) EXPECT_EQ(point, all.at(item)) << item;
 
   const Outcome other = weft({"accuracy", (folder / "sheet.json").string(), "--quick", "--frames", "5", "--out", out()});
   EXPECT_EQ(other.exit, 2) << "points of different sweeps make no curve";

@@ -204,7 +204,7 @@ TEST_F(Outputs, a_mistyped_command_or_option_is_named_with_the_nearest) {
   EXPECT_EQ(said({"time", sheet, "--warmup", "3"}), R"(weft: there is no option "--warmup" (did you mean "--warm-up"?))");
   EXPECT_EQ(said({"run", sheet, "--\033[31m"}), R"(weft: there is no option "--?[31m")");
   EXPECT_EQ(said({}).find("there is no"), std::string::npos);
-  EXPECT_EQ(said({"run", sheet, "more"}).find("there is no"), std::string::npos);
+  EXPECT_EQ(said({"time", sheet, "more"}).find("there is no"), std::string::npos);
 }
 
 }  // namespace
