@@ -118,8 +118,8 @@ Result<Row> measure_row(const compute::Device& device, const Scene& scene, const
 
 Result<Swept> swept_of(const Rows& all, std::vector<std::string> notes) {
   const Row &facts = all.work.facts, &place = all.work.place;
-  Swept swept{{facts.at("device").get<std::string>(), facts.at("scene").get<std::string>(), place.at("date").get<std::string>(), all.work.of,
-               facts.at("frames").get<std::uint32_t>(), {}},
+  Swept swept{{facts.at("device").get<std::string>(), facts.at("scene").get<std::string>(), place.at("date").get<std::string>(),
+               all.work.of, facts.at("frames").get<std::uint32_t>(), {}},
               std::move(notes)};
   for (const auto& [item, row] : all.rows) {
     for (const char* key : {"lacks", "note"}) {

@@ -27,7 +27,7 @@ std::string contradiction(const std::vector<fs::path>& files, const RunOptions& 
   std::map<std::string, fs::path> known;
   for (const fs::path& file : files)
     if (const auto [other, is_new] = known.try_emplace(folder_of(file), file); !is_new)
-      return file.string() + ": its folder in --out would be that of " + other->second.string() + ": give scenes of a family different names";
+      return file.string() + ": its folder in --out would be that of " + other->second.string() + ": give the scenes different names";
   for (const fs::path& cache : common.caches)
     if (cache.is_absolute()) return "--cache " + cache.string() + ": is one file for a family of scenes; give a name without a folder";
   return "";

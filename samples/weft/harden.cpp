@@ -51,8 +51,8 @@ void print_row(const Row& row) {
   std::printf("%-31s %6u %8.2g %8.3g %8.3g %6u %6llu %8.3g %8.3g %8.3g %7.3g  %s\n", report.at("name").get<std::string>().c_str(),
               report.at("non_finite").get<std::uint32_t>(), number("pins_off_m"), 100 * strain.at("max").get<double>(),
               100 * strain.at("rms").get<double>(), report.at("contacts_overflowed").get<std::uint32_t>(),
-              static_cast<unsigned long long>(report.at("crossings").get<std::uint64_t>()), number("mean_moved", 100), number("shape_rms", 100),
-              number("clamped_seconds"), number("wall_seconds"), verdict.c_str());
+              static_cast<unsigned long long>(report.at("crossings").get<std::uint64_t>()), number("mean_moved", 100),
+              number("shape_rms", 100), number("clamped_seconds"), number("wall_seconds"), verdict.c_str());
   std::fflush(stdout);
 }
 
@@ -124,7 +124,8 @@ Exit harden_scene(const compute::Device& device, const Scene& scene, const Harde
     return row;
   };
   labour.conclude = [&](const Rows& all) { return conclude_scene(all, options.out); };
-  Work work{"harden", {{"scene", scene.name}, {"device", device.name()}, {"band", options.band}, {"frames", frames}, {"quick", options.quick}}};
+  Work work{"harden", {{"scene", scene.name}, {"device", device.name()}, {"band", options.band}, {"frames", frames},
+                       {"quick", options.quick}}};
   work.of = fingerprint_of(scene, options.file);
   work.items = static_cast<std::uint32_t>(perturbations.size());
   return work_through(work, labour, options.farm, options.out);
@@ -215,7 +216,8 @@ Exit harden(const HardenOptions& options) {
     return kBadInput;
   }
   listen_for_interrupts();
-  const std::vector<std::string> names = outputs_of(suite ? "hard_cases" : "harden", options.farm.shard, {suite ? kCasesTable : kHardenReport});
+  const std::vector<std::string> names =
+      suite ? outputs_of("hard_cases", options.farm.shard, {kCasesTable}) : outputs_of("harden", options.farm.shard, {kHardenReport});
   if (const Exit exit = prepare_outputs(options.out, names, *inputs); exit != kDone) return exit;
   if (!options.readme.empty())
     if (const Result<void> writable = probe_file(options.readme); !writable) return failed(writable.error());

@@ -74,7 +74,8 @@ Exit obey(int count, char** arguments) {
   std::uint32_t frames = 0;
   bool no_picture = false;
   CLI::App* run_command = app.add_subcommand("run", "Simulate a scene; write a picture, times, figures and the final mesh");
-  run_command->add_option("scene", scenes, "A scene (JSON) or a mesh (glTF, GLB, OBJ); of several each gets a folder of its own, and all a table")
+  run_command
+      ->add_option("scene", scenes, "A scene (JSON) or a mesh (glTF, GLB, OBJ); of several each gets a folder of its own, and all a table")
       ->required()
       ->type_name("SCENE|MESH");
   CLI::Option* frames_option = run_command->add_option("--frames", frames, "How many frames; by default the scene's");
@@ -122,7 +123,7 @@ Exit obey(int count, char** arguments) {
       app.add_subcommand("contacts", "Measure what contacts cost: a scene, or a sheet over its size and that of the hash's cells");
   contacts_command->add_option("scene", file, "A scene (JSON) whose cloths are grids; any with --price")->required()->type_name("SCENE");
   CLI::Option* price_option =
-      contacts_command->add_flag("--price", contact_options.price, "The scene as it is: frames with contacts over frames without, in turns");
+      contacts_command->add_flag("--price", contact_options.price, "The scene as it is: frames with contacts and without, in turns");
   contacts_command->add_option("--frames", contact_options.frames, "Frames of each size")
       ->check(CLI::Range(4u, kMostFrames))
       ->capture_default_str();

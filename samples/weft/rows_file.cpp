@@ -98,7 +98,8 @@ std::string text_of(const Part& part) {
 Result<Part> parse_part(std::string_view text) {
   if (text.substr(0, text.find('\n')).find("\"weft_rows\":") == text.npos) return fail("holds no rows of weft");
   const std::size_t end = text.rfind(kEnd);
-  if (end == text.npos || text.substr(end) != end_line(text.substr(0, end))) return fail("is damaged: its fingerprint is not that of its rows");
+  if (end == text.npos || text.substr(end) != end_line(text.substr(0, end)))
+    return fail("is damaged: its fingerprint is not that of its rows");
   text = text.substr(0, end);
   const Row head = parse_line(next_line(text));
   if (!head.is_object() || head.value("weft_rows", Row()) != kFormat) return fail("is of another version of weft");

@@ -52,8 +52,10 @@ Result<Shard> parse_shard(std::string_view text) {
   const auto part = std::from_chars(first, last, shard.part);
   const bool slash = part.ec == std::errc() && part.ptr != last && *part.ptr == '/';
   const auto parts = slash ? std::from_chars(part.ptr + 1, last, shard.parts) : part;
-  if (!slash || parts.ec != std::errc() || parts.ptr != last) return fail("--shard ", text, ": is not K/N, such as 3/8 for the third of eight parts");
-  if (shard.parts < 1 || shard.parts > kMostParts) return fail("--shard ", text, ": there are 1 to ", kMostParts, " parts, not ", shard.parts);
+  if (!slash || parts.ec != std::errc() || parts.ptr != last)
+    return fail("--shard ", text, ": is not K/N, such as 3/8 for the third of eight parts");
+  if (shard.parts < 1 || shard.parts > kMostParts)
+    return fail("--shard ", text, ": there are 1 to ", kMostParts, " parts, not ", shard.parts);
   if (shard.part < 1 || shard.part > shard.parts) return fail("--shard ", text, ": parts are counted from 1 to ", shard.parts);
   return shard;
 }
@@ -87,7 +89,8 @@ Exit work_through(const Work& work, const Labour& labour, const Farm& farm, cons
   Part& part = *found;
   const std::vector<std::uint32_t> items = items_of(shard, work.items);
   if (farm.shard) std::printf("Part %u of %u: %zu of %u rows\n", shard.part, shard.parts, items.size(), work.items);
-  if (!part.content.rows.empty()) std::printf("Going on: %zu of %zu rows are in %s\n", part.content.rows.size(), items.size(), file.string().c_str());
+  if (!part.content.rows.empty())
+    std::printf("Going on: %zu of %zu rows are in %s\n", part.content.rows.size(), items.size(), file.string().c_str());
   std::fflush(stdout);
   {
     std::uint32_t total = 0;
@@ -129,7 +132,8 @@ Result<Rows> gather(const std::vector<std::filesystem::path>& files) {
       if (part->shard.parts != first.shard.parts)
         return fail(file.string(), ": is one of ", part->shard.parts, " parts, and ", other.string(), " one of ", first.shard.parts);
       if (part->key != first.key)
-        return fail(file.string(), ": is not a part of the same work as ", other.string(), ": another command, scene, device, program or other options");
+        return fail(file.string(), ": is not a part of the same work as ", other.string(),
+                    ": another command, scene, device, program or other options");
     }
     const std::uint32_t number = part->shard.part;
     const auto [known, is_new] = parts.try_emplace(number, file, std::move(*part));
@@ -141,14 +145,15 @@ Result<Rows> gather(const std::vector<std::filesystem::path>& files) {
   std::uint32_t count = 0;
   for (std::uint32_t k = 1; k <= any.parts; ++k)
     if (!parts.contains(k) && ++count <= 10) missing += (missing.empty() ? "" : ", ") + std::to_string(k);
-  if (count > 0) return fail("of ", any.parts, " parts ", count, count == 1 ? " is" : " are", " missing: ", missing, count > 10 ? ", ..." : "");
+  if (count > 0)
+    return fail("of ", any.parts, " parts ", count, count == 1 ? " is" : " are", " missing: ", missing, count > 10 ? ", ..." : "");
   Rows all;
   for (auto& [number, named] : parts) {
     auto& [file, part] = named;
     const std::size_t items = items_of(part.shard, part.content.work.items).size();
     if (part.content.rows.size() < items)
-      return fail(file.string(), ": is not done: it has ", part.content.rows.size(), " of its ", items, " rows; weft ", part.content.work.command,
-                  " with --shard ", number, "/", any.parts, " goes on with it");
+      return fail(file.string(), ": is not done: it has ", part.content.rows.size(), " of its ", items, " rows; --shard ", number, "/",
+                  any.parts, " goes on with it");
     if (number == 1) all.work = part.content.work;
     all.rows.merge(part.content.rows);
   }

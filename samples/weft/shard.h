@@ -1,9 +1,9 @@
 // Work in parts, for several machines that know nothing of each other: --shard K/N.
 //
-// A sweep is a list of items in a fixed order, each of which can be measured by itself; item i belongs to part i mod N, counted from 0. What
-// was measured of an item is its row, plain values. Part K of N keeps its rows in one file, COMMAND.K-of-N.rows, written anew, whole, after
-// every item: a part that was stopped or killed goes on with the items whose rows it has not. Tables, plots and pages are made from the rows
-// of all items, by the command itself where it was given no --shard, and by `weft merge`: one piece of code.
+// A sweep is a list of items in a fixed order, each of which can be measured by itself; item i belongs to part i mod N, both counted from
+// 0. What was measured of an item is its row, plain values. Part K of N keeps its rows in one file, COMMAND.K-of-N.rows, written anew,
+// whole, after every item: a part that was stopped or killed goes on with the items whose rows it has not. Tables, plots and pages are
+// made from the rows of all items, by the command itself where it was given no --shard, and by `weft merge`: one piece of code.
 #pragma once
 
 #include <cstdint>

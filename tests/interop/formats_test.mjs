@@ -1,4 +1,4 @@
-// What readers from elsewhere see in caches: node formats_test.mjs GLB USDA PLY, the last frame of both, beside node_modules. See formats.sh.
+// What readers from elsewhere see in caches: node formats_test.mjs GLB USDA PLY, of which the last is the last frame; see formats.sh.
 import { readFileSync } from 'node:fs';
 import validator from 'gltf-validator';
 import init from 'tinyusdz/tinyusdz.js';

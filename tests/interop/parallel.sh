@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# GNU parallel, on this machine: samples/farm/parallel.sh with a sweep in eight parts, one of which is asked to stop. parallel.sh WEFT FOLDER
+# GNU parallel, on this machine: samples/farm/parallel.sh with a sweep in eight parts, one of which is asked to stop.
+# parallel.sh WEFT FOLDER
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 weft=$1 folder=$2

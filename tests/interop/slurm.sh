@@ -90,6 +90,9 @@ done_all() {
 within 300 done_all
 grep -q 'Stopped by SIGUSR1 after' part-1.log || fail "part 1 was not stopped"
 for k in 1 8; do grep -q 'Going on: ' "part-$k.log" || fail "part $k did not go on"; done
-timeout 60 "$weft" merge farm/accuracy.*-of-"$parts".rows --out "$folder/farm" > merge.log 2>&1 || { cat merge.log >&2; fail "weft merge failed"; }
+if ! timeout 60 "$weft" merge farm/accuracy.*-of-"$parts".rows --out "$folder/farm" > merge.log 2>&1; then
+  cat merge.log >&2
+  fail "weft merge failed"
+fi
 expect_same "$folder/farm"
 echo "passed: a sweep in $parts parts by slurmctld and slurmd, one of them stopped, one killed and put back"

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# A sweep for farms, in one and in parts, and its table without its clocks; sourced by the tests of queues, which have set `weft` and `folder`.
+# A sweep for farms, in one and in parts, and its table without its clocks; sourced by the tests of queues, which have set `weft`
+# and `folder`.
 export LP_NUM_THREADS=0   # a part a core
 export XDG_CACHE_HOME=${folder:?}/cache
 readonly parts=8 scene=$folder/sheet.json recorded=$folder/weft

@@ -1,7 +1,10 @@
 // Work in parts: the program `weft` with --shard, and `weft merge`.
+#include <algorithm>
 #include <chrono>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <sstream>
 #include <thread>
 
 #include "tests/support/command_line.h"
@@ -30,6 +33,9 @@ class Shards : public CommandLine {
     EXPECT_FALSE(fs::exists(folder / "refused"));
   }
 };
+
+constexpr const char* kOneCorner =
+    R"({"name": "sheet", "cloths": [{"grid": {"cells": [6, 6], "upright": true}, "anchors": [{"corners": ["low_high"]}]}]})";
 
 // A table without its clocks.
 json timeless(const std::string& text) {
@@ -92,6 +98,56 @@ TEST_F(Shards, a_merge_of_parts_that_were_stopped_and_killed_is_the_table_of_one
   ASSERT_EQ(weft(call("others", {"--shard", "16/17", "--band", "3"})).exit, 0);
   ASSERT_EQ(weft(call("others", {"--shard", "17/17"})).exit, 0) << "a part without an item";
   expect_refusal({folder / "others/harden.17-of-17.rows", folder / "others/harden.16-of-17.rows"}, "is not a part of the same work as ");
+}
+
+TEST_F(Shards, an_accuracy_sweep_goes_on_where_it_was_interrupted_and_leaves_a_page_that_stands_alone) {
+  const std::vector<std::string> call = {"accuracy", write("sheet.json", kOneCorner), "--quick", "--frames", "4", "--budget", "1000ms", "--out",
+                                         out()};
+  const pid_t child = spawn(call);
+  const fs::path csv = folder / "out/curve.csv", rows = folder / "out/accuracy.rows";
+  for (int tries = 0; tries < 600 && !fs::exists(rows); ++tries) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  kill(child, SIGINT);
+  EXPECT_EQ(wait(child).exit, 130);
+  const std::string begun = read(csv);
+  const auto lines = std::count(begun.begin(), begun.end(), '\n');
+  ASSERT_GT(lines, 7) << "six facts, the header and a point\n" << begun;
+
+  const Outcome outcome = weft(call);
+  ASSERT_EQ(outcome.exit, 0) << outcome.error;
+  EXPECT_NE(outcome.out.find("Going on: " + std::to_string(lines - 7) + " of "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("Within 1000 ms: "), std::string::npos) << outcome.out;
+  const std::string whole = read(csv), page = read(folder / "out/curve.html");
+  EXPECT_EQ(whole.rfind(begun, 0), 0u) << "what was measured stays";
+  EXPECT_GT(std::count(whole.begin(), whole.end(), '\n'), lines);
+  EXPECT_NE(page.find("<svg"), std::string::npos);
+  EXPECT_NE(page.find("data:image/png;base64,iVBOR"), std::string::npos);
+  for (const char* elsewhere : {"src=\"http", "href=\"http", "<script", "@import"})
+    EXPECT_EQ(page.find(elsewhere), std::string::npos) << elsewhere;
+  EXPECT_EQ(read(folder / "out/curve.svg").rfind("<svg", 0), 0u);
+  EXPECT_EQ(read(folder / "out/curve.png").substr(1, 3), "PNG");
+
+  // A merge of all parts, here of one, makes the same pages, and a part measures what the whole does but for its times.
+  const Outcome merged = weft({"merge", rows.string(), "--out", out("merged")});
+  EXPECT_EQ(merged.exit, 0) << merged.error;
+  for (const char* name : {"curve.csv", "curve.svg", "curve.png", "curve.html"})
+    EXPECT_EQ(read(folder / "merged" / name), read(folder / "out" / name)) << name;
+  ASSERT_EQ(weft({"accuracy", (folder / "sheet.json").string(), "--quick", "--frames", "4", "--out", out(), "--shard", "20/30"}).exit, 0);
+  const auto points = [](const std::string& text) {
+    const std::regex times("(\n[^\n,]*(,[^,]*){6})(,[^,]*){3}|,[^,]*\n$");
+    std::map<int, std::string> found;
+    std::istringstream lines(text);
+    for (std::string at; std::getline(lines, at);)
+      if (const json row = json::parse(at, nullptr, false); row.contains("row"))
+        found[row["item"]] = std::regex_replace(row["row"].value("point", "none"), times, "$1");
+    return found;
+  };
+  const auto all = points(read(rows)), some = points(read(folder / "out/accuracy.20-of-30.rows"));
+  ASSERT_EQ(some.size(), 2u);
+  for (const auto& [item, point] : some) EXPECT_EQ(point, all.at(item)) << item;
+
+  const Outcome other = weft({"accuracy", (folder / "sheet.json").string(), "--quick", "--frames", "5", "--out", out()});
+  EXPECT_EQ(other.exit, 2) << "points of different sweeps make no curve";
+  EXPECT_NE(other.error.find("--fresh"), std::string::npos) << other.error;
 }
 
 TEST_F(Shards, a_family_of_scenes_leaves_the_caches_and_the_table_of_one_machine_though_a_long_run_was_put_back) {
