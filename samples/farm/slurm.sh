@@ -35,8 +35,8 @@ while kill -0 "$program" 2>/dev/null; do   # a signal ends the first wait
   code=$?
 done
 
-readonly put_back=75
-if (( code == put_back )); then
+# 75 asks to be put back; 128 + a signal is a program that did not listen yet.
+if (( code == 75 || code == 128 + $(kill -l USR1) || code == 128 + $(kill -l TERM) )); then
   echo "Part $SLURM_ARRAY_TASK_ID of $SLURM_ARRAY_TASK_COUNT is put back"
   scontrol requeue "${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID"
   sleep 60   # until Slurm ends this script, so that the task never counts as failed

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "engine/scene/faults.h"
 #include "samples/weft/console.h"
 
 namespace weft::command {
@@ -27,12 +28,7 @@ Exit merge(const MergeOptions& options) {
   for (const std::filesystem::path& part : options.parts) inputs.push_back({part, "a part"});
   if (const Exit exit = prepare_outputs(options.out, made->files, inputs); exit != kDone) return exit;
   std::printf("%zu parts, %u rows of %s\n", options.parts.size(), work.items, work.command.c_str());
-  try {
-    return made->conclude(*all, options.out);
-  } catch (const Row::exception& fault) {   // whole files of which someone wrote the lines
-    complain(options.parts.front().string() + ": a row or a fact is not one of weft " + work.command + ": " + fault.what());
-    return kBadInput;
-  }
+  return concluded(*all, options.parts.front(), [&](const Rows& rows) { return made->conclude(rows, options.out); });
 }
 
 }  // namespace weft::command

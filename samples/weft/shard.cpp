@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "engine/scene/faults.h"
 #include "samples/weft/console.h"
 #include "samples/weft/files.h"
 #include "samples/weft/rows_file.h"
@@ -78,6 +79,13 @@ std::vector<std::string> outputs_of(std::string_view command, const std::optiona
   return tables;
 }
 
+Exit concluded(const Rows& rows, const std::filesystem::path& file, const std::function<Exit(const Rows&)>& conclude) try {
+  return conclude(rows);
+} catch (const Row::exception& fault) {
+  complain(file.string() + ": a row or a fact is not one of weft " + rows.work.command + ": " + printable(fault.what(), 200));
+  return kBadInput;
+}
+
 Exit work_through(const Work& work, const Labour& labour, const Farm& farm, const std::filesystem::path& out) {
   const Shard shard = farm.shard.value_or(Shard());
   const std::filesystem::path file = out / rows_name(work.command, farm.shard);
@@ -115,7 +123,7 @@ Exit work_through(const Work& work, const Labour& labour, const Farm& farm, cons
     return kDone;
   }
   if (interrupted() && part.content.rows.empty()) return stopped(stopped_at(part, items.size(), file));
-  const Exit exit = labour.conclude(part.content);
+  const Exit exit = concluded(part.content, file, labour.conclude);
   if (interrupted()) return exit == kBadInput ? exit : stopped(stopped_at(part, items.size(), file));
   std::error_code ignored;
   if (!labour.kept) std::filesystem::remove(file, ignored);

@@ -56,6 +56,9 @@ struct Labour {
   bool kept = false;            // rows stay when the work is done, and the next call has nothing to measure
 };
 
+/// Calls a conclude; rows of whole files of which someone wrote the lines himself are a complaint and kBadInput.
+Exit concluded(const Rows& rows, const std::filesystem::path& file, const std::function<Exit(const Rows&)>& conclude);
+
 /// What a command, or a part of it, is going to write, as prepare_outputs takes it: tables or rows.
 std::vector<std::string> outputs_of(std::string_view command, const std::optional<Shard>& shard, std::vector<std::string> tables);
 
