@@ -136,7 +136,8 @@ Result<void> write_obj(const std::filesystem::path& file, std::span<const Vec3> 
   if (Result<void> checked = parts::check_indices(file, triangles, positions.size()); !checked) return checked;
 
   std::string text;
-  if (auto done = parts::put_obj(positions, normals, parts::obj_faces(uvs, triangles, !normals.empty()), adding_to(text)); !done) return done;
+  const parts::ObjFaces faces = parts::obj_faces(uvs, triangles, !normals.empty());
+  if (Result<void> done = parts::put_obj(positions, normals, faces, adding_to(text)); !done) return done;
   return write_file(file, std::as_bytes(std::span(text)));
 } catch (...) {
   return caught("the mesh");
