@@ -17,14 +17,14 @@ namespace {
 
 constexpr std::size_t kTuple = 3 * parts::kNumberLength + 5;   // "(x,y,z),"
 constexpr std::size_t kCode = 10;                              // digits of a time code
-constexpr std::size_t kPiece = 1024;                           // tuples that are handed on together, in the processor's cache still
 constexpr std::string_view kClosing = "    }\n";
 
-// (x,y,z),(x,y,z), with spaces behind every tuple; the comma after the last of a list becomes its bracket.
-void add_tuples(std::string& text, std::span<const Vec3> list, bool last) {
-  std::size_t place = text.size();
+// [(x,y,z),(x,y,z)], spaces behind every tuple; the comma after the last becomes the bracket.
+void add_list(std::string& text, std::span<const Vec3> list) {
+  std::size_t place = text.size() + 1;
   text.resize(place + list.size() * kTuple);
-  char* at = nullptr;
+  text[place - 1] = '[';
+  char* at = text.data() + place - 1;
   for (const Vec3& p : list) {
     at = text.data() + place;
     *at++ = '(';
@@ -34,12 +34,8 @@ void add_tuples(std::string& text, std::span<const Vec3> list, bool last) {
     place += kTuple;
     std::fill(at + 1, text.data() + place, ' ');   // numbers may leave digits behind their ends
   }
-  if (last && at != nullptr) *at = ']';
-}
-
-void add_list(std::string& text, std::span<const Vec3> list) {
-  add_tuples(text += '[', list, true);
   if (list.empty()) text.push_back(']');
+  else *at = ']';
 }
 
 std::array<Vec3, 2> extent_of(std::span<const Vec3> positions) {
@@ -102,17 +98,11 @@ class Samples : public Layout {
     for (std::size_t k = 0; k < blocks_.size(); ++k) {
       text = std::to_string(frame + 1);
       text.insert(0, kCode - text.size(), ' ');
-      text += ": [";
+      text += ": ";
+      add_list(text, lists[k]);
+      text += ",\n";
       const Block& block = blocks_[k];
-      std::uint64_t offset = block.offset + block.before.size() + frame * sample_bytes(block);
-      for (std::span<const Vec3> rest = lists[k]; !rest.empty(); text.clear()) {
-        const auto piece = rest.first(std::min(rest.size(), kPiece));
-        rest = rest.subspan(piece.size());
-        add_tuples(text, piece, rest.empty());
-        if (rest.empty()) text += ",\n";
-        if (auto done = put(offset, bytes_of(text)); !done) return done;
-        offset += text.size();
-      }
+      if (auto done = put(block.offset + block.before.size() + frame * sample_bytes(block), bytes_of(text)); !done) return done;
     }
     return {};
   }
