@@ -8,7 +8,11 @@ packages_to_run=(build-essential cmake ninja-build libvulkan-dev mesa-vulkan-dri
   libglfw3-dev libimgui-dev libdraco-dev libmeshoptimizer-dev)
 # xvfb, xdotool, x11-apps, libx11-dev: a screen that nobody sees, for the viewer's window.
 packages_to_test=(libgtest-dev libbenchmark-dev vulkan-validationlayers pkg-config python3-numpy xvfb xdotool x11-apps libx11-dev)
-packages_for_interop=(blender)   # tests/run.sh --interop alone
+# tests/run.sh --interop NAME alone
+packages_for_blender=(blender)
+packages_for_formats=(nodejs npm)
+packages_for_parallel=(parallel)
+packages_for_slurm=(slurm-wlm munge)
 
 # Installs those of the named packages that are missing, and says which; asks nothing.
 install_missing() {

@@ -1,39 +1,58 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds and runs every test: first those that need no device under the sanitizers, then those of
 # threads under the thread sanitizer, then all of them optimised. The whole suite comes last, so that the output ends with its
-# result. With --interop those with Blender instead.
+# result. With --interop those with other programs instead.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 source "$root/samples/packages.sh"
 
 usage() {
   cat <<END
-Usage: tests/run.sh [--interop]
+Usage: tests/run.sh [--interop [NAME...]]
 
 Installs the Debian packages that are missing, builds Weft into build/asan, build/tsan and build/ci, and runs its tests.
 
-  --interop    instead of these, the tests with programs that read what Weft writes: installs Blender (with what it needs
-               some 600 MB), builds the command line into build/ci, and runs tests/interop/blender_test.py in it: the
-               add-on of samples/blender, and PC2, MDD and GLB caches
+  --interop    instead of these, the tests with other programs, all of them or those that are named: installs what they
+               need and builds the command line into build/ci
+                 blender    the add-on of samples/blender, and PC2, MDD and GLB caches (some 600 MB of packages)
+                 formats    GLB and USDA caches by Khronos' validator and tinyusdz, from npm
+                 parallel   samples/farm/parallel.sh: a sweep in parts by GNU parallel
+                 slurm      samples/farm/slurm.sh: a sweep in parts by slurmctld and slurmd; as root
 END
 }
 
+everyone=(blender formats parallel slurm)
 interop=false
 case ${1:-} in
   "") ;;
-  --interop) interop=true ;;
+  --interop) interop=true; shift ;;
   --help | -h) usage; exit 0 ;;
   *) usage >&2; exit 2 ;;
 esac
 
 if $interop; then
-  echo "Tests with Blender: the add-on of samples/blender, and caches that it plays"
-  install_missing "${packages_to_run[@]}" "${packages_to_test[@]}" "${packages_for_interop[@]}"
+  (( $# > 0 )) || set -- "${everyone[@]}"
+  needed=()
+  for name in "$@"; do
+    packages="packages_for_${name}[@]"
+    [[ " ${everyone[*]} " == *" $name "* ]] || { usage >&2; exit 2; }
+    needed+=("${!packages}")
+  done
+  if command -v npm >/dev/null; then needed=("${needed[@]/#npm/nodejs}"); fi   # Node's own package has it
+  install_missing "${packages_to_run[@]}" "${packages_to_test[@]}" "${needed[@]}"
   build "$root" ci weft_cli
-  folder=$(mktemp -d)
-  trap 'rm -rf "$folder"' EXIT
-  blender --background --factory-startup --python-exit-code 1 --python "$root/tests/interop/blender_test.py" -- \
-    "$root/build/ci/bin/weft" "$root/samples/blender/weft_cloth.py" "$folder"
+  failed=()
+  for name in "$@"; do
+    folder=$(mktemp -d)
+    echo "Tests with others: $name"
+    "$root/tests/interop/$name.sh" "$root/build/ci/bin/weft" "$folder" || failed+=("$name")
+    rm -rf "$folder"
+  done
+  if (( ${#failed[@]} )); then
+    echo "FAILED: ${failed[*]}" >&2
+    exit 1
+  fi
+  echo "All passed: $*"
   exit
 fi
 

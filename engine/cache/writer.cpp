@@ -96,7 +96,6 @@ struct CacheWriter::State {
   std::uint32_t done = 0;
   std::vector<Triangle> triangles;             // of a ply
   parts::ObjFaces faces;                       // of an obj
-  std::string text;                            // of a sequence's frame
   std::unique_ptr<caching::Layout> layout;     // null of a sequence
   std::optional<PartFile> part;
 
@@ -132,11 +131,20 @@ struct CacheWriter::State {
     return {};
   }
 
-  // Of a sequence's frame; in one place for all of them, since making room for megabytes takes as long as filling it.
-  const std::string& text_of(const CacheFrame& frame) {
-    if (format == CacheFormat::obj) parts::obj_of(frame.positions, has_normals ? frame.normals : std::span<const Vec3>(), faces, text);
-    else text = parts::ply_of(frame.positions, frame.normals, frame.strain, triangles);
-    return text;
+  // Of a sequence.
+  Result<void> put_frame(const CacheFrame& frame, const parts::PutText& put) const {
+    if (format == CacheFormat::ply) return put(parts::ply_of(frame.positions, frame.normals, frame.strain, triangles));
+    return parts::put_obj(frame.positions, has_normals ? frame.normals : std::span<const Vec3>(), faces, put);
+  }
+
+  Result<void> write_frame(const fs::path& of_frame, const CacheFrame& frame) const {
+    Result<PartFile> whole = PartFile::create(of_frame, false);
+    if (!whole) return whole.take_error();
+    std::uint64_t bytes = 0;
+    Result<void> put = put_frame(frame, [&](std::string_view piece) {
+      return whole->write(std::exchange(bytes, bytes + piece.size()), caching::bytes_of(piece));
+    });
+    return put ? whole->finish(bytes) : put;
   }
 
   caching::Put writing() {
@@ -152,8 +160,9 @@ struct CacheWriter::State {
         if (!fs::is_regular_file(of_frame, none)) return fail(of_frame.string(), " is not there");
         if (k < done) continue;
         std::ifstream stream(of_frame, std::ios::binary);
-        if (std::string{std::istreambuf_iterator<char>(stream), {}} != text_of(last))
-          return fail(of_frame.string(), " is not of this run: it does not hold its frame ", done);
+        std::string there{std::istreambuf_iterator<char>(stream), {}}, wanted;
+        const Result<void> made = put_frame(last, [&](std::string_view piece) { return wanted += piece, Result<void>(); });
+        if (!made || there != wanted) return fail(of_frame.string(), " is not of this run: it does not hold its frame ", done);
       }
       return {};
     }
@@ -210,7 +219,7 @@ Result<void> CacheWriter::add(const CacheFrame& frame) try {
   if (at.done == at.options.frames) return fail(at.file.string(), " has all of its ", at.done, " frames already");
   if (Result<void> good = at.check_frame(frame); !good) return good;
   Result<void> put = at.layout ? at.layout->put_frame(at.done, frame, at.writing())
-                               : write_file(sequence_file(at.file, at.done + 1, at.options.frames), caching::bytes_of(at.text_of(frame)));
+                               : at.write_frame(sequence_file(at.file, at.done + 1, at.options.frames), frame);
   if (put) ++at.done;
   return put;
 } catch (...) {

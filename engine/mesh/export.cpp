@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cassert>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "compute/file.h"
 #include "engine/mesh/glb.h"
@@ -22,22 +24,31 @@ void put(std::string& bytes, const T& value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-// A line a vertex: "v 1 2 3".
+// A line a vertex: "v 1 2 3". In pieces that are filled and handed on while they are in the processor's cache.
 template <class Vector>
-void add_lines(std::string& text, std::string_view keyword, std::span<const Vector> list) {
-  constexpr std::size_t numbers = sizeof(Vector) / sizeof(float);
-  const std::size_t before = text.size();
-  text.resize(before + list.size() * (keyword.size() + numbers * (1 + parts::kNumberLength) + 1));
-  char* at = text.data() + before;
+Result<void> put_lines(std::string_view keyword, std::span<const Vector> list, const parts::PutText& put) {
+  constexpr std::size_t kPiece = 1 << 16, kNumbers = sizeof(Vector) / sizeof(float), kLongest = 3 + kNumbers * (1 + parts::kNumberLength);
+  std::array<char, kPiece> piece;
+  char* at = piece.data();
+  const auto hand_on = [&] { return put({piece.data(), static_cast<std::size_t>(std::exchange(at, piece.data()) - piece.data())}); };
   for (const Vector& vector : list) {
+    if (static_cast<std::size_t>(at - piece.data()) > kPiece - kLongest)
+      if (Result<void> done = hand_on(); !done) return done;
     at = std::copy(keyword.begin(), keyword.end(), at);
-    for (const float number : std::bit_cast<std::array<float, numbers>>(vector)) {
+    for (const float number : std::bit_cast<std::array<float, kNumbers>>(vector)) {
       *at++ = ' ';
       at = parts::put_number(number, at);
     }
     *at++ = '\n';
   }
-  text.resize(static_cast<std::size_t>(at - text.data()));
+  return hand_on();
+}
+
+parts::PutText adding_to(std::string& text) {
+  return [&text](std::string_view piece) {
+    text += piece;
+    return Result<void>();
+  };
 }
 
 }   // namespace
@@ -80,7 +91,8 @@ ObjFaces obj_faces(std::span<const Vec2> uvs, std::span<const Triangle> triangle
   ObjFaces text;
   std::vector<Vec2> upward(uvs.begin(), uvs.end());
   for (Vec2& uv : upward) uv.y = 1 - uv.y;
-  add_lines(text.uvs, "vt", std::span<const Vec2>(upward));
+  const Result<void> added = put_lines("vt", std::span<const Vec2>(upward), adding_to(text.uvs));
+  assert(added);
   for (const Triangle& triangle : triangles) {
     text.faces.push_back('f');
     for (const std::uint32_t v : triangle) {
@@ -95,13 +107,12 @@ ObjFaces obj_faces(std::span<const Vec2> uvs, std::span<const Triangle> triangle
   return text;
 }
 
-void obj_of(std::span<const Vec3> positions, std::span<const Vec3> normals, const ObjFaces& faces, std::string& text) {
-  text = "# Weft\n";
-  text.reserve(text.size() + (positions.size() + normals.size()) * 56 + faces.uvs.size() + faces.faces.size());
-  add_lines(text, "v", positions);
-  text += faces.uvs;
-  add_lines(text, "vn", normals);
-  text += faces.faces;
+Result<void> put_obj(std::span<const Vec3> positions, std::span<const Vec3> normals, const ObjFaces& faces, const PutText& put) {
+  if (Result<void> done = put("# Weft\n"); !done) return done;
+  if (Result<void> done = put_lines("v", positions, put); !done) return done;
+  if (Result<void> done = put(faces.uvs); !done) return done;
+  if (Result<void> done = put_lines("vn", normals, put); !done) return done;
+  return put(faces.faces);
 }
 
 }   // namespace parts
@@ -125,7 +136,8 @@ Result<void> write_obj(const std::filesystem::path& file, std::span<const Vec3> 
   if (Result<void> checked = parts::check_indices(file, triangles, positions.size()); !checked) return checked;
 
   std::string text;
-  parts::obj_of(positions, normals, parts::obj_faces(uvs, triangles, !normals.empty()), text);
+  const parts::ObjFaces faces = parts::obj_faces(uvs, triangles, !normals.empty());
+  if (Result<void> done = parts::put_obj(positions, normals, faces, adding_to(text)); !done) return done;
   return write_file(file, std::as_bytes(std::span(text)));
 } catch (...) {
   return caught("the mesh");

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -52,6 +53,8 @@ struct ObjFaces {   // what stays the same when vertices move
   std::string uvs, faces;
 };
 ObjFaces obj_faces(std::span<const Vec2> uvs, std::span<const Triangle> triangles, bool has_normals);
-void obj_of(std::span<const Vec3> positions, std::span<const Vec3> normals, const ObjFaces& faces, std::string& text);
+/// Piece by piece, so that what is written is in the processor's cache still. Errors: those of `put`.
+using PutText = std::function<Result<void>(std::string_view piece)>;
+Result<void> put_obj(std::span<const Vec3> positions, std::span<const Vec3> normals, const ObjFaces& faces, const PutText& put);
 
 }  // namespace weft::parts

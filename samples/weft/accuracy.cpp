@@ -1,7 +1,7 @@
 // `weft accuracy`: error over milliseconds, on the device at hand.
 //
-// Settings are measured one by one, cheapest first, and each is in curve.csv before the next begins: an interrupted sweep
-// leaves a usable curve, and goes on where it stopped when it is called again. Plots and page are made from the curve.
+// Settings are measured one by one, cheapest first: an interrupted sweep leaves a usable curve, and goes on where it stopped when it is
+// called again. Plots and page are made from the curve.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -17,8 +17,10 @@
 #include "samples/weft/commands.h"
 #include "samples/weft/console.h"
 #include "samples/weft/files.h"
+#include "samples/weft/merge.h"
 #include "samples/weft/outputs.h"
 #include "samples/weft/painter.h"
+#include "samples/weft/shard.h"
 #include "samples/weft/subject.h"
 
 namespace weft::command {
@@ -65,31 +67,11 @@ std::string now() {
   return text;
 }
 
-// What points must have in common to stand in one curve.
-std::string key_of(const Scene& scene, const SweepPlan& plan, const std::string& device) {
-  Fingerprint print;
-  return print.add(scene_text(scene)).add(device).add(&plan.frames, sizeof plan.frames).add(&plan.most_steps, sizeof plan.most_steps)
-      .add(&plan.reference_cells, sizeof plan.reference_cells).text();
-}
-
 Result<std::string> read_text(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (!stream) return fail(file.string(), ": cannot be read");
   return text;
-}
-
-// The curve that a sweep continues.
-Result<Curve> begun(const std::filesystem::path& file, const Curve& fresh, bool anew) {
-  if (anew || !is_there(file)) return fresh;
-  auto text = read_text(file);
-  if (!text) return text.take_error();
-  auto curve = parse_curve(*text);
-  if (!curve) return fail(file.string(), ": ", curve.why());
-  if (curve->key != fresh.key)
-    return fail(file.string(),
-                ": is a curve of another scene, device or number of frames; choose another --out, or begin anew with --fresh");
-  return curve;
 }
 
 std::uint32_t units(const Setting& setting) { return 1 + static_cast<std::uint32_t>(std::min(setting.work / 1e6, 1e6)); }
@@ -99,35 +81,57 @@ struct Swept {
   std::vector<std::string> notes;
 };
 
-Result<void> sweep(const compute::Device& device, const Scene& scene, const SweepPlan& plan, const std::filesystem::path& folder,
-                   Swept& swept) {
-  std::vector<Setting> settings = settings_of(scene, plan, swept.notes);
-  std::erase_if(settings, [&](const Setting& setting) {
-    return std::any_of(swept.curve.points.begin(), swept.curve.points.end(), [&](const CurvePoint& point) { return setting == point; });
-  });
-  std::uint32_t total = 0;
-  for (const Setting& setting : settings) total += units(setting);
-  std::printf("%zu settings to measure, %zu are in %s already\n", settings.size(), swept.curve.points.size(), folder.string().c_str());
-  std::fflush(stdout);
+// The options that a merge needs again, to make the pages that the command makes.
+Row facts_of(const AccuracyOptions& options, const SweepPlan& plan, const Scene& scene, const std::string& device) {
+  Row facts = {{"device", device}, {"scene", scene.name}, {"quick", options.quick}, {"frames", plan.frames},
+               {"reference_cells", plan.reference_cells}, {"outside", options.buffer_files == BufferFiles::anywhere},
+               {"set", Row::array()}};
+  for (const Assignment& assignment : options.assignments) facts["set"].push_back({assignment.path, assignment.value});
+  return facts;
+}
 
+AccuracyOptions options_of(const Work& work) {
+  AccuracyOptions options;
+  options.file = work.place.at("file").get<std::string>();
+  options.device = work.facts.at("device").get<std::string>();
+  options.quick = work.facts.at("quick").get<bool>();
+  options.frames = work.facts.at("frames").get<std::uint32_t>();
+  options.reference_cells = work.facts.at("reference_cells").get<std::uint32_t>();
+  if (work.facts.at("outside").get<bool>()) options.buffer_files = BufferFiles::anywhere;
+  for (const Row& set : work.facts.at("set"))
+    options.assignments.push_back({set.at(0).get<std::string>(), set.at(1).get<std::string>()});
+  return options;
+}
+
+// A row is a point or a note on why there is none, and a note on what the point lacks.
+Result<Row> measure_row(const compute::Device& device, const Scene& scene, const SweepPlan& plan, const Setting& setting,
+                        const std::filesystem::path& folder) {
   std::string no_reference;
-  Progress progress("measuring", total, "million particle passes");
-  for (const Setting& setting : settings) {
-    const bool compared = no_reference.empty();
-    auto point = measure(device, scene, setting, plan, folder, no_reference);
-    if (interrupted()) break;
-    if (compared && !no_reference.empty()) swept.notes.push_back("no reference: " + no_reference);
-    progress.step(units(setting));
-    if (!point && device.is_lost()) return fail(setting.row.name, ": ", point.why());
-    if (!point) {
-      const std::string sentence = std::string(setting.row.name) + ": " + point.error();
-      if (std::find(swept.notes.begin(), swept.notes.end(), sentence) == swept.notes.end()) swept.notes.push_back(sentence);
-      continue;
+  const auto point = measure(device, scene, setting, plan, folder, no_reference);
+  if (!point && device.is_lost()) return fail(setting.row.name, ": ", point.why());
+  Row row = Row::object();
+  if (point) row["point"] = curve_csv({"", "", "", "", 0, {*point}});
+  else row["note"] = std::string(setting.row.name) + ": " + point.error();
+  if (!no_reference.empty()) row["lacks"] = "no reference: " + no_reference;
+  return row;
+}
+
+Result<Swept> swept_of(const Rows& all, std::vector<std::string> notes) {
+  const Row &facts = all.work.facts, &place = all.work.place;
+  Swept swept{{facts.at("device").get<std::string>(), facts.at("scene").get<std::string>(), place.at("date").get<std::string>(),
+               all.work.of, facts.at("frames").get<std::uint32_t>(), {}},
+              std::move(notes)};
+  for (const auto& [item, row] : all.rows) {
+    for (const char* key : {"lacks", "note"}) {
+      const std::string note = row.value(key, "");
+      if (!note.empty() && std::ranges::find(swept.notes, note) == swept.notes.end()) swept.notes.push_back(note);
     }
-    swept.curve.points.push_back(std::move(*point));
-    if (auto written = write_text(folder / "curve.csv", curve_csv(swept.curve)); !written) return written;
+    if (!row.contains("point")) continue;
+    auto one = parse_curve(row.at("point").get<std::string>());
+    if (!one) return fail("row ", item, ": ", one.why());
+    std::ranges::move(one->points, std::back_inserter(swept.curve.points));
   }
-  return {};
+  return swept;
 }
 
 // The cheapest setting of the front, the best, and the one between them.
@@ -216,6 +220,57 @@ void print_budget(const Curve& curve, bool tethers, double budget) {
               percent(p.strain_max).c_str(), setting_flags(p).c_str());
 }
 
+// Everything that is made of a sweep: by the command and by a merge alike.
+Exit conclude_accuracy(const Rows& all, const Scene& scene, const SweepPlan& plan, const AccuracyOptions& options) {
+  std::vector<std::string> refused;
+  settings_of(scene, plan, refused);
+  const auto made = swept_of(all, std::move(refused));
+  if (!made) return failed(made.error());
+  const Swept& swept = *made;
+  for (const std::string& note : swept.notes) std::printf("note: %s\n", note.c_str());
+  if (swept.curve.points.empty()) return failed("No setting could be measured");
+
+  std::vector<Shot> shots;
+  if (!interrupted())
+    if (const Exit exit = take_shots(scene, swept, options, shots); exit != kDone && exit != kInterrupted) return exit;
+  const Drawing drawing = accuracy_plot(swept.curve);
+  const Page page{swept.curve, plan, swept.notes, std::move(shots), !all.all()};
+  const std::pair<const char*, std::string> files[] = {
+      {"curve.csv", curve_csv(swept.curve)}, {"curve.svg", svg(drawing)}, {"curve.html", accuracy_page(page)}};
+  for (const auto& [name, text] : files)
+    if (const Result<void> written = write_text(options.out / name, text); !written) return failed(written.error());
+  if (const Result<void> written = write_png(options.out / "curve.png", picture(drawing)); !written) return failed(written.error());
+  for (const bool tethers : plan.tethers) print_front(swept.curve, tethers);
+  if (options.budget_ms) print_budget(swept.curve, plan.tethers.front(), *options.budget_ms);
+  if (options.save) {
+    const std::filesystem::path file = curve_file(swept.curve.device);
+    if (const Result<void> written = write_text(file, curve_csv(condensed(swept.curve)), Link::replace); !written)
+      return failed(written.error());
+    std::printf("Saved for scenes whose solver is \"auto\": %s\n", file.string().c_str());
+  }
+  std::printf("Written: curve.csv, curve.svg, curve.png, curve.html in %s\n", options.out.string().c_str());
+  return kDone;
+}
+
+std::vector<std::string> accuracy_files() {
+  std::vector<std::string> names = {"curve.csv", "curve.svg", "curve.html", "curve.png"};
+  for (std::size_t k = 1; k <= kMostShots; ++k) names.push_back(shot_name(k));
+  return names;
+}
+
+// The pictures of three budgets need the scene, which parts name.
+Exit merge_accuracy(const Rows& all, const std::filesystem::path& out) {
+  AccuracyOptions options = options_of(all.work);
+  options.out = out;
+  const auto scene = load_subject(options.file, options.assignments, options.buffer_files);
+  if (!scene || fingerprint_of(*scene, options.file) != all.work.of) {
+    complain("The scene of this sweep, from which the pictures of three budgets are made, " +
+             (scene ? "is another by now: " + options.file.string() : "cannot be read: " + scene.error()));
+    return kBadInput;
+  }
+  return conclude_accuracy(all, *scene, plan_of(*scene, options), options);
+}
+
 }  // namespace
 
 Exit accuracy(const AccuracyOptions& options) {
@@ -225,8 +280,7 @@ Exit accuracy(const AccuracyOptions& options) {
     return kBadInput;
   }
   listen_for_interrupts();
-  std::vector<std::string> names = {"curve.csv", "curve.svg", "curve.html", "curve.png"};
-  for (std::size_t k = 1; k <= kMostShots; ++k) names.push_back(shot_name(k));
+  const std::vector<std::string> names = outputs_of("accuracy", options.farm.shard, accuracy_files());
   if (const Exit exit = prepare_outputs(options.out, names, inputs_of(options.file, *scene)); exit != kDone) return exit;
   compute::DeviceChoice choice;
   choice.name = options.device;
@@ -237,44 +291,23 @@ Exit accuracy(const AccuracyOptions& options) {
     if (const Result<void> place = prepare_to_save((*device)->name()); !place) return failed(place.error());
 
   const SweepPlan plan = plan_of(*scene, options);
-  Curve fresh{(*device)->name(), scene->name, now(), key_of(*scene, plan, (*device)->name()), plan.frames, {}};
-  auto curve = begun(options.out / "curve.csv", fresh, options.fresh);
-  if (!curve) {
-    complain(curve.error());
-    return kBadInput;
-  }
-  Swept swept{std::move(*curve), {}};
-  std::printf("%s on %s: %u frames a setting\n", scene->name.c_str(), (*device)->name().c_str(), plan.frames);
-  if (const Result<void> done = sweep(**device, *scene, plan, options.out, swept); !done) return failed(done.error());
-  for (const std::string& note : swept.notes) std::printf("note: %s\n", note.c_str());
-  if (swept.curve.points.empty() && !interrupted()) return failed("No setting could be measured");
-  if (swept.curve.points.empty()) {
-    complain("Interrupted before a setting was measured: nothing is written");
-    return kInterrupted;
-  }
-
-  std::vector<Shot> shots;
-  if (!interrupted())
-    if (const Exit exit = take_shots(*scene, swept, options, shots); exit != kDone && exit != kInterrupted) return exit;
-  const Drawing drawing = accuracy_plot(swept.curve);
-  const Page page{swept.curve, plan, swept.notes, std::move(shots), interrupted()};
-  const std::pair<const char*, std::string> files[] = {
-      {"curve.csv", curve_csv(swept.curve)}, {"curve.svg", svg(drawing)}, {"curve.html", accuracy_page(page)}};
-  for (const auto& [name, text] : files)
-    if (const Result<void> written = write_text(options.out / name, text); !written) return failed(written.error());
-  if (const Result<void> written = write_png(options.out / "curve.png", picture(drawing)); !written) return failed(written.error());
-  for (const bool tethers : plan.tethers) print_front(swept.curve, tethers);
-  if (options.budget_ms) print_budget(swept.curve, plan.tethers.front(), *options.budget_ms);
-  if (options.save) {
-    const std::filesystem::path file = curve_file((*device)->name());
-    if (const Result<void> written = write_text(file, curve_csv(condensed(swept.curve)), Link::replace); !written)
-      return failed(written.error());
-    std::printf("Saved for scenes whose solver is \"auto\": %s\n", file.string().c_str());
-  }
-  std::printf("Written: curve.csv, curve.svg, curve.png, curve.html in %s\n", options.out.string().c_str());
-  if (!interrupted()) return kDone;
-  complain("Interrupted after " + std::to_string(swept.curve.points.size()) + " settings; the same command goes on from here");
-  return kInterrupted;
+  std::vector<std::string> refused;
+  const std::vector<Setting> settings = settings_of(*scene, plan, refused);
+  std::printf("%s on %s: %zu settings, %u frames each\n", scene->name.c_str(), (*device)->name().c_str(), settings.size(), plan.frames);
+  std::error_code none;
+  Work work{"accuracy", facts_of(options, plan, *scene, (*device)->name())};
+  work.place = {{"file", std::filesystem::absolute(options.file, none).string()}, {"date", now()}};
+  work.of = fingerprint_of(*scene, options.file);
+  work.items = static_cast<std::uint32_t>(settings.size());
+  Labour labour;
+  labour.unit = "million particle passes";
+  labour.kept = true;   // for other budgets
+  labour.cost = [&](std::uint32_t item) { return units(settings[item]); };
+  labour.measure = [&](std::uint32_t item) { return measure_row(**device, *scene, plan, settings[item], options.out); };
+  labour.conclude = [&](const Rows& all) { return conclude_accuracy(all, *scene, plan, options); };
+  return work_through(work, labour, options.farm, options.out);
 }
+
+Mergeable merged_accuracy() { return {"accuracy", accuracy_files(), merge_accuracy}; }
 
 }  // namespace weft::command

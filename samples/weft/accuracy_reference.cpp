@@ -1,9 +1,7 @@
 // Runs references, and saves them: a few head and then all coordinates in double precision, as the machine has them.
 #include "samples/weft/accuracy_reference.h"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 
 #include "engine/scene/origin.h"
@@ -58,17 +56,6 @@ std::string fingerprint(const Scene& scene, const CookedFabric& fabric) {
 }
 
 }  // namespace
-
-Fingerprint& Fingerprint::add(const void* bytes, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) hash_ = (hash_ ^ static_cast<const unsigned char*>(bytes)[i]) * 0x100000001b3u;
-  return *this;
-}
-
-std::string Fingerprint::text() const {
-  std::array<char, 17> digits;
-  std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(hash_));
-  return digits.data();
-}
 
 Result<Trajectory> reference_run(Scene scene, std::uint32_t substeps, std::uint32_t frames, const std::filesystem::path& folder) {
   const double rate = scene.solver.rate;

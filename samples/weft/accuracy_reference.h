@@ -10,17 +10,6 @@
 
 namespace weft::command {
 
-/// FNV-1a over bytes, to tell scenes and what was cooked from them apart; in 16 hexadecimal digits.
-class Fingerprint {
- public:
-  Fingerprint& add(const void* bytes, std::size_t count);
-  Fingerprint& add(std::string_view text) { return add(text.data(), text.size()); }
-  std::string text() const;
-
- private:
-  std::uint64_t hash_ = 0xcbf29ce484222325u;
-};
-
 /// The scene's run of `frames` frames in time steps of 1 / (rate substeps). Loaded from `folder` if it is there, and saved
 /// there otherwise; the name tells the scene, what was cooked from it, the frames and the step. Errors: those of integrate_newton,
 /// and "stopped" after ctrl-C.

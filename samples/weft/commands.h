@@ -16,11 +16,24 @@ enum Exit : int {
   kDone = 0,
   kFailed = 1,         // the machine's fault: no device, a full disk
   kBadInput = 2,       // the caller's: a scene, a mesh or a flag
+  kPutBack = 75,       // EX_TEMPFAIL of sysexits.h, after SIGTERM or SIGUSR1: the same command goes on when a queue starts it again
   kInterrupted = 130,  // 128 + SIGINT, as shells count
 };
 
 /// Prints an error that is the machine's fault.
 Exit failed(std::string_view sentence);
+
+/// Part `part` of `parts`, from 1.
+struct Shard {
+  std::uint32_t part = 1, parts = 1;
+  bool operator==(const Shard&) const = default;
+};
+
+/// Of commands that work through a list: samples/weft/shard.h.
+struct Farm {
+  std::optional<Shard> shard;   // none: all of it, and tables
+  bool fresh = false;           // do not go on with what is in `out`
+};
 
 struct RunOptions {
   std::filesystem::path file;   // scene or mesh
@@ -31,13 +44,15 @@ struct RunOptions {
   bool movie = false;           // of the pictures of `every`
   bool check = false;           // count crossings of cloth at every frame
   std::uint32_t checkpoint = 0; // frames between snapshots that the run can go on from; 0: none
-  bool fresh = false;           // do not go on with what is in `out`
+  Farm farm;                    // its shard is of a family
   std::vector<std::filesystem::path> caches;   // animated geometry: engine/cache.h; relative ones lie in `out`
   std::string device;           // as compute::DeviceChoice::name
   BufferFiles buffer_files = BufferFiles::below_its_folder;
   std::vector<Assignment> assignments;
 };
 Exit run(const RunOptions& options);
+/// A family of scenes, each in a folder of its own below `out`. `common.file` is not looked at.
+Exit run_family(const std::vector<std::filesystem::path>& files, const RunOptions& common);
 
 struct TimeOptions {
   std::filesystem::path file;
@@ -57,7 +72,7 @@ struct AccuracyOptions {
   std::optional<std::uint32_t> frames;   // none: chosen
   std::optional<std::uint32_t> reference_cells;
   std::optional<double> budget_ms;   // print the best setting that fits
-  bool fresh = false;           // do not go on with what is in `out`
+  Farm farm;
   bool save = false;            // save the curve for scenes whose solver is "auto"
   std::string device;
   BufferFiles buffer_files = BufferFiles::below_its_folder;
@@ -71,6 +86,7 @@ struct ContactOptions {
   std::uint32_t frames = 120;
   bool quick = false;           // two small sizes only
   bool price = false;           // the scene as it is, with contacts over without, and nothing else
+  Farm farm;
   std::string device;
   std::vector<Assignment> assignments;
 };
@@ -81,6 +97,7 @@ struct EffectsOptions {
   std::uint32_t size = 100;     // cells along a side of the sheet
   std::uint32_t frames = 60;    // of each side
   bool quick = false;           // a small sheet, and of the pairs each effect with the next one
+  Farm farm;
   std::string device;
 };
 Exit effects(const EffectsOptions& options);
@@ -88,6 +105,7 @@ Exit effects(const EffectsOptions& options);
 struct ImplicitOptions {
   std::filesystem::path out = "out";
   bool quick = false;           // four rows a processor instead of 56
+  Farm farm;
   std::string device;
 };
 Exit implicit(const ImplicitOptions& options);
@@ -100,11 +118,18 @@ struct HardenOptions {
   bool quick = false;
   std::string only;             // of the hard cases those whose name has this part
   std::filesystem::path readme; // whose table of hard cases is replaced; empty: none
+  Farm farm;
   std::string device;
   BufferFiles buffer_files = BufferFiles::below_its_folder;
   std::vector<Assignment> assignments;
 };
 Exit harden(const HardenOptions& options);
+
+struct MergeOptions {
+  std::vector<std::filesystem::path> parts;
+  std::filesystem::path out = "out";
+};
+Exit merge(const MergeOptions& options);
 
 Exit info();
 Exit check(const std::filesystem::path& file, BufferFiles buffer_files);

@@ -14,11 +14,11 @@ namespace weft::command {
 namespace {
 
 // A signal handler can reach nothing but static storage.
-volatile std::sig_atomic_t g_interrupted = 0;
+volatile std::sig_atomic_t g_signal = 0;   // the first that came
 
-void on_interrupt(int) {
-  g_interrupted = 1;
-  std::signal(SIGINT, SIG_DFL);
+void on_signal(int signal) {
+  if (g_signal == 0) g_signal = signal;
+  if (signal == SIGINT) std::signal(SIGINT, SIG_DFL);
 }
 
 // Whether what is written to stderr may move a cursor. NO_COLOR (no-color.org) asks for plain text.
@@ -46,9 +46,17 @@ void expect_full_disks() {
 }
 
 void listen_for_interrupts() {
-  if (std::signal(SIGINT, SIG_IGN) != SIG_IGN) std::signal(SIGINT, on_interrupt);
+  for (const int signal : {SIGINT, SIGTERM, SIGUSR1})
+    if (std::signal(signal, SIG_IGN) != SIG_IGN) std::signal(signal, on_signal);
 }
-bool interrupted() { return g_interrupted != 0; }
+bool interrupted() { return g_signal != 0; }
+
+Exit stopped(std::string_view sentence) {
+  const bool asked = g_signal == SIGTERM || g_signal == SIGUSR1;
+  const std::string why = !asked ? "Interrupted" : g_signal == SIGTERM ? "Stopped by SIGTERM" : "Stopped by SIGUSR1";
+  complain(why + std::string(sentence));
+  return asked ? kPutBack : kInterrupted;
+}
 
 Progress::Progress(std::string_view what, std::uint32_t total, std::string_view unit)
     : what_(what), unit_(unit), total_(total), terminal_(shows_bars()) {

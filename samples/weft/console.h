@@ -1,10 +1,12 @@
-// What a command says while it works, and how it hears ctrl-C.
+// What a command says while it works, and how it hears that it is to stop.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <string>
 #include <string_view>
+
+#include "samples/weft/commands.h"
 
 namespace weft::command {
 
@@ -14,10 +16,14 @@ void complain(std::string_view sentences);
 /// From now on a file at the system's limit of size is an error like a full disk, and does not end the program.
 void expect_full_disks();
 
-/// From now on the first ctrl-C only sets interrupted(); the second ends the program. A program that was started to ignore ctrl-C, as
-/// shells start what runs in the background, goes on ignoring it.
+/// From now on the first ctrl-C only sets interrupted(); the second ends the program. SIGTERM and SIGUSR1, by which queues ask for the
+/// machine, set it too, however often they come. A signal that the program was started to ignore, as shells start what runs in the
+/// background, is ignored still.
 void listen_for_interrupts();
 bool interrupted();
+
+/// After an interruption: complains "Interrupted" or "Stopped by SIGTERM", and how the sentence goes on. Returns kInterrupted or kPutBack.
+Exit stopped(std::string_view sentence);
 
 /// A bar on stderr where that is a terminal that can move its cursor, and a few plain lines where it is not or NO_COLOR is set. The
 /// time left is estimated from what is done.

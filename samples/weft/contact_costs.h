@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ struct PassCost {
   std::string name;
   double ms = 0;
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PassCost, name, ms)
 
 /// Times are of the frames after the first, in which the driver compiles.
 struct ContactCosts {
@@ -27,6 +29,8 @@ struct ContactCosts {
 
   double per_search() const;       // ms; 0 without one
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ContactCosts, vertices, edge, cell, substeps, searches, pairs_most, pairs_overflowed, solve, search,
+                                   contacts, passes)
 
 /// Runs `frames` frames of a grid scene with `vertices` along a side and contacts on. `cell` (m): 0 for the automatic choice.
 Result<ContactCosts> contact_costs(const compute::Device& device, const Scene& scene, std::uint32_t vertices, std::uint32_t frames,

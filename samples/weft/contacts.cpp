@@ -2,6 +2,9 @@
 // the automatic cell of the spatial hash is the right one. With --price what they cost a scene as it is.
 #include <algorithm>
 #include <cstdio>
+#include <optional>
+#include <span>
+#include <utility>
 
 #include "engine/image.h"
 #include "samples/weft/commands.h"
@@ -9,8 +12,10 @@
 #include "samples/weft/contact_costs.h"
 #include "samples/weft/contact_price.h"
 #include "samples/weft/files.h"
+#include "samples/weft/merge.h"
 #include "samples/weft/outputs.h"
 #include "samples/weft/plot.h"
+#include "samples/weft/shard.h"
 #include "samples/weft/subject.h"
 
 namespace weft::command {
@@ -71,7 +76,7 @@ Drawing cell_plot(const std::vector<ContactCosts>& rows) {
   return plot({{title, "cell (edges)", "ms", {all, automatic}, {}}}, 1);
 }
 
-// The fastest search of several with each of kCells; of fewer, if that is interrupted.
+// The fastest search of several with each of kCells, in turns.
 Result<std::vector<ContactCosts>> compare_cells(const compute::Device& device, const Scene& scene, std::uint32_t size) {
   auto automatic = contact_costs(device, scene, size, kCellFrames, 0);
   if (!automatic) return automatic.take_error();
@@ -80,7 +85,6 @@ Result<std::vector<ContactCosts>> compare_cells(const compute::Device& device, c
   for (std::uint32_t repeat = 0; repeat < kRepeats && !interrupted(); ++repeat)
     for (std::size_t k = 0; k < std::size(kCells); ++k) {
       auto costs = contact_costs(device, scene, size, kCellFrames, kCells[k] * automatic->cell);
-      if (!costs && repeat > 0 && interrupted()) return cells;
       if (!costs) return costs.take_error();
       if (repeat == 0 || costs->per_search() < cells[k].per_search()) cells[k] = std::move(*costs);
       progress.step();
@@ -94,9 +98,69 @@ Exit compare_prices(const compute::Device& device, const Scene& scene, const Con
   print(*prices, scene.name + " on " + device.name());
   if (const Result<void> written = write_text(options.out / "price.csv", csv(*prices)); !written) return failed(written.error());
   std::printf("Written: price.csv in %s\n", options.out.string().c_str());
-  if (!interrupted()) return kDone;
-  complain("Interrupted: the frames are fewer than were asked for");
-  return kInterrupted;
+  return interrupted() ? stopped(": the frames are fewer than were asked for") : kDone;
+}
+
+constexpr const char *kSizesFile = "contacts.csv", *kCellsFile = "cells.csv", *kCellsPlot = "cells.svg", *kCellsPicture = "cells.png";
+const std::vector<std::string> kContactFiles = {kSizesFile, kCellsFile, kCellsPlot, kCellsPicture};
+
+std::vector<std::uint32_t> sizes_of(bool quick) {
+  const auto sizes = quick ? std::span<const std::uint32_t>(kQuickSizes) : std::span<const std::uint32_t>(kSizes);
+  return {sizes.begin(), sizes.end()};
+}
+
+void print_cells(const std::vector<ContactCosts>& cells) {
+  const ContactCosts& chosen = cells[kAutomatic];
+  std::printf("%12s %12s %12s   %u x %u vertices\n", "cell m", "edges", "ms/search", chosen.vertices, chosen.vertices);
+  double best = chosen.per_search();
+  for (const ContactCosts& costs : cells) {
+    std::printf("%12.4g %12.3g %12.3f%s\n", costs.cell, costs.cell / costs.edge, costs.per_search(),
+                &costs == &chosen ? "   the automatic choice" : "");
+    best = std::min(best, costs.per_search());
+  }
+  std::printf("the automatic choice takes %.2f times as long as the best\n", chosen.per_search() / best);
+}
+
+// The last row is that of the cells, which are compared in turns on one machine.
+Exit conclude_contacts(const Rows& all, const std::filesystem::path& out) {
+  std::vector<ContactCosts> rows;
+  std::optional<std::vector<ContactCosts>> cells;
+  for (const auto& [item, row] : all.rows) {
+    if (item + 1 < all.work.items) rows.push_back(row.at("size").get<ContactCosts>());
+    else cells = row.at("cells").get<std::vector<ContactCosts>>();
+  }
+  if (const Result<void> written = write_text(out / kSizesFile, csv(rows)); !written) return failed(written.error());
+  if (!cells || cells->size() != std::size(kCells)) return kDone;   // it was interrupted before
+  std::printf("a search grows with n^%.2f\n", growth(rows));
+  print_cells(*cells);
+  if (const Result<void> written = write_text(out / kCellsFile, csv(*cells)); !written) return failed(written.error());
+  if (const Result<void> written = write_text(out / kCellsPlot, svg(cell_plot(*cells))); !written) return failed(written.error());
+  if (const Result<void> written = write_png(out / kCellsPicture, picture(cell_plot(*cells))); !written) return failed(written.error());
+  std::printf("Written: %s, %s, %s, %s in %s\n", kSizesFile, kCellsFile, kCellsPlot, kCellsPicture, out.string().c_str());
+  return kDone;
+}
+
+Exit compare_sizes(const compute::Device& device, const Scene& scene, const ContactOptions& options) {
+  std::printf("%s on %s: ms a search, pass by pass; then ms a frame\n", scene.name.c_str(), device.name().c_str());
+  const std::vector<std::uint32_t> sizes = sizes_of(options.quick);
+  bool headed = false;
+  Labour labour;
+  labour.measure = [&](std::uint32_t item) -> Result<Row> {
+    if (item == sizes.size()) {
+      const auto cells = compare_cells(device, scene, options.quick ? kQuickCellSize : kCellSize);
+      return cells ? Result<Row>(Row{{"cells", *cells}}) : fail(cells.why());
+    }
+    const auto costs = contact_costs(device, scene, sizes[item], options.frames, 0);
+    if (!costs) return fail(costs.why());
+    if (!std::exchange(headed, true)) print_heading(*costs);
+    print_row(*costs);
+    return Row{{"size", *costs}};
+  };
+  labour.conclude = [&](const Rows& all) { return conclude_contacts(all, options.out); };
+  Work work{"contacts", {{"device", device.name()}, {"frames", options.frames}, {"quick", options.quick}}};
+  work.of = fingerprint_of(scene, options.file);
+  work.items = static_cast<std::uint32_t>(sizes.size()) + 1;
+  return work_through(work, labour, options.farm, options.out);
 }
 
 }  // namespace
@@ -113,59 +177,27 @@ Exit contacts(const ContactOptions& options) {
       return kBadInput;
     }
   listen_for_interrupts();
-  const std::vector<std::string> names = options.price ? std::vector<std::string>{"price.csv"}
-                                                       : std::vector<std::string>{"contacts.csv", "cells.csv", "cells.svg", "cells.png"};
+  const std::vector<std::string> names =
+      options.price ? std::vector<std::string>{"price.csv"} : outputs_of("contacts", options.farm.shard, kContactFiles);
   if (const Exit exit = prepare_outputs(options.out, names, inputs_of(options.file, *scene)); exit != kDone) return exit;
   compute::DeviceChoice choice;
   choice.name = options.device;
   const auto device = compute::Device::create(choice);
   if (!device) return failed(device.error());
-  if (options.price) return compare_prices(**device, *scene, options);
+  return options.price ? compare_prices(**device, *scene, options) : compare_sizes(**device, *scene, options);
+}
 
-  std::printf("%s on %s: ms a search, pass by pass; then ms a frame\n", scene->name.c_str(), (*device)->name().c_str());
-  std::vector<ContactCosts> rows;
-  const auto sizes = options.quick ? std::span<const std::uint32_t>(kQuickSizes) : std::span<const std::uint32_t>(kSizes);
-  for (const std::uint32_t size : sizes) {
-    if (interrupted()) break;
-    auto costs = contact_costs(**device, *scene, size, options.frames, 0);
-    if (interrupted()) break;
-    if (!costs) return failed(costs.error());
-    if (rows.empty()) print_heading(*costs);
-    print_row(*costs);
-    rows.push_back(std::move(*costs));
-  }
-  const auto stopped = [&] {
-    if (!rows.empty())
-      if (const Result<void> written = write_text(options.out / "contacts.csv", csv(rows)); !written) return failed(written.error());
-    complain("Interrupted: " + std::string(rows.empty() ? "nothing is written" : "what is written is of the sizes before"));
-    return kInterrupted;
-  };
-  if (interrupted()) return stopped();
-  std::printf("a search grows with n^%.2f\n", growth(rows));
-
-  const std::uint32_t size = options.quick ? kQuickCellSize : kCellSize;
-  auto cells = compare_cells(**device, *scene, size);
-  if (!cells) return interrupted() ? stopped() : failed(cells.error());
-  const ContactCosts& chosen = (*cells)[kAutomatic];
-  std::printf("%12s %12s %12s   %u x %u vertices\n", "cell m", "edges", "ms/search", size, size);
-  double best = chosen.per_search();
-  for (const ContactCosts& costs : *cells) {
-    std::printf("%12.4g %12.3g %12.3f%s\n", costs.cell, costs.cell / costs.edge, costs.per_search(),
-                &costs == &chosen ? "   the automatic choice" : "");
-    best = std::min(best, costs.per_search());
-  }
-  std::printf("the automatic choice takes %.2f times as long as the best\n", chosen.per_search() / best);
-
-  const std::pair<const char*, std::string> files[] = {
-      {"contacts.csv", csv(rows)}, {"cells.csv", csv(*cells)}, {"cells.svg", svg(cell_plot(*cells))}};
-  for (const auto& [name, text] : files)
-    if (const Result<void> written = write_text(options.out / name, text); !written) return failed(written.error());
-  if (const Result<void> written = write_png(options.out / "cells.png", picture(cell_plot(*cells))); !written)
-    return failed(written.error());
-  std::printf("Written: contacts.csv, cells.csv, cells.svg, cells.png in %s\n", options.out.string().c_str());
-  if (!interrupted()) return kDone;
-  complain("Interrupted: cells were compared less often than usual");
-  return kInterrupted;
+Mergeable merged_contacts() {
+  return {"contacts", kContactFiles, [](const Rows& all, const std::filesystem::path& out) {
+            bool headed = false;
+            for (const auto& [item, row] : all.rows) {
+              if (item + 1 == all.work.items) break;
+              const auto costs = row.at("size").get<ContactCosts>();
+              if (!std::exchange(headed, true)) print_heading(costs);
+              print_row(costs);
+            }
+            return conclude_contacts(all, out);
+          }};
 }
 
 }  // namespace weft::command

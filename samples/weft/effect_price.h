@@ -1,6 +1,7 @@
 // What effects cost: frames of the base scene with them and without, in turns, and what they consist of.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct EffectPrice {
   double dispatches = 0;           // a frame: the mean of those that were recorded
   Spread without_ms, with_ms;      // whole frames on the wall clock
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Footprint, passes, dispatches, bytes, instructions)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Spread, median, p95)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EffectPrice, first, second, refused, with, dispatches, without_ms, with_ms)
 
 /// Steps a simulation of each scene, frame by frame in turns, so that whatever else the machine does slows both alike. The first frame of
 /// each, in which the driver compiles, is not timed. Fewer frames if that is interrupted.

@@ -7,7 +7,9 @@
 #include "samples/weft/effect_rows.h"
 #include "samples/weft/effects_table.h"
 #include "samples/weft/files.h"
+#include "samples/weft/merge.h"
 #include "samples/weft/outputs.h"
+#include "samples/weft/shard.h"
 
 namespace weft::command {
 
@@ -47,6 +49,18 @@ Result<EffectPrice> price_or_refusal(const compute::Device& device, const Called
   return price;
 }
 
+constexpr const char *kEffectsTable = "effects.csv", *kEffectsPage = "effects.md";
+
+Exit conclude_effects(const Rows& all, const std::filesystem::path& out) {
+  std::vector<EffectPrice> prices;
+  for (const auto& [item, row] : all.rows) prices.push_back(row.get<EffectPrice>());
+  const std::pair<const char*, std::string> files[] = {{kEffectsTable, csv(prices)}, {kEffectsPage, markdown(prices)}};
+  for (const auto& [name, text] : files)
+    if (const Result<void> written = write_text(out / name, text); !written) return failed(written.error());
+  std::printf("Written: %s, %s in %s\n", kEffectsTable, kEffectsPage, out.string().c_str());
+  return kDone;
+}
+
 }  // namespace
 
 Exit effects(const EffectsOptions& given) {
@@ -56,7 +70,8 @@ Exit effects(const EffectsOptions& given) {
     options.frames = kFewFrames;
   }
   listen_for_interrupts();
-  const std::vector<std::string> names = {"effects.csv", "effects.md", kBodyFile};
+  std::vector<std::string> names = outputs_of("effects", options.farm.shard, {kEffectsTable, kEffectsPage});
+  names.push_back(kBodyFile);
   if (const Exit exit = prepare_outputs(options.out, names, {}); exit != kDone) return exit;
   if (const Result<void> written = write_body(options.out); !written) return failed(written.error());
   compute::DeviceChoice choice;
@@ -68,27 +83,29 @@ Exit effects(const EffectsOptions& given) {
 
   std::printf("%u x %u cells, %u frames with and without in turns, on %s\n%s", options.size, options.size, options.frames,
               (*device)->name().c_str(), heading().c_str());
-  std::vector<EffectPrice> prices;
   const std::vector<Called> all = all_called(options.quick);
-  {
-    Progress progress("pricing effects", static_cast<std::uint32_t>(all.size()), "scenes");
-    for (const Called& called : all) {
-      if (interrupted()) break;
-      auto price = price_or_refusal(**device, called, *base, options);
-      if (!price) return failed(price.error());
-      std::printf("%s", line_of(*price).c_str());
-      std::fflush(stdout);
-      prices.push_back(std::move(*price));
-      progress.step();
-    }
-  }
-  const std::pair<const char*, std::string> files[] = {{"effects.csv", csv(prices)}, {"effects.md", markdown(prices)}};
-  for (const auto& [name, text] : files)
-    if (const Result<void> written = write_text(options.out / name, text); !written) return failed(written.error());
-  std::printf("Written: effects.csv, effects.md, effects_body.obj in %s\n", options.out.string().c_str());
-  if (!interrupted()) return kDone;
-  complain("Interrupted: what is written is of the effects before");
-  return kInterrupted;
+  Labour labour;
+  labour.unit = "scenes";
+  labour.measure = [&](std::uint32_t item) -> Result<Row> {
+    const auto price = price_or_refusal(**device, all[item], *base, options);
+    if (!price) return fail(price.why());
+    if (!interrupted()) std::printf("%s", line_of(*price).c_str());
+    std::fflush(stdout);
+    return Row(*price);
+  };
+  labour.conclude = [&](const Rows& rows) { return conclude_effects(rows, options.out); };
+  Work work{"effects",
+            {{"device", (*device)->name()}, {"size", options.size}, {"frames", options.frames}, {"quick", options.quick}}};
+  work.items = static_cast<std::uint32_t>(all.size());
+  return work_through(work, labour, options.farm, options.out);
+}
+
+Mergeable merged_effects() {
+  return {"effects", {kEffectsTable, kEffectsPage}, [](const Rows& all, const std::filesystem::path& out) {
+            std::printf("%s", heading().c_str());
+            for (const auto& [item, row] : all.rows) std::printf("%s", line_of(row.get<EffectPrice>()).c_str());
+            return conclude_effects(all, out);
+          }};
 }
 
 }  // namespace weft::command

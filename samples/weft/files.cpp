@@ -1,6 +1,8 @@
 // Writing text, and the folders of saved files.
 #include "samples/weft/files.h"
 
+#include <array>
+#include <cstdio>
 #include <cstdlib>
 #include <span>
 
@@ -11,6 +13,7 @@ Result<void> write_text(const std::filesystem::path& file, std::string_view text
 }
 
 Result<void> make_folder(const std::filesystem::path& folder) {
+  if (folder.empty()) return {};   // of a file without a folder: the one that the program is in
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (!is_folder(folder)) return fail(folder.string(), ": cannot be made a folder: ", error ? error.message() : "a file is there");
@@ -45,6 +48,17 @@ std::filesystem::path cached(const std::string& name) {
 
 std::filesystem::path pipeline_cache() { return cached("pipelines"); }
 std::filesystem::path curve_file(std::string_view device) { return cached("curve-" + file_name(device) + ".csv"); }
+
+Fingerprint& Fingerprint::add(const void* bytes, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) hash_ = (hash_ ^ static_cast<const unsigned char*>(bytes)[i]) * 0x100000001b3u;
+  return *this;
+}
+
+std::string Fingerprint::text() const {
+  std::array<char, 17> digits;
+  std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(hash_));
+  return digits.data();
+}
 
 std::string file_name(std::string_view name) {
   std::string plain(name.substr(0, 100));

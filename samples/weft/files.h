@@ -1,6 +1,7 @@
-// Files that are there whole or not at all.
+// Files that are there whole or not at all, and what tells their bytes apart.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -24,6 +25,17 @@ std::filesystem::path curve_file(std::string_view device);
 
 /// Where compiled pipelines are saved between runs; empty as above.
 std::filesystem::path pipeline_cache();
+
+/// FNV-1a over bytes, to tell scenes and what was cooked from them apart; in 16 hexadecimal digits.
+class Fingerprint {
+ public:
+  Fingerprint& add(const void* bytes, std::size_t count);
+  Fingerprint& add(std::string_view text) { return add(text.data(), text.size()); }
+  std::string text() const;
+
+ private:
+  std::uint64_t hash_ = 0xcbf29ce484222325u;
+};
 
 /// `name` without what a file's name cannot hold.
 std::string file_name(std::string_view name);

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 #include "samples/weft/console.h"
 #include "samples/weft/files.h"
@@ -35,73 +36,86 @@ std::string margin(const HardRow& row) {
 
 std::string with_unit(double value, const std::string& unit) { return digits(value) + (unit.empty() ? "" : " " + unit); }
 
-void print(const HardRow& row) {
-  std::printf("%-26s %-8s %-36s %10s %10s %-4s %s\n", row.name.c_str(), row.families.c_str(), row.what.c_str(),
-              std::isinf(row.bound) ? "-" : digits(row.bound).c_str(), digits(row.measured).c_str(), row.unit.c_str(), margin(row).c_str());
-  std::fflush(stdout);
-}
-
 // A fault other than sag or shape exceeds any bound: NaN, which is within none, not even within an infinite one.
 void widen(double& worst, double off, const std::vector<std::string>& faults) {
   const bool whole = std::all_of(faults.begin(), faults.end(), [](const std::string& fault) { return fault == "sag" || fault == "shape"; });
   worst = whole && !std::isnan(worst) ? std::max(100 * off, worst) : NAN;
 }
 
-// `group`: of the perturbations only these; empty: all.
-Result<void> add_invariance(const compute::Device& device, const std::filesystem::path& file, std::string_view group, bool quick,
-                            std::vector<HardRow>& rows) {
-  const auto scene = load_scene(file);
-  if (!scene) return fail(scene.why());
-  const auto base = run_perturbed(device, *scene, {}, scene->frames);
-  if (!base) return fail(base.why());
-  std::vector<HardRow> found;   // two a group: the mean, then the shape
-  for (const Perturbation& perturbation : all_perturbations(*scene, quick)) {
-    if (!group.empty() && perturbation.group != group) continue;
-    if (interrupted()) return {};
-    const auto seen = run_perturbed(device, *scene, perturbation, scene->frames);
-    if (!seen) return fail(seen.why());
-    auto row = std::find_if(found.begin(), found.end(), [&](const HardRow& r) { return r.what.starts_with(perturbation.group + ":"); });
-    if (row == found.end()) {   // what physics does see is published
-      const auto bound = [&](double band) { return 100 * perturbation.bands * band; };
-      const HardRow two[] = {{scene->name, "11", perturbation.group + ": mean moves", "%", scene->name, bound(kBand), 0},
-                             {scene->name, "11", perturbation.group + ": shape, rms", "%", scene->name, bound(kShapeBands * kBand), 0}};
-      row = found.insert(row, std::begin(two), std::end(two));
-    }
-    const Difference off = difference(*seen, *base);
-    const std::vector<std::string> faults = broken(perturbation, *seen, *base, kBand);
-    widen(row->measured, off.mean, faults);
-    widen((row + 1)->measured, off.shape, faults);
-  }
-  for (HardRow& row : found) print(row);
-  rows.insert(rows.end(), found.begin(), found.end());
-  return {};
+// Groups in the order in which they come.
+void add_groups(const Scene& scene, const std::string& file, bool quick, std::vector<SuiteItem>& items) {
+  std::string last;
+  for (const Perturbation& perturbation : all_perturbations(scene, quick))
+    if (perturbation.group != std::exchange(last, perturbation.group)) items.push_back({nullptr, last, file, scene});
 }
 
 }  // namespace
 
-Result<std::vector<HardRow>> run_suite(const compute::Device& device, const std::filesystem::path& scenes, bool quick,
-                                       std::string_view only) {
-  std::vector<HardRow> rows;
-  std::printf("%-26s %-8s %-36s %10s %10s %-4s %s\n", "case", "", "figure", "bound", "measured", "", "margin");
+Result<std::vector<SuiteItem>> suite_of(const std::filesystem::path& scenes, bool quick, std::string_view only) {
+  std::vector<SuiteItem> items;
   for (const HardCase& hard : hard_cases()) {
-    if (interrupted()) return rows;
     if ((quick && hard.large) || hard.name.find(only) == std::string_view::npos) continue;
-    const auto scene = scene_of(hard, scenes);
-    if (!scene) return fail(scene.why());
-    const auto figures = measure(device, hard, *scene);
-    if (!figures) return fail(figures.why());
-    if (interrupted()) return rows;   // a case that was cut short has no figures
-    for (std::size_t k = 0; k < figures->size(); ++k) {
-      const Check& check = hard.checks[k];
-      print(rows.emplace_back(HardRow{std::string(hard.name), std::string(hard.families), std::string(check.what), std::string(check.unit),
-                                      std::string(hard.scene), check.bound, (*figures)[k]}));
-    }
+    auto scene = scene_of(hard, scenes);
+    if (!scene) return scene.take_error();
+    items.push_back({&hard, "", std::string(hard.scene), std::move(*scene)});
   }
-  if (std::string_view("invariance").find(only) == std::string_view::npos) return rows;
-  if (auto done = add_invariance(device, scenes / "invariance.json", "", quick, rows); !done) return done.take_error();
-  // Rigid cloth must not change with mass alone either.
-  if (auto done = add_invariance(device, scenes / "invariance_rigid.json", "masses alone", quick, rows); !done) return done.take_error();
+  if (std::string_view("invariance").find(only) == std::string_view::npos) return items;
+  const auto scene = load_scene(scenes / "invariance.json"), rigid = load_scene(scenes / "invariance_rigid.json");
+  if (!scene || !rigid) return fail((scene ? rigid : scene).why());
+  add_groups(*scene, "invariance", quick, items);
+  items.push_back({nullptr, "masses alone", "invariance_rigid", *rigid});   // rigid cloth must not change with mass alone either
+  return items;
+}
+
+Result<std::vector<HardRow>> SuiteRunner::measure_group(const SuiteItem& item) {
+  const Scene& scene = item.scene;
+  if (base_of_ != item.scene_file) {
+    auto run = run_perturbed(device_, scene, {}, scene.frames);
+    if (!run) return fail(run.why());
+    base_ = std::move(*run);
+    base_of_ = item.scene_file;
+  }
+  std::vector<HardRow> rows;   // the mean, then the shape
+  for (const Perturbation& perturbation : all_perturbations(scene, quick_)) {
+    if (perturbation.group != item.group) continue;
+    if (interrupted()) return rows;
+    const auto seen = run_perturbed(device_, scene, perturbation, scene.frames);
+    if (!seen) return fail(seen.why());
+    if (rows.empty()) {   // what physics does see is published
+      const auto bound = [&](double band) { return 100 * perturbation.bands * band; };
+      rows = {{scene.name, "11", item.group + ": mean moves", "%", scene.name, bound(kBand), 0},
+              {scene.name, "11", item.group + ": shape, rms", "%", scene.name, bound(kShapeBands * kBand), 0}};
+    }
+    const Difference off = difference(*seen, *base_);
+    const std::vector<std::string> faults = broken(perturbation, *seen, *base_, kBand);
+    widen(rows[0].measured, off.mean, faults);
+    widen(rows[1].measured, off.shape, faults);
+  }
   return rows;
+}
+
+Result<std::vector<HardRow>> SuiteRunner::measure(const SuiteItem& item) {
+  if (item.hard == nullptr) return measure_group(item);
+  const HardCase& hard = *item.hard;
+  const auto figures = command::measure(device_, hard, item.scene);
+  if (!figures) return fail(figures.why());
+  std::vector<HardRow> rows;
+  for (std::size_t k = 0; k < figures->size(); ++k) {
+    const Check& check = hard.checks[k];
+    rows.push_back({std::string(hard.name), std::string(hard.families), std::string(check.what), std::string(check.unit),
+                    std::string(hard.scene), check.bound, (*figures)[k]});
+  }
+  return rows;
+}
+
+void print_hard_heading() {
+  std::printf("%-26s %-8s %-36s %10s %10s %-4s %s\n", "case", "", "figure", "bound", "measured", "", "margin");
+}
+
+void print(const HardRow& row) {
+  std::printf("%-26s %-8s %-36s %10s %10s %-4s %s\n", row.name.c_str(), row.families.c_str(), row.what.c_str(),
+              std::isinf(row.bound) ? "-" : digits(row.bound).c_str(), digits(row.measured).c_str(), row.unit.c_str(), margin(row).c_str());
+  std::fflush(stdout);
 }
 
 std::string csv(const std::vector<HardRow>& rows) {

@@ -8,10 +8,12 @@
 #include "samples/weft/commands.h"
 #include "samples/weft/console.h"
 #include "samples/weft/files.h"
-#include "samples/weft/outputs.h"
 #include "samples/weft/hard_run.h"
 #include "samples/weft/hard_table.h"
 #include "samples/weft/hardening.h"
+#include "samples/weft/merge.h"
+#include "samples/weft/outputs.h"
+#include "samples/weft/shard.h"
 #include "samples/weft/subject.h"
 
 namespace weft::command {
@@ -21,10 +23,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint32_t kQuickFrames = 60;
+constexpr const char *kHardenReport = "harden.json", *kCasesTable = "hard_cases.csv";
 
-std::string listed(const std::vector<std::string>& words) {
+std::string listed(const Row& words) {
   std::string list;
-  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
+  for (const Row& word : words) list += (list.empty() ? "" : ", ") + word.get<std::string>();
   return list;
 }
 
@@ -33,64 +36,66 @@ std::string unjudged(const Perturbation& perturbation) {
   return perturbation.same_strain ? "" : "; strain not judged";
 }
 
-void print_row(const std::string& name, const PerturbedRun& seen, const Difference& off, const std::string& verdict) {
-  std::printf("%-31s %6u %8.2g %8.3g %8.3g %6u %6llu %8.3g %8.3g %8.3g %7.3g  %s\n", name.c_str(), seen.non_finite, seen.pins_off,
-              100 * seen.strain.max, 100 * seen.strain.rms, seen.overflowed, static_cast<unsigned long long>(seen.crossings),
-              100 * off.mean, 100 * off.shape, seen.clamped, seen.wall, verdict.c_str());
+void print_heading() {
+  std::printf("%-31s %6s %8s %8s %8s %6s %6s %8s %8s %8s %7s\n", "", "not", "pins", "strain", "strain", "lost", "cross-", "mean", "shape",
+              "s given", "");
+  std::printf("%-31s %6s %8s %8s %8s %6s %6s %8s %8s %8s %7s\n", "", "finite", "off m", "max %", "rms %", "", "ings", "off %", "off %",
+              "back", "s");
+}
+
+void print_row(const Row& row) {
+  const Row& report = row.at("report");
+  const auto number = [&](const char* key, double factor = 1) { return factor * report.at(key).get<double>(); };
+  const Row &strain = report.at("strain"), &broken = report.at("broken");
+  const std::string verdict = broken.empty() ? row.at("verdict").get<std::string>() : "NOT HELD: " + listed(broken);
+  std::printf("%-31s %6u %8.2g %8.3g %8.3g %6u %6llu %8.3g %8.3g %8.3g %7.3g  %s\n", report.at("name").get<std::string>().c_str(),
+              report.at("non_finite").get<std::uint32_t>(), number("pins_off_m"), 100 * strain.at("max").get<double>(),
+              100 * strain.at("rms").get<double>(), report.at("contacts_overflowed").get<std::uint32_t>(),
+              static_cast<unsigned long long>(report.at("crossings").get<std::uint64_t>()), number("mean_moved", 100),
+              number("shape_rms", 100), number("clamped_seconds"), number("wall_seconds"), verdict.c_str());
   std::fflush(stdout);
 }
 
-Json json_of(const std::string& name, const PerturbedRun& seen, const Difference& off, const std::vector<std::string>& broken) {
-  return {{"name", name}, {"non_finite", seen.non_finite}, {"pins_off_m", seen.pins_off},
-          {"strain", {{"mean", seen.strain.mean}, {"rms", seen.strain.rms}, {"max", seen.strain.max}}},
-          {"contacts_overflowed", seen.overflowed}, {"crossings", seen.crossings}, {"mean_moved", off.mean}, {"shape_rms", off.shape},
-          {"simulated_seconds", seen.simulated}, {"clamped_seconds", seen.clamped}, {"wall_seconds", seen.wall}, {"broken", broken}};
-}
+// In the order of harden.json, where it begins.
+constexpr const char* kReportKeys[] = {"name", "non_finite", "pins_off_m", "strain", "contacts_overflowed", "crossings", "mean_moved",
+                                       "shape_rms", "simulated_seconds", "clamped_seconds", "wall_seconds", "broken"};
 
-struct Count {
-  std::uint32_t runs = 0, broken = 0;
-};
+Row row_of(const Perturbation& perturbation, const PerturbedRun& seen, const PerturbedRun& base, double band) {
+  const Difference off = difference(seen, base);
+  const Row report = {{"name", perturbation.name.empty() ? "as it is" : perturbation.name}, {"non_finite", seen.non_finite},
+                      {"pins_off_m", seen.pins_off},
+                      {"strain", {{"mean", seen.strain.mean}, {"rms", seen.strain.rms}, {"max", seen.strain.max}}},
+                      {"contacts_overflowed", seen.overflowed}, {"crossings", seen.crossings}, {"mean_moved", off.mean},
+                      {"shape_rms", off.shape}, {"simulated_seconds", seen.simulated}, {"clamped_seconds", seen.clamped},
+                      {"wall_seconds", seen.wall}, {"broken", broken(perturbation, seen, base, band)}};
+  return {{"report", report}, {"verdict", "held" + unjudged(perturbation)}};
+}
 
 std::uint32_t frames_of(const Scene& scene, const HardenOptions& options) {
   return options.frames ? *options.frames : options.quick ? std::min(scene.frames, kQuickFrames) : scene.frames;
 }
 
-Result<Count> run_all(const compute::Device& device, const Scene& scene, const HardenOptions& options, Json& rows) {
-  const std::vector<Perturbation> perturbations = all_perturbations(scene, options.quick);
-  const std::uint32_t frames = frames_of(scene, options);
-  std::printf("%-31s %6s %8s %8s %8s %6s %6s %8s %8s %8s %7s\n", "", "not", "pins", "strain", "strain", "lost", "cross-", "mean", "shape",
-              "s given", "");
-  std::printf("%-31s %6s %8s %8s %8s %6s %6s %8s %8s %8s %7s\n", "", "finite", "off m", "max %", "rms %", "", "ings", "off %", "off %",
-              "back", "s");
-  const auto base = run_perturbed(device, scene, {}, frames);
-  if (!base) return base.error().empty() ? fail("nothing ran") : fail(base.why());
-  if (interrupted()) return Count();   // it was not run to its end
-  Count count{1, 0};
-  const auto tell = [&](const Perturbation& perturbation, const PerturbedRun& seen) {
-    const std::vector<std::string> faults = broken(perturbation, seen, *base, options.band);
-    const Difference off = difference(seen, *base);
-    const std::string name = perturbation.name.empty() ? "as it is" : perturbation.name;
-    print_row(name, seen, off, faults.empty() ? "held" + unjudged(perturbation) : "NOT HELD: " + listed(faults));
-    rows.push_back(json_of(name, seen, off, faults));
-    count.broken += !faults.empty();
-  };
-  tell({}, *base);
-  if (base->crossings > 0) std::printf("The scene crosses by itself, so none of what follows can hold that counts crossings\n");
-  Progress progress("hardening " + scene.name, static_cast<std::uint32_t>(perturbations.size()), "perturbations");
-  for (const Perturbation& perturbation : perturbations) {
-    if (interrupted()) break;
-    const auto seen = run_perturbed(device, scene, perturbation, frames);
-    if (!seen) return fail(seen.why());
-    if (interrupted()) break;
-    tell(perturbation, *seen);
-    ++count.runs;
-    progress.step();
+Exit conclude_scene(const Rows& all, const std::filesystem::path& out) {
+  const Row& facts = all.work.facts;
+  Json report{{"scene", facts.at("scene")}, {"device", facts.at("device")}, {"band", facts.at("band")}, {"rows", Json::array()}};
+  std::size_t held = 0;
+  for (const auto& [item, row] : all.rows) {
+    Json& added = report["rows"].emplace_back();
+    for (const char* key : kReportKeys) added[key] = row.at("report").at(key);
+    held += row.at("report").at("broken").empty();
   }
-  return count;
+  report["interrupted"] = !all.all();
+  if (const Result<void> written = write_text(out / kHardenReport, report.dump(2) + "\n"); !written) return failed(written.error());
+  if (all.rows.contains(0) && all.rows.at(0).at("report").at("crossings") > 0)
+    std::printf("The scene crosses by itself, so none of this can hold that counts crossings\n");
+  std::printf("%zu of %zu held. Written: %s in %s\n", held, all.rows.size(), kHardenReport, out.string().c_str());
+  return held == all.rows.size() ? kDone : kFailed;
 }
 
+// The scene as it is comes first. The others are compared with it, so each part runs it.
 Exit harden_scene(const compute::Device& device, const Scene& scene, const HardenOptions& options) {
-  if (const std::uint32_t frames = frames_of(scene, options), least = least_frames(scene); frames < least) {
+  const std::uint32_t frames = frames_of(scene, options), least = least_frames(scene);
+  if (frames < least) {
     complain("--frames: a run of " + std::to_string(frames) + " frames has no room for the long one halfway; this scene takes at least " +
              std::to_string(least));
     return kBadInput;
@@ -99,17 +104,31 @@ Exit harden_scene(const compute::Device& device, const Scene& scene, const Harde
   if (const Started started = start(device, scene, false); !started.simulation) return started.exit;
   std::printf("%s on %s: perturbed, then compared with the scene as it is; held: mean within %g %% of its size, shape within %g %%\n",
               scene.name.c_str(), device.name().c_str(), 100 * options.band, 100 * kShapeBands * options.band);
-  Json report{{"scene", scene.name}, {"device", device.name()}, {"band", options.band}, {"rows", Json::array()}};
-  const auto count = run_all(device, scene, options, report["rows"]);
-  if (!count) return failed(count.error());
-  report["interrupted"] = interrupted();
-  if (const Result<void> written = write_text(options.out / "harden.json", report.dump(2) + "\n"); !written) return failed(written.error());
-  std::printf("%u of %u held. Written: harden.json in %s\n", count->runs - count->broken, count->runs, options.out.string().c_str());
-  if (interrupted()) {
-    complain("Interrupted: what is written is of the perturbations before");
-    return kInterrupted;
-  }
-  return count->broken == 0 ? kDone : kFailed;
+  print_heading();
+  std::vector<Perturbation> perturbations = all_perturbations(scene, options.quick);
+  perturbations.insert(perturbations.begin(), Perturbation());
+  std::optional<PerturbedRun> base;
+  Labour labour;
+  labour.unit = "perturbations";
+  labour.measure = [&](std::uint32_t item) -> Result<Row> {
+    if (!base) {
+      auto run = run_perturbed(device, scene, {}, frames);
+      if (!run) return run.error().empty() ? fail("nothing ran") : fail(run.why());
+      base = std::move(*run);
+    }
+    if (interrupted()) return fail("interrupted");
+    const auto seen = item == 0 ? Result(*base) : run_perturbed(device, scene, perturbations[item], frames);
+    if (!seen) return fail(seen.why());
+    Row row = row_of(perturbations[item], *seen, *base, options.band);
+    if (!interrupted()) print_row(row);
+    return row;
+  };
+  labour.conclude = [&](const Rows& all) { return conclude_scene(all, options.out); };
+  Work work{"harden", {{"scene", scene.name}, {"device", device.name()}, {"band", options.band}, {"frames", frames},
+                       {"quick", options.quick}}};
+  work.of = fingerprint_of(scene, options.file);
+  work.items = static_cast<std::uint32_t>(perturbations.size());
+  return work_through(work, labour, options.farm, options.out);
 }
 
 // What the hard cases read. What is wrong with their folder, or with the place of their table, is reported before any of them runs.
@@ -135,38 +154,59 @@ Result<std::vector<Input>> find_inputs(const HardenOptions& options, bool suite,
   return inputs_of(options.file, scene);
 }
 
+Exit conclude_suite(const Rows& all, const std::filesystem::path& out, const std::filesystem::path& readme) {
+  std::vector<HardRow> rows;
+  for (const auto& [item, row] : all.rows)
+    for (const Row& figure : row.at("figures")) rows.push_back(figure.get<HardRow>());
+  if (const Result<void> written = write_text(out / kCasesTable, csv(rows)); !written) return failed(written.error());
+  if (!readme.empty() && all.all())
+    if (const Result<void> replaced = replace_table(readme, markdown(rows, !all.work.facts.at("quick").get<bool>())); !replaced)
+      return failed(replaced.error());
+  const auto held = std::ranges::count_if(rows, &HardRow::held);
+  std::printf("%zd of %zu figures are within their bounds. Written: %s in %s\n", held, rows.size(), kCasesTable, out.string().c_str());
+  return held == static_cast<std::ptrdiff_t>(rows.size()) ? kDone : kFailed;
+}
+
 Exit harden_suite(const compute::Device& device, const HardenOptions& options) {
   std::printf("%zu hard cases on %s\n", hard_cases().size(), device.name().c_str());
-  const auto rows = run_suite(device, options.file, options.quick, options.only);
-  if (!rows) return failed(rows.error());
-  if (rows->empty() && !interrupted()) {
+  const auto suite = suite_of(options.file, options.quick, options.only);
+  if (!suite) return failed(suite.error());
+  if (suite->empty()) {
     complain("--only " + options.only + ": no hard case has this in its name");
     return kBadInput;
   }
-  if (const Result<void> written = write_text(options.out / "hard_cases.csv", csv(*rows)); !written) return failed(written.error());
-  if (!options.readme.empty() && !interrupted())
-    if (const Result<void> replaced = replace_table(options.readme, markdown(*rows, !options.quick)); !replaced)
-      return failed(replaced.error());
-  const auto held = std::count_if(rows->begin(), rows->end(), [](const HardRow& row) { return row.held(); });
-  std::printf("%zd of %zu figures are within their bounds. Written: hard_cases.csv in %s\n", held, rows->size(),
-              options.out.string().c_str());
-  if (interrupted()) {
-    complain("Interrupted: what is written is of the cases before");
-    return kInterrupted;
-  }
-  return held == static_cast<std::ptrdiff_t>(rows->size()) ? kDone : kFailed;
+  print_hard_heading();
+  SuiteRunner runner(device, options.quick);
+  Labour labour;
+  labour.unit = "cases";
+  labour.measure = [&](std::uint32_t item) -> Result<Row> {
+    const auto figures = runner.measure((*suite)[item]);
+    if (!figures) return fail(figures.why());
+    if (!interrupted())
+      for (const HardRow& row : *figures) print(row);
+    return Row{{"figures", *figures}};
+  };
+  labour.conclude = [&](const Rows& all) { return conclude_suite(all, options.out, options.readme); };
+  Work work{"hard_cases", {{"device", device.name()}, {"quick", options.quick}, {"only", options.only}}};
+  for (const SuiteItem& item : *suite) work.of += fingerprint_of(item.scene, options.file / (item.scene_file + ".json"));
+  work.items = static_cast<std::uint32_t>(suite->size());
+  return work_through(work, labour, options.farm, options.out);
+}
+
+// A fault of the call, a sentence, or nothing.
+std::string contradiction(const HardenOptions& options, bool suite) {
+  if (suite && (!options.assignments.empty() || options.frames))
+    return options.file.string() + ": the hard cases run as they are, without --set or --frames";
+  if (!suite && !options.readme.empty()) return "--readme: goes with the folder of the hard cases, not with a scene";
+  return "";
 }
 
 }  // namespace
 
 Exit harden(const HardenOptions& options) {
   const bool suite = is_folder(options.file);
-  if (suite && (!options.assignments.empty() || options.frames)) {
-    complain(options.file.string() + ": the hard cases run as they are, without --set or --frames");
-    return kBadInput;
-  }
-  if (!suite && !options.readme.empty()) {
-    complain("--readme: goes with the folder of the hard cases, not with a scene");
+  if (const std::string fault = contradiction(options, suite); !fault.empty()) {
+    complain(fault);
     return kBadInput;
   }
   Scene scene;
@@ -176,8 +216,9 @@ Exit harden(const HardenOptions& options) {
     return kBadInput;
   }
   listen_for_interrupts();
-  const std::string name = suite ? "hard_cases.csv" : "harden.json";
-  if (const Exit exit = prepare_outputs(options.out, {&name, 1}, *inputs); exit != kDone) return exit;
+  const std::vector<std::string> names =
+      suite ? outputs_of("hard_cases", options.farm.shard, {kCasesTable}) : outputs_of("harden", options.farm.shard, {kHardenReport});
+  if (const Exit exit = prepare_outputs(options.out, names, *inputs); exit != kDone) return exit;
   if (!options.readme.empty())
     if (const Result<void> writable = probe_file(options.readme); !writable) return failed(writable.error());
   compute::DeviceChoice choice;
@@ -185,6 +226,23 @@ Exit harden(const HardenOptions& options) {
   const auto device = compute::Device::create(choice);
   if (!device) return failed(device.error());
   return suite ? harden_suite(**device, options) : harden_scene(**device, scene, options);
+}
+
+Mergeable merged_harden() {
+  return {"harden", {kHardenReport}, [](const Rows& all, const std::filesystem::path& out) {
+            print_heading();
+            for (const auto& [item, row] : all.rows) print_row(row);
+            return conclude_scene(all, out);
+          }};
+}
+
+Mergeable merged_hard_cases() {
+  return {"hard_cases", {kCasesTable}, [](const Rows& all, const std::filesystem::path& out) {
+            print_hard_heading();
+            for (const auto& [item, row] : all.rows)
+              for (const Row& figure : row.at("figures")) print(figure.get<HardRow>());
+            return conclude_suite(all, out, {});
+          }};
 }
 
 }  // namespace weft::command

@@ -16,13 +16,32 @@
 #include "samples/weft/commands.h"
 #include "samples/weft/console.h"
 #include "samples/weft/files.h"
+#include "samples/weft/merge.h"
 #include "samples/weft/outputs.h"
 #include "samples/weft/report.h"
+#include "samples/weft/shard.h"
 
 namespace weft::command {
 
+// In the namespace of Row's own: what makes rows of these has to be found.
+struct ImplicitOutcome {
+  double frames_a_second = 0;
+  double residual = 0;
+  double distance = 0;   // m
+  std::uint32_t stopped = 0, non_finite = 0;
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ImplicitOutcome, frames_a_second, residual, distance, stopped, non_finite)
+
+struct ImplicitRow {
+  std::uint32_t particles = 0, iterations = 0;
+  Linear linear = Linear::cg;
+  ImplicitOutcome processor, device;
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ImplicitRow, particles, iterations, linear, processor, device)
+
 namespace {
 
+using Outcome = ImplicitOutcome;
 using reference::Columns;
 using reference::ImplicitEquations;
 using reference::ImplicitSystem;
@@ -52,19 +71,6 @@ struct Subject {
   Columns positions, velocities;
   ImplicitEquations equations;
   Columns exact;   // m/s
-};
-
-struct Outcome {
-  double frames_a_second = 0;
-  double residual = 0;
-  double distance = 0;   // m
-  std::uint32_t stopped = 0, non_finite = 0;
-};
-
-struct Row {
-  std::uint32_t particles, iterations;
-  Linear linear;
-  Outcome processor, device;
 };
 
 Result<ImplicitSystem> system_of(const Scene& scene) {
@@ -165,17 +171,17 @@ Result<Outcome> on_device(const compute::Device& device, const Scene& scene, con
 
 const char* name_of(Linear linear) { return linear == Linear::cg ? "cg" : "jacobi"; }
 
-void print(const Row& row) {
+void print(const ImplicitRow& row) {
   std::printf("%9u %-7s %10u %10.4g %10.4g %12.2e %12.2e %12.2e %12.2e%s\n", row.particles, name_of(row.linear), row.iterations,
               row.processor.frames_a_second, row.device.frames_a_second, row.processor.residual, row.device.residual,
               row.processor.distance, row.device.distance, row.device.residual > ImplicitSystem::kConverged ? "  not converged" : "");
   std::fflush(stdout);
 }
 
-std::string csv_of(const std::vector<Row>& rows) {
+std::string csv_of(const std::vector<ImplicitRow>& rows) {
   TextStream text;
   text << "particles,linear,iterations,processor,frames_per_second,residual,rms_distance_m,stopped,non_finite\n";
-  for (const Row& row : rows)
+  for (const ImplicitRow& row : rows)
     for (const bool device : {false, true}) {
       const Outcome& o = device ? row.device : row.processor;
       text << row.particles << ',' << name_of(row.linear) << ',' << row.iterations << ',' << (device ? "vulkan" : "cpu") << ','
@@ -184,16 +190,16 @@ std::string csv_of(const std::vector<Row>& rows) {
   return text.str();
 }
 
-const Row* find(const std::vector<Row>& rows, std::uint32_t particles, Linear linear, std::uint32_t iterations) {
-  for (const Row& row : rows)
+const ImplicitRow* find(const std::vector<ImplicitRow>& rows, std::uint32_t particles, Linear linear, std::uint32_t iterations) {
+  for (const ImplicitRow& row : rows)
     if (row.particles == particles && row.linear == linear && row.iterations == iterations) return &row;
   return nullptr;
 }
 
 // The findings about the system of 2006, checked for this one.
-void summarise(const std::vector<Row>& rows) {
+void summarise(const std::vector<ImplicitRow>& rows) {
   std::uint32_t wins = 0, largest = 0, non_finite = 0;
-  for (const Row& row : rows) {
+  for (const ImplicitRow& row : rows) {
     non_finite += row.processor.non_finite + row.device.non_finite;
     largest = std::max(largest, row.particles);
     if (row.linear != Linear::cg || row.iterations != 30) continue;
@@ -202,7 +208,7 @@ void summarise(const std::vector<Row>& rows) {
   }
   if (wins > 0) std::printf("With 30 iterations of conjugate gradients the device is faster from %u particles on.\n", wins);
   else std::printf("With 30 iterations of conjugate gradients the device is not faster at %u particles.\n", largest);
-  const Row *few = find(rows, largest, Linear::cg, 10), *many = find(rows, largest, Linear::cg, 70);
+  const ImplicitRow *few = find(rows, largest, Linear::cg, 10), *many = find(rows, largest, Linear::cg, 70);
   if (few && many)
     std::printf("At %u particles 70 iterations take %.1f times as long as 10 on the processor and %.1f times on the device.\n", largest,
                 few->processor.frames_a_second / many->processor.frames_a_second,
@@ -210,12 +216,25 @@ void summarise(const std::vector<Row>& rows) {
   std::printf("Not finite: %u\n", non_finite);
 }
 
+constexpr const char* kImplicitTable = "implicit.csv";
+
+Exit conclude_implicit(const Rows& all, const std::filesystem::path& out) {
+  std::printf("%9s %-7s %10s %10s %10s %12s %12s %12s %12s\n%28s %21s %25s %25s\n", "particles", "solver", "iterations", "CPU fps",
+              "Vulkan fps", "CPU", "Vulkan", "CPU", "Vulkan", "", "", "residual left", "rms distance, m");
+  std::vector<ImplicitRow> rows;
+  for (const auto& [item, row] : all.rows) print(rows.emplace_back(row.get<ImplicitRow>()));
+  summarise(rows);
+  if (const Result<void> written = write_text(out / kImplicitTable, csv_of(rows)); !written) return failed(written.error());
+  std::printf("Written: %s in %s\n", kImplicitTable, out.string().c_str());
+  return kDone;
+}
+
 }  // namespace
 
 Exit implicit(const ImplicitOptions& options) {
   listen_for_interrupts();
-  const std::string name = "implicit.csv";
-  if (const Exit exit = prepare_outputs(options.out, {&name, 1}, {}); exit != kDone) return exit;
+  const std::vector<std::string> names = outputs_of("implicit", options.farm.shard, {kImplicitTable});
+  if (const Exit exit = prepare_outputs(options.out, names, {}); exit != kDone) return exit;
   compute::DeviceChoice choice;
   choice.name = options.device;
   const auto device = compute::Device::create(choice);
@@ -226,35 +245,29 @@ Exit implicit(const ImplicitOptions& options) {
       options.quick ? std::vector<std::uint32_t>{10, 30} : std::vector<std::uint32_t>{10, 30, 50, 70};
 
   std::printf("%s; a frame is one step of %g s\n", (*device)->name().c_str(), kStep);
-  std::printf("%9s %-7s %10s %10s %10s %12s %12s %12s %12s\n%28s %21s %25s %25s\n", "particles", "solver", "iterations", "CPU fps",
-              "Vulkan fps", "CPU", "Vulkan", "CPU", "Vulkan", "", "", "residual left", "rms distance, m");
-  std::vector<Row> rows;
-  {
-    Progress progress("implicit", static_cast<std::uint32_t>(sides.size() * iterations.size() * 2), "rows");
-    for (const std::uint32_t side : sides) {
-      if (interrupted()) break;
-      const Result<Subject> subject = subject_of(side);
-      if (!subject) return failed(subject.error());
-      for (const Linear linear : {Linear::cg, Linear::jacobi})
-        for (const std::uint32_t count : iterations) {
-          if (interrupted()) break;
-          const Scene scene = sheet(side, linear, count);
-          auto processor = on_processor(scene, *subject);
-          if (!processor) return failed(processor.error());
-          auto vulkan = on_device(**device, scene, *subject);
-          if (!vulkan) return failed(vulkan.error());
-          rows.push_back({side * side, count, linear, *processor, *vulkan});
-          progress.step();
-        }
+  const auto counts = static_cast<std::uint32_t>(iterations.size());
+  std::uint32_t side = 0;
+  std::optional<Subject> subject;   // of that side
+  Labour labour;
+  labour.measure = [&](std::uint32_t item) -> Result<Row> {
+    if (side != sides[item / (2 * counts)]) {
+      side = sides[item / (2 * counts)];
+      auto made = subject_of(side);
+      if (!made) return made.take_error();
+      subject = std::move(*made);
     }
-  }
-  for (const Row& row : rows) print(row);
-  if (!rows.empty()) summarise(rows);
-  if (const Result<void> written = write_text(options.out / "implicit.csv", csv_of(rows)); !written) return failed(written.error());
-  std::printf("Written: implicit.csv in %s\n", options.out.string().c_str());
-  if (!interrupted()) return kDone;
-  complain("Interrupted after " + std::to_string(rows.size()) + " rows: what is written is of these");
-  return kInterrupted;
+    const Linear linear = item / counts % 2 == 0 ? Linear::cg : Linear::jacobi;
+    const Scene scene = sheet(side, linear, iterations[item % counts]);
+    const auto processor = on_processor(scene, *subject), vulkan = on_device(**device, scene, *subject);
+    if (!processor || !vulkan) return fail((processor ? vulkan : processor).why());
+    return Row(ImplicitRow{side * side, iterations[item % counts], linear, *processor, *vulkan});
+  };
+  labour.conclude = [&](const Rows& all) { return conclude_implicit(all, options.out); };
+  Work work{"implicit", {{"device", (*device)->name()}, {"quick", options.quick}}};
+  work.items = static_cast<std::uint32_t>(sides.size()) * 2 * counts;
+  return work_through(work, labour, options.farm, options.out);
 }
+
+Mergeable merged_implicit() { return {"implicit", {kImplicitTable}, conclude_implicit}; }
 
 }  // namespace weft::command

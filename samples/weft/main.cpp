@@ -9,6 +9,7 @@
 #include "samples/weft/assignments.h"
 #include "samples/weft/commands.h"
 #include "samples/weft/console.h"
+#include "samples/weft/shard.h"
 #include "samples/weft/view.h"
 
 namespace {
@@ -30,6 +31,14 @@ std::optional<double> milliseconds(const std::string& text) {
 
 void add_outside(CLI::App& command, bool& allow_outside) {
   command.add_flag("--allow-outside", allow_outside, "Read a glTF's buffers and images wherever it says they are, not only below its own folder");
+}
+
+// Of a command whose work is a list.
+CLI::Option* add_farm(CLI::App& command, Farm& farm, std::string& shard) {
+  command.add_flag("--fresh", farm.fresh, "Begin anew, whatever an earlier call has left in the folder");
+  return command
+      .add_option("--shard", shard, "Part K of N of the work, for several machines: leaves rows, of which weft merge makes what one writes")
+      ->type_name("K/N");
 }
 
 // A command or an option that is not there, with the nearest that is; empty where something else is wrong.
@@ -58,13 +67,19 @@ Exit obey(int count, char** arguments) {
   std::vector<std::string> sets;
   std::string file;
   bool allow_outside = false;
+  Farm farm;
+  std::string shard;
 
   constexpr unsigned kMostFrames = 1'000'000;
+  std::vector<std::string> scenes, parts;
   RunOptions run_options;
   std::uint32_t frames = 0;
   bool no_picture = false;
   CLI::App* run_command = app.add_subcommand("run", "Simulate a scene; write a picture, times, figures and the final mesh");
-  run_command->add_option("scene", file, kSceneOrMesh)->required()->type_name("SCENE|MESH");
+  run_command
+      ->add_option("scene", scenes, std::string(kSceneOrMesh) + "; of several each gets a folder of its own, and all a table")
+      ->required()
+      ->type_name("SCENE|MESH");
   CLI::Option* frames_option = run_command->add_option("--frames", frames, "How many frames; by default the scene's");
   frames_option->check(CLI::Range(0u, kMostFrames));
   run_command->add_option("--out", run_options.out, "Where files go")->type_name("DIR")->capture_default_str();
@@ -80,7 +95,7 @@ Exit obey(int count, char** arguments) {
   CLI::Option* checkpoint_option = run_command->add_option(
       "--checkpoint", run_options.checkpoint, "Leave a snapshot every K frames; the same command goes on with it after a kill");
   checkpoint_option->type_name("K")->check(CLI::Range(1u, kMostFrames));
-  run_command->add_flag("--fresh", run_options.fresh, "Begin anew, whatever snapshot is in the folder already")->needs(checkpoint_option);
+  add_farm(*run_command, farm, shard);
   run_command
       ->add_option("--cache", run_options.caches,
                    "Write every frame's geometry for other programs, by the ending: .glb, .pc2, .mdd, .usda, or .ply and .obj with a file "
@@ -109,11 +124,13 @@ Exit obey(int count, char** arguments) {
   CLI::App* contacts_command =
       app.add_subcommand("contacts", "Measure what contacts cost: a scene, or a sheet over its size and that of the hash's cells");
   contacts_command->add_option("scene", file, "A scene (JSON) whose cloths are grids; any with --price")->required()->type_name("SCENE");
-  contacts_command->add_flag("--price", contact_options.price, "The scene as it is: frames with contacts over frames without, in turns");
+  CLI::Option* price_option =
+      contacts_command->add_flag("--price", contact_options.price, "The scene as it is: frames with contacts and without, in turns");
   contacts_command->add_option("--frames", contact_options.frames, "Frames of each size")
       ->check(CLI::Range(4u, kMostFrames))
       ->capture_default_str();
   contacts_command->add_flag("--quick", contact_options.quick, "Two small sizes only");
+  add_farm(*contacts_command, farm, shard)->excludes(price_option);
   contacts_command->add_option("--out", contact_options.out, "Where files go")->type_name("DIR")->capture_default_str();
   add_set(*contacts_command, sets);
   contacts_command->add_option("--device", contact_options.device, "Index or part of the name; weft info lists them");
@@ -129,6 +146,7 @@ Exit obey(int count, char** arguments) {
       ->add_flag("--quick", effects_options.quick, "12 cells and 4 frames; of the pairs only each effect with the next one in the list")
       ->excludes(size_option)
       ->excludes(effects_frames_option);
+  add_farm(*effects_command, farm, shard);
   effects_command->add_option("--out", effects_options.out, "Where files go")->type_name("DIR")->capture_default_str();
   effects_command->add_option("--device", effects_options.device, "Index or part of the name; weft info lists them");
 
@@ -148,8 +166,9 @@ Exit obey(int count, char** arguments) {
   reference_option->check(CLI::Range(0u, 2048u));
   CLI::Option* budget_option =
       accuracy_command->add_option("--budget", budget, "Print the best setting that takes no longer than this a frame: --budget 2ms");
-  accuracy_command->add_flag("--fresh", accuracy_options.fresh, "Begin anew, whatever is in the folder already");
-  accuracy_command->add_flag("--save", accuracy_options.save, "Keep the curve where scenes with \"method\": \"auto\" find it");
+  CLI::Option* save_option =
+      accuracy_command->add_flag("--save", accuracy_options.save, "Keep the curve where scenes with \"method\": \"auto\" find it");
+  add_farm(*accuracy_command, farm, shard)->excludes(budget_option)->excludes(save_option);
   accuracy_command->add_option("--out", accuracy_options.out, "Where files go, and where a sweep that was interrupted goes on")
       ->type_name("DIR")
       ->capture_default_str();
@@ -161,6 +180,7 @@ Exit obey(int count, char** arguments) {
   CLI::App* implicit_command =
       app.add_subcommand("implicit", "Tabulate speed and error of the implicit method, on the processor and on the device");
   implicit_command->add_flag("--quick", implicit_options.quick, "Only 100 and 900 particles, 10 and 30 iterations");
+  add_farm(*implicit_command, farm, shard);
   implicit_command->add_option("--out", implicit_options.out, "Where implicit.csv goes")->type_name("DIR")->capture_default_str();
   implicit_command->add_option("--device", implicit_options.device, "Index or part of the name; weft info lists them");
 
@@ -184,13 +204,20 @@ Exit obey(int count, char** arguments) {
   harden_command->add_flag("--quick", harden_options.quick,
                            "Sixty frames and one or two perturbations of a kind; of the hard cases those that are small");
   harden_command->add_option("--only", harden_options.only, "Of the hard cases those whose name has this part");
-  harden_command->add_option("--readme", harden_options.readme, "A file whose table of hard cases is replaced")->type_name("FILE");
+  CLI::Option* readme_option =
+      harden_command->add_option("--readme", harden_options.readme, "A file whose table of hard cases is replaced")->type_name("FILE");
+  add_farm(*harden_command, farm, shard)->excludes(readme_option);
   harden_command->add_option("--out", harden_options.out, "Where harden.json or hard_cases.csv goes")
       ->type_name("DIR")
       ->capture_default_str();
   add_set(*harden_command, sets);
   add_outside(*harden_command, allow_outside);
   harden_command->add_option("--device", harden_options.device, "Index or part of the name; weft info lists them");
+
+  MergeOptions merge_options;
+  CLI::App* merge_command = app.add_subcommand("merge", "Make of all parts of a sweep (--shard) what one machine would have written");
+  merge_command->add_option("parts", parts, "The rows of every part, NAME.K-of-N.rows")->required()->type_name("FILE");
+  merge_command->add_option("--out", merge_options.out, "Where files go")->type_name("DIR")->capture_default_str();
 
   // Its own program has its flags, and is started before these are read.
   app.add_subcommand("view", "Look at a scene in a window while it is simulated; weft view --help tells how");
@@ -213,10 +240,29 @@ Exit obey(int count, char** arguments) {
     complain(fault);
     return kBadInput;
   }
+  const CLI::Option* shard_option = app.get_subcommands().front()->get_option_no_throw("--shard");
+  if (shard_option && *shard_option) {
+    const auto part = parse_shard(shard);
+    if (!part) {
+      complain(part.error());
+      return kBadInput;
+    }
+    farm.shard = *part;
+  }
   const BufferFiles buffer_files = allow_outside ? BufferFiles::anywhere : BufferFiles::below_its_folder;
   if (*info_command) return info();
-  if (*implicit_command) return implicit(implicit_options);
-  if (*effects_command) return effects(effects_options);
+  if (*merge_command) {
+    merge_options.parts.assign(parts.begin(), parts.end());
+    return merge(merge_options);
+  }
+  if (*implicit_command) {
+    implicit_options.farm = farm;
+    return implicit(implicit_options);
+  }
+  if (*effects_command) {
+    effects_options.farm = farm;
+    return effects(effects_options);
+  }
   if (*check_command) return check(file, buffer_files);
   if (*time_command) {
     time_options.file = file;
@@ -226,11 +272,13 @@ Exit obey(int count, char** arguments) {
   }
   if (*contacts_command) {
     contact_options.file = file;
+    contact_options.farm = farm;
     contact_options.assignments = std::move(assignments);
     return contacts(contact_options);
   }
   if (*harden_command) {
     harden_options.file = file;
+    harden_options.farm = farm;
     harden_options.buffer_files = buffer_files;
     harden_options.assignments = std::move(assignments);
     harden_options.band = band / 100;
@@ -239,6 +287,7 @@ Exit obey(int count, char** arguments) {
   }
   if (*accuracy_command) {
     accuracy_options.file = file;
+    accuracy_options.farm = farm;
     accuracy_options.buffer_files = buffer_files;
     accuracy_options.assignments = std::move(assignments);
     if (*accuracy_frames_option) accuracy_options.frames = accuracy_frames;
@@ -252,11 +301,18 @@ Exit obey(int count, char** arguments) {
     }
     return accuracy(accuracy_options);
   }
-  run_options.file = file;
+  run_options.file = scenes.front();
+  run_options.farm = farm;
   run_options.buffer_files = buffer_files;
   run_options.assignments = std::move(assignments);
   run_options.picture = !no_picture;
   if (*frames_option) run_options.frames = frames;
+  const bool family = scenes.size() > 1 || farm.shard;
+  if (family) return run_family({scenes.begin(), scenes.end()}, run_options);
+  if (farm.fresh && run_options.checkpoint == 0) {
+    complain("--fresh: goes with --checkpoint, --shard or several scenes: nothing else is gone on with");
+    return kBadInput;
+  }
   return run(run_options);
 }
 

@@ -20,6 +20,7 @@
 #include "samples/weft/outputs.h"
 #include "samples/weft/painter.h"
 #include "samples/weft/report.h"
+#include "samples/weft/run.h"
 #include "samples/weft/subject.h"
 
 namespace weft::command {
@@ -203,7 +204,7 @@ Result<void> make_movie(const Scene& scene, const RunOptions& options) {
 // Where the run begins: at the scene's start, or at the checkpoint of an earlier run.
 Exit begin(Simulation& simulation, const RunOptions& options, RunState& state) {
   const std::filesystem::path file = checkpoint_file(simulation.scene(), options);
-  if (options.checkpoint > 0 && !options.fresh && is_there(file)) {
+  if (options.checkpoint > 0 && !options.farm.fresh && is_there(file)) {
     const Result<Checkpoint> left = load_checkpoint(file, simulation, options.check);
     if (!left) {
       complain(left.error() + "; --fresh begins anew");
@@ -299,6 +300,11 @@ Exit time_passes(const Scene& scene, const RunOptions& options, const RunState& 
 }  // namespace
 
 Exit run(const RunOptions& options) {
+  Figures figures;
+  return run(options, figures);
+}
+
+Exit run(const RunOptions& options, Figures& figures) {
   Result<Scene> scene = load_subject(options.file, options.assignments, options.buffer_files);
   if (!scene) {
     complain(scene.error());
@@ -311,7 +317,6 @@ Exit run(const RunOptions& options) {
   if (const Exit exit = prepare_outputs(options.out, outputs_of(*scene, options), inputs); exit != kDone) return exit;
   if (const Exit exit = Caches::prepare(*scene, options, inputs); exit != kDone) return exit;
 
-  Figures figures;
   PassTimes times({});
   RunState state;
   if (const Exit exit = simulate_and_draw(*scene, options, figures, state); exit != kDone) return exit;
@@ -330,9 +335,9 @@ Exit run(const RunOptions& options) {
     if (options.checkpoint > 0) std::filesystem::remove(checkpoint_file(*scene, options), ignored);
     return kDone;
   }
-  complain("Interrupted after " + std::to_string(figures.frames) + " of " + std::to_string(scene->frames) + " frames, " +
-           std::to_string(times.frames()) + " of them timed pass by pass: what is written is of these");
-  return kInterrupted;
+  return stopped(" after " + std::to_string(figures.frames) + " of " + std::to_string(scene->frames) + " frames, " +
+                 std::to_string(times.frames()) + " of them timed pass by pass: what is written is of these" +
+                 (options.checkpoint > 0 ? "; the same command goes on from here" : "; without --checkpoint the same command begins anew"));
 }
 
 }  // namespace weft::command

@@ -120,9 +120,8 @@ Exit time(const TimeOptions& options) {
     if (const Result<void> written = write_text(options.out / name, text); !written) return failed(written.error());
   std::printf("Written: timings.csv, trace.json (for ui.perfetto.dev), report.json in %s\n", options.out.string().c_str());
   if (!interrupted()) return kDone;
-  complain("Interrupted after " + std::to_string(times.frames()) + " of " + std::to_string(options.frames) +
-           " frames: what is written is of these");
-  return kInterrupted;
+  return stopped(" after " + std::to_string(times.frames()) + " of " + std::to_string(options.frames) +
+                 " frames: what is written is of these");
 }
 
 }  // namespace weft::command

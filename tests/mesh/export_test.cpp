@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -29,6 +30,26 @@ TEST(Export, a_glb_loads_back_as_the_same_mesh) {
   EXPECT_EQ(back->render.triangles, mesh.render.triangles);
   EXPECT_EQ(back->render.uvs, mesh.render.uvs);
   EXPECT_TRUE(back->mended.empty());
+}
+
+// Text is written in pieces: of so many vertices, more than one of each kind of line.
+TEST(Export, a_large_obj_loads_back_as_the_same_bits) {
+  Grid grid;
+  grid.cells_x = grid.cells_y = 70;
+  Mesh mesh = make_grid(grid);
+  for (std::size_t v = 0; v < mesh.render.positions.size(); ++v) {
+    const float angle = static_cast<float>(v);
+    mesh.render.positions[v] = mesh.render.positions[v] + Vec3{0.001f * std::sin(angle), std::cos(angle), 0};
+    mesh.render.normals[v] = {std::sin(angle), 0, std::cos(angle)};
+  }
+  const Folder folder;
+  const RenderMesh& render = mesh.render;
+  ASSERT_TRUE(write_obj(folder / "out.obj", render.positions, render.normals, render.uvs, render.triangles));
+  EXPECT_GT(test::slurp(folder / "out.obj").size(), 600'000u);
+  const Result<Mesh> back = load_mesh(folder / "out.obj");
+  ASSERT_TRUE(back) << back.error();
+  EXPECT_EQ(back->render.positions, render.positions);
+  EXPECT_EQ(back->render.triangles, render.triangles);
 }
 
 TEST(Export, a_glb_states_the_bounds_of_its_positions) {

@@ -371,37 +371,6 @@ TEST_F(CommandLine, an_interrupt_ends_the_frame_writes_what_there_is_and_exits_w
 constexpr const char* kHung =
     R"({"name": "sheet", "cloths": [{"grid": {"cells": [6, 6], "upright": true}, "anchors": [{"corners": ["low_high"]}]}]})";
 
-TEST_F(CommandLine, an_accuracy_sweep_goes_on_where_it_was_interrupted_and_leaves_a_page_that_stands_alone) {
-  const std::vector<std::string> call = {"accuracy", write("sheet.json", kHung), "--quick", "--frames", "4", "--budget", "1000ms", "--out",
-                                         out()};
-  const pid_t child = spawn(call);
-  const fs::path csv = folder / "out/curve.csv";
-  for (int tries = 0; tries < 600 && !fs::exists(csv); ++tries) std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  kill(child, SIGINT);
-  EXPECT_EQ(wait(child).exit, 130);
-  const std::string begun = read(csv);
-  const auto lines = std::count(begun.begin(), begun.end(), '\n');
-  ASSERT_GT(lines, 7) << "six facts, the header and a point\n" << begun;
-
-  const Outcome outcome = weft(call);
-  ASSERT_EQ(outcome.exit, 0) << outcome.error;
-  EXPECT_NE(outcome.out.find(std::to_string(lines - 7) + " are in "), std::string::npos) << outcome.out;
-  EXPECT_NE(outcome.out.find("Within 1000 ms: "), std::string::npos) << outcome.out;
-  const std::string whole = read(csv), page = read(folder / "out/curve.html");
-  EXPECT_EQ(whole.rfind(begun, 0), 0u) << "what was measured stays";
-  EXPECT_GT(std::count(whole.begin(), whole.end(), '\n'), lines);
-  EXPECT_NE(page.find("<svg"), std::string::npos);
-  EXPECT_NE(page.find("data:image/png;base64,iVBOR"), std::string::npos);
-  for (const char* elsewhere : {"src=\"http", "href=\"http", "<script", "@import"})
-    EXPECT_EQ(page.find(elsewhere), std::string::npos) << elsewhere;
-  EXPECT_EQ(read(folder / "out/curve.svg").rfind("<svg", 0), 0u);
-  EXPECT_EQ(read(folder / "out/curve.png").substr(1, 3), "PNG");
-
-  const Outcome other = weft({"accuracy", (folder / "sheet.json").string(), "--quick", "--frames", "5", "--out", out()});
-  EXPECT_EQ(other.exit, 2) << "points of different sweeps make no curve";
-  EXPECT_NE(other.error.find("--fresh"), std::string::npos) << other.error;
-}
-
 TEST_F(CommandLine, a_budget_chooses_by_the_curve_that_was_saved_for_the_device) {
   ASSERT_EQ(setenv("XDG_CACHE_HOME", (folder / "cache").c_str(), 1), 0);
   const std::string sheet = write("sheet.json", kHung);

@@ -176,11 +176,12 @@ TEST_F(Outputs, a_terminal_that_moves_no_cursor_and_a_user_who_wants_no_colour_g
   }
 }
 
-TEST_F(Outputs, a_program_that_was_started_deaf_to_ctrl_C_stays_so) {
+TEST_F(Outputs, a_program_that_was_started_deaf_to_ctrl_C_and_to_queues_stays_so) {
   deaf = true;
   const pid_t child = spawn({"run", write("sheet.json", kSheet), "--frames", "300", "--no-picture", "--out", out()});
   for (int tries = 0; tries < 3000 && !fs::exists(out()); ++tries) std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  for (int times = 0; times < 3; ++times) kill(child, SIGINT);
+  for (const int signal : {SIGINT, SIGTERM, SIGUSR1})
+    for (int times = 0; times < 3; ++times) kill(child, signal);
   const Outcome outcome = wait(child);
   EXPECT_EQ(outcome.exit, 0) << outcome.error;
   EXPECT_EQ(nlohmann::json::parse(read(folder / "out/report.json"), nullptr, false)["frames"], 300);
@@ -203,7 +204,7 @@ TEST_F(Outputs, a_mistyped_command_or_option_is_named_with_the_nearest) {
   EXPECT_EQ(said({"time", sheet, "--warmup", "3"}), R"(weft: there is no option "--warmup" (did you mean "--warm-up"?))");
   EXPECT_EQ(said({"run", sheet, "--\033[31m"}), R"(weft: there is no option "--?[31m")");
   EXPECT_EQ(said({}).find("there is no"), std::string::npos);
-  EXPECT_EQ(said({"run", sheet, "more"}).find("there is no"), std::string::npos);
+  EXPECT_EQ(said({"time", sheet, "more"}).find("there is no"), std::string::npos);
 }
 
 }  // namespace

@@ -40,7 +40,8 @@ class CommandLine : public testing::Test {
   std::vector<std::string> environment;
   /// No file of the next program may grow beyond this: to it the disk is full. 0: as large as it likes.
   rlim_t disk_bytes = 0;
-  /// The next program is started as shells start what runs in the background: deaf to ctrl-C.
+  /// The next program is started as shells start what runs in the background: deaf to ctrl-C,
+  /// and to what asks a program to stop.
   bool deaf = false;
   fs::path folder = fs::temp_directory_path() / ("weft_command_line_" + std::to_string(std::random_device{}()));
 
@@ -59,7 +60,8 @@ class CommandLine : public testing::Test {
     redirect("stdout", STDOUT_FILENO);
     redirect("stderr", STDERR_FILENO);
     for (std::string& variable : environment) putenv(variable.data());
-    std::signal(SIGINT, deaf ? SIG_IGN : SIG_DFL);   // the tests themselves may run where it is ignored
+    // The tests themselves may run where they are ignored.
+    for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) std::signal(signal, deaf ? SIG_IGN : SIG_DFL);
     if (const rlimit full{disk_bytes, disk_bytes}; disk_bytes > 0) setrlimit(RLIMIT_FSIZE, &full);
     std::vector<char*> pointers;
     std::string program = WEFT_BINARIES "/weft";
