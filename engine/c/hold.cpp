@@ -105,6 +105,22 @@ weft_status weft_grab(weft_simulation* simulation, const float origin[3], const 
   });
 }
 
+weft_status weft_cut(weft_simulation* simulation, const float origin[3], const float a[3], const float b[3], uint32_t* count,
+                     weft_error* error) {
+  return done(error, [&]() -> Result<void> {
+    WEFT_GIVEN(simulation);
+    WEFT_GIVEN(origin);
+    WEFT_GIVEN(a);
+    WEFT_GIVEN(b);
+    auto cut = simulation->simulation->cut(vector(origin), vector(a), vector(b));
+    if (!cut) return cut.take_error();
+    if (count != nullptr) *count = *cut;
+    return {};
+  });
+}
+
+uint32_t weft_splits(const weft_simulation* simulation) { return simulation != nullptr ? simulation->simulation->splits() : 0; }
+
 weft_status weft_grab_near(weft_simulation* simulation, const float point[3], const weft_grip* grip, weft_grabbed* grabbed,
                            weft_error* error) {
   return done(error, [&]() -> Result<void> {

@@ -107,7 +107,7 @@ weft_counts weft_get_counts(const weft_simulation* simulation) {
 weft_quality weft_get_quality(const weft_simulation* simulation) {
   if (simulation == nullptr) return {};
   const weft::Counts c = simulation->simulation->counts();
-  return {c.crossings_most, c.unconverged, c.stopped, c.unaccelerated, c.tracking_error, c.residual};
+  return {c.crossings_most, c.unconverged, c.stopped, c.unaccelerated, c.splits_refused, c.tracking_error, c.residual};
 }
 
 weft_status weft_scene_text(const weft_simulation* simulation, char** text, weft_error* error) {

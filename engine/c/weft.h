@@ -227,6 +227,12 @@ typedef struct weft_grabbed {
   float point[3];        /* m */
 } weft_grabbed;
 #define WEFT_NOTHING 0xffffffffu
+/* Cuts cloth that tears along a blade between two rays from `origin` (world space): how many vertices have become two. Triangles have other
+ * vertices then, and after every frame in which weft_splits has changed: read them anew. Waits. */
+WEFT_API weft_status weft_cut(weft_simulation* simulation, const float origin[3], const float a[3], const float b[3], uint32_t* count,
+                              weft_error* error);
+/* How many vertices have become two so far, by tearing and cutting. */
+WEFT_API uint32_t weft_splits(const weft_simulation* simulation);
 /* Of scenes with `grabs`. `grip` may be null for a usual one. */
 WEFT_API weft_status weft_grab(weft_simulation* simulation, const float origin[3], const float direction[3], const weft_grip* grip,
                                weft_grabbed* grabbed, weft_error* error);
@@ -326,6 +332,7 @@ WEFT_API weft_counts weft_get_counts(const weft_simulation* simulation);
 
 typedef struct weft_quality {
   uint32_t crossings_most, unconverged, stopped, unaccelerated;
+  uint32_t splits_refused;     /* times that cloth could not tear: no spare vertices */
   float tracking_error;        /* m */
   float residual;
 } weft_quality;

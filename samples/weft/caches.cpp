@@ -68,6 +68,9 @@ Exit refuse(const Error& error) {
 }  // namespace
 
 Exit Caches::prepare(const Scene& scene, const RunOptions& options, std::span<const Input> inputs) {
+  const auto torn = std::ranges::find_if(scene.cloths, [](const Cloth& cloth) { return cloth.tear.has_value(); });
+  if (!options.caches.empty() && torn != scene.cloths.end())
+    return refuse(fail("cloths[", torn - scene.cloths.begin(), "].tear: a cache has the same triangles in all of its frames, and this cloth tears"));
   std::vector<std::filesystem::path> files;
   for (const std::filesystem::path& cache : options.caches) {
     const std::filesystem::path file = place_of(cache, options);

@@ -166,6 +166,20 @@ class Weft(unittest.TestCase):
             left.close()
             self.assertEqual(os.listdir(folder), ["cloth.pc2"])
 
+    def test_cuts(self) -> None:
+        scene = {"cloths": [{"grid": {"cells": [8, 8]}, "tear": {"strain": 100}}]}
+        with weft.Simulation(self.device, scene) as cloth:
+            whole = cloth.triangles()
+            count = cloth.cut((0.03, 1, 0), (0, -1, -1), (0, -1, 1))
+            self.assertGreaterEqual(count, 9)
+            self.assertEqual(cloth.splits, count)
+            self.assertEqual(cloth.triangles().shape, whole.shape)
+            self.assertTrue((cloth.triangles() != whole).any())
+            self.assertEqual(cloth.quality().splits_refused, 0)
+        with self.assertRaises(weft.Error) as caught:
+            self.cloth.cut((0, 1, 0), (0, -1, -1), (0, -1, 1))
+        self.assertIn("tear", str(caught.exception))
+
     def test_refuses_with_sentences(self) -> None:
         for wrong, said in (
             (lambda: weft.Device("a GPU that nobody has"), "a GPU that nobody has"),

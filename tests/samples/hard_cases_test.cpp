@@ -1,6 +1,5 @@
 // The hard cases (samples/weft/hard_cases.h): the small ones run here, each within its bounds; and the list itself is complete. It
-// names the case or test that shows each of the README's thirteen families and of the earlier systems' failures F1 to F17. F16,
-// tearing, is not simulated yet.
+// names the case or test that shows each of the README's thirteen families and of the earlier systems' failures F1 to F17.
 #include <gtest/gtest.h>
 
 #include <algorithm>

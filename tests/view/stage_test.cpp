@@ -223,6 +223,34 @@ TEST_F(ViewStage, a_ball_comes_pushes_cloth_and_goes) {
   EXPECT_EQ(places().size(), before.size());
 }
 
+TEST_F(ViewStage, a_knife_cuts_and_changes_of_the_scene_keep_the_cut) {
+  play(5);
+  const std::vector<Vec3> before = places();
+  EXPECT_FALSE(stage->cut({{0, 3, 0}, {-1, -3, 0}}, {{0, 3, 0}, {1, -3, 0}})) << "there is no knife yet";
+  ASSERT_TRUE(stage->take_knife(true));
+  const std::vector<Vec3> taken = places();
+  ASSERT_GT(taken.size(), before.size());   // room for what it cuts
+  for (std::size_t k = 0; k < before.size(); ++k) ASSERT_LT(length(taken[k] - before[k]), 1e-5f) << "the cloth goes on from where it was";
+  EXPECT_EQ(stage->frame(), 5u);
+  const auto count = stage->cut({{0.02f, 3, 0}, {0, -3, -1}}, {{0.02f, 3, 0}, {0, -3, 1}});
+  ASSERT_TRUE(count) << count.error();
+  EXPECT_GE(*count, 13u);
+  play(3);
+  Scene scene = stage->scene();
+  scene.cloths[0].fabric.friction = 0.7;
+  const std::vector<Vec3> cut = places();
+  ASSERT_TRUE(stage->change(scene));
+  EXPECT_EQ(stage->simulation().splits(), *count);
+  EXPECT_EQ(stage->frame(), 8u);
+  const std::vector<Vec3> changed = places();
+  ASSERT_EQ(changed.size(), cut.size());
+  for (std::size_t k = 0; k < cut.size(); ++k) ASSERT_LT(length(changed[k] - cut[k]), 1e-5f);
+  ASSERT_TRUE(stage->take_knife(false));
+  EXPECT_TRUE(stage->has_knife()) << "what is cut stays so";
+  ASSERT_TRUE(stage->reset());
+  EXPECT_EQ(stage->simulation().splits(), 0u);
+}
+
 TEST_F(ViewStage, contacts_are_shown_where_there_are_some) {
   EXPECT_TRUE(stage->contacts()->empty());
   Scene scene = stage->scene();

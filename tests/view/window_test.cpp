@@ -217,6 +217,12 @@ TEST_F(ViewWindow, is_paused_stepped_turned_and_grabbed) {
   sees("the sheet swinging back", [&](const Image& seen) { return !reaches(seen); });
   do_it("key space");
   ASSERT_TRUE(hears("paused at frame"));
+  do_it("key x");
+  ASSERT_TRUE(hears("a knife"));
+  do_it("mousemove 420 420 mousedown 1 mousemove 780 440 mouseup 1");
+  ASSERT_TRUE(hears("vertices have become two"));
+  do_it("key x");
+  ASSERT_TRUE(hears("the knife is put away"));
   // A picture that stands still is not drawn again: two looks have the same pixels.
   const auto is_still = [&](const Image& seen) {
     std::this_thread::sleep_for(600ms);

@@ -72,7 +72,7 @@ class Counts(Structure):
 
 class Quality(Structure):
     _fields_ = [("crossings_most", c_uint32), ("unconverged", c_uint32), ("stopped", c_uint32), ("unaccelerated", c_uint32),
-                ("tracking_error", c_float), ("residual", c_float)]
+                ("splits_refused", c_uint32), ("tracking_error", c_float), ("residual", c_float)]
 
 
 FLOATS = POINTER(c_float)
@@ -117,6 +117,8 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "grab": (None, [c_void_p, FLOATS, FLOATS, POINTER(Grip), POINTER(Grabbed)]),
     "grab_near": (None, [c_void_p, FLOATS, POINTER(Grip), POINTER(Grabbed)]),
     "grab_count": (c_uint32, [c_void_p]),
+    "cut": (None, [c_void_p, FLOATS, FLOATS, FLOATS, INTEGERS]),
+    "splits": (c_uint32, [c_void_p]),
     "move_grab": (None, [c_void_p, c_uint32, FLOATS]),
     "let_go": (None, [c_void_p, c_uint32]),
     "collider_count": (c_uint32, [c_void_p]),

@@ -185,6 +185,17 @@ class Simulation(Owned):
         call("grab_near", self._handle, numbers(point, 3), byref(grip), byref(held))
         return Grabbed(held.grab, held.cloth, np.array(held.point, np.float32), held.distance)
 
+    def cut(self, origin: npt.ArrayLike, a: npt.ArrayLike, b: npt.ArrayLike) -> int:
+        """Cuts cloth that tears along a blade between two rays; how many vertices have become two. Read triangles anew then."""
+        count = c_uint32()
+        call("cut", self._handle, numbers(origin, 3), numbers(a, 3), numbers(b, 3), byref(count))
+        return count.value
+
+    @property
+    def splits(self) -> int:
+        """How many vertices have become two so far, by tearing and cutting."""
+        return ask("splits", self._handle)
+
     def move_grab(self, grab: int, target: npt.ArrayLike) -> None:
         call("move_grab", self._handle, grab, numbers(target, 3))
 

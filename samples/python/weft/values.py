@@ -85,6 +85,7 @@ class Quality(NamedTuple):
     unconverged: int
     stopped: int
     unaccelerated: int
+    splits_refused: int        # times that cloth could not tear
     tracking_error: float      # m
     residual: float
 
