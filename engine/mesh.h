@@ -40,7 +40,7 @@ using Triangle = std::array<std::uint32_t, 3>;
 /// weft::shading show a cloth's own textures instead.
 struct Materials {
   std::size_t count = 0;
-  std::string text;                  // JSON: glTF's lists "materials", "textures", "samplers", "images"; an image's "bufferView" is one of `images`
+  std::string text;   // JSON: glTF's lists "materials", "textures", "samplers", "images"; an image's "bufferView" is one of `images`
   std::vector<std::string> images;   // PNG, JPEG, WebP or KTX2, as the file holds them
 };
 
@@ -51,8 +51,8 @@ struct RenderMesh {
   std::vector<Vec4> tangents;    // unit, at right angles to the normal, w = handedness (+1 or -1)
   std::vector<Vec2> uvs;
   std::vector<Triangle> triangles;
-  std::vector<std::uint32_t> material_of = {};             // of each triangle, a number below materials->count or kNone; empty: all have none
-  std::shared_ptr<const Materials> materials = {};         // none: material_of is empty
+  std::vector<std::uint32_t> material_of = {};       // of each triangle: a number below materials->count, or kNone; empty: all have none
+  std::shared_ptr<const Materials> materials = {};   // none: material_of is empty
 };
 
 /// An edge and what lies on both sides of it, after Baumgart's winged edge (1972).

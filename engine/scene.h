@@ -186,7 +186,7 @@ enum class BendRest { flat, mesh };
 struct Cloth {
   std::string name = "cloth";
   std::optional<Grid> grid;     // either a grid ...
-  std::string mesh;             // ... or a glTF/GLB/OBJ file, relative to the scene
+  std::string mesh;             // ... or a file that load_mesh reads, relative to the scene
   std::string render_mesh;      // a finer one that is drawn in its place, a file as `mesh`: it goes where the cloth carries it; empty: none
   Transform transform;          // of both
   Start start;
@@ -223,7 +223,7 @@ struct Bone {
 
 struct Collider {
   ColliderShape shape = ColliderShape::plane;
-  std::string mesh;             // meshes only: a glTF/GLB/OBJ file, relative to the scene; its surface is met from both sides
+  std::string mesh;             // meshes only: a file that load_mesh reads, relative to the scene; its surface is met from both sides
   double scale = 1;             // meshes only, > 0
   double thickness = 0.002;     // m, meshes only: the separation is the mean of it and the fabric's
   Vec3 centre;                  // m; a point of the plane, where a mesh's origin lies, or the middle of the others
@@ -337,7 +337,7 @@ struct Light {
   double sky = 1;
 };
 
-/// Which files a glTF may name as its buffers. Not a key: who reads a scene decides, and not who wrote it.
+/// Which files a glTF may name as its buffers and images. Not a key: who reads a scene decides, and not who wrote it.
 enum class BufferFiles { below_its_folder, anywhere };
 
 struct Scene {
