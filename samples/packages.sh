@@ -48,6 +48,7 @@ build() {
   shift 2
   (( $# == 0 )) || targets=(--target "$@")
   if command -v ccache >/dev/null; then
+    export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros}   # or it keeps nothing that has precompiled headers
     launcher=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
   fi
   echo "Building $preset into $root/build/$preset"

@@ -160,8 +160,10 @@ void Viewer::draw_look() {
   }
   bool ball = stage_->ball().has_value();
   if (ImGui::Checkbox("a ball follows the pointer", &ball)) toggle_ball();
+  ImGui::SameLine();
   bool cuts = cuts_;
-  if (ImGui::Checkbox("a knife: draw a line across cloth", &cuts)) toggle_knife();
+  if (ImGui::Checkbox("knife", &cuts)) toggle_knife();
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("draw a line across cloth with the left button");
   if (ball) {
     ImGui::SetNextItemWidth(0.5f * panel_width());
     ImGui::SliderFloat("its radius, m", &ball_radius_, 0.01f, 10, "%.3g", ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);

@@ -105,7 +105,7 @@ TEST(BrokenScene, wrong_cloths_are_told_with_path_value_and_limit) {
       Broken{R"({"cloths": [{}]})", "cloths[0]: has neither a grid nor a mesh"},
       Broken{R"({"cloths": [{"grid": {}, "mesh": "sheet.glb"}]})", "cloths[0]: has both a grid and a mesh"},
       Broken{R"({"cloths": [{"mesh": "curtain.glb"}]})", "cloths[0].mesh: \"curtain.glb\" is not there (looked for "},
-      Broken{R"({"cloths": [{"mesh": "notes.txt"}]})", "does not end in \".gltf\", \".glb\" or \".obj\""},
+      Broken{R"({"cloths": [{"mesh": "notes.txt"}]})", "does not end in \".gltf\", \".glb\", \".obj\", \".ply\", \".stl\", \".dae\" or \".fbx\""},
       Broken{R"({"cloths": [{"mesh": "directory.glb"}]})", "cloths[0].mesh: \"directory.glb\" is not a file"},
       Broken{R"({"cloths": [{"mesh": ""}]})", "cloths[0].mesh: names no file"},
       Broken{R"({"cloths": [{"mesh": 3}]})", "cloths[0].mesh: 3, not the name of a file"},
