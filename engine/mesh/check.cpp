@@ -52,13 +52,15 @@ Result<void> points_are_there(const Mesh& mesh) {
 }
 
 Result<void> triangles_are_of_points(const Mesh& mesh) {
+  if (mesh.spare_vertices >= mesh.point_of.size())
+    return fail("spare_vertices: ", mesh.spare_vertices, " of ", mesh.point_of.size(), " vertices leave none to draw");
+  const std::size_t drawn = mesh.point_of.size() - mesh.spare_vertices;
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
     const auto& [a, b, c] = mesh.triangles[k];
     for (int corner = 0; corner < 3; ++corner) {
       const std::uint32_t point = mesh.triangles[k][corner], vertex = mesh.render.triangles[k][corner];
       if (point >= mesh.points.size()) return fail("triangles[", k, "]: ", point, " is not one of the ", mesh.points.size(), " points");
-      if (vertex >= mesh.point_of.size())
-        return fail("render.triangles[", k, "]: ", vertex, " is not one of the ", mesh.point_of.size(), " vertices");
+      if (vertex >= drawn) return fail("render.triangles[", k, "]: ", vertex, " is not one of the ", drawn, " vertices");
       if (mesh.point_of[vertex] != point)
         return fail("render.triangles[", k, "]: vertex ", vertex, " belongs to point ", mesh.point_of[vertex], ", and triangles has ",
                     point);

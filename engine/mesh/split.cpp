@@ -7,10 +7,18 @@
 namespace weft {
 namespace {
 
-Result<void> check_split(const Mesh& mesh, const Split& split) {
+using Corners = std::vector<std::vector<std::uint32_t>>;   // of triangles, by point, growing
+
+Corners corners_of(const Mesh& mesh) {
+  Corners corners(mesh.points.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    for (std::uint32_t k = 0; k < 3; ++k) corners[mesh.triangles[t][k]].push_back(3 * t + k);
+  return corners;
+}
+
+Result<void> check_split(const Mesh& mesh, const Corners& corners, const Split& split) {
   if (split.point >= mesh.points.size()) return fail("a split: ", split.point, " is not one of the ", mesh.points.size(), " points");
-  std::size_t around = 0;
-  for (const Triangle& triangle : mesh.triangles) around += static_cast<std::size_t>(std::ranges::count(triangle, split.point));
+  const std::size_t around = corners[split.point].size();
   if (split.corners.empty() || split.corners.size() >= around)
     return fail("a split of point ", split.point, ": ", split.corners.size(), " of its ", around, " corners are none or all of them");
   for (std::size_t k = 0; k < split.corners.size(); ++k) {
@@ -46,8 +54,8 @@ void append_point(Mesh& mesh, std::uint32_t point) {
 }
 
 // False where there is no room left.
-Result<bool> split_point(Mesh& mesh, const Split& split) {
-  if (auto good = check_split(mesh, split); !good) return good.take_error();
+Result<bool> split_point(Mesh& mesh, Corners& corners, const Split& split) {
+  if (auto good = check_split(mesh, corners, split); !good) return good.take_error();
   RenderMesh& render = mesh.render;
   // Vertices of the corners that go, and whether one that stays has them, too.
   std::map<std::uint32_t, std::uint32_t> becomes;
@@ -55,12 +63,11 @@ Result<bool> split_point(Mesh& mesh, const Split& split) {
   const auto goes = [&](std::uint32_t corner) { return std::ranges::binary_search(split.corners, corner); };
   std::uint32_t doubled = 0;
   const auto next = static_cast<std::uint32_t>(render.positions.size()) - mesh.spare_vertices;
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      if (mesh.triangles[t][k] != split.point || goes(3 * t + k)) continue;
-      const auto at = becomes.find(render.triangles[t][k]);
-      if (at != becomes.end() && at->second == kNone) at->second = next + doubled++;
-    }
+  for (const std::uint32_t corner : corners[split.point]) {
+    if (goes(corner)) continue;
+    const auto at = becomes.find(render.triangles[corner / 3][corner % 3]);
+    if (at != becomes.end() && at->second == kNone) at->second = next + doubled++;
+  }
   // A point without a vertex would be none: the one that stays keeps its own.
   if (mesh.spare_points == 0 || doubled > mesh.spare_vertices) return false;
 
@@ -79,6 +86,8 @@ Result<bool> split_point(Mesh& mesh, const Split& split) {
     if (const std::uint32_t copy = becomes.at(vertex); copy != kNone) vertex = copy;
     mesh.triangles[corner / 3][corner % 3] = added;
   }
+  std::erase_if(corners[split.point], goes);
+  corners.push_back(split.corners);
   mesh.spare_vertices -= doubled;
   --mesh.spare_points;
   return true;
@@ -101,9 +110,10 @@ void add_spares(Mesh& mesh, std::uint32_t count) {
 }
 
 Result<std::size_t> split_points(Mesh& mesh, std::span<const Split> splits) try {
+  Corners corners = corners_of(mesh);
   std::size_t done = 0;
   for (const Split& split : splits) {
-    const auto was_split = split_point(mesh, split);
+    const auto was_split = split_point(mesh, corners, split);
     if (!was_split) return was_split.why();
     if (!*was_split) break;
     ++done;

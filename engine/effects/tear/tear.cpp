@@ -21,8 +21,11 @@ std::uint64_t spare_points(const CookedFabric& fabric) {
 void add_spares(const Scene& scene, std::span<Mesh> meshes) {
   for (std::size_t k = 0; k < std::min(scene.cloths.size(), meshes.size()); ++k) {
     const auto& tear = scene.cloths[k].tear;
-    if (!tear || meshes[k].points.empty()) continue;
-    add_spares(meshes[k], tear->spare > 0 ? tear->spare : static_cast<std::uint32_t>((meshes[k].points.size() + 3) / 4));
+    if (!tear || !check(meshes[k])) continue;   // cook says what is wrong with it
+    const std::size_t points = meshes[k].points.size(), corners = 3 * meshes[k].triangles.size();
+    const std::size_t wanted = tear->spare > 0 ? tear->spare : (points + 3) / 4;
+    // When every corner is a point of its own there is nothing left to split.
+    add_spares(meshes[k], static_cast<std::uint32_t>(std::min(wanted, corners - std::min(points, corners))));
   }
 }
 
