@@ -33,6 +33,8 @@ const Flaw kFlaws[] = {
     {"triangles[5]: 4294967295 is not one of the 9 points", [](Mesh& m) { m.triangles[5][1] = kNone; }},
     {"render.triangles[0]: 100 is not one of the 9 vertices", [](Mesh& m) { m.render.triangles[0][2] = 100; }},
     {"render.triangles[0]: vertex 8 belongs to point 8, and triangles has", [](Mesh& m) { m.render.triangles[0][2] = 8; }},
+    {"spare_vertices: 9 of 9 vertices leave none to draw", [](Mesh& m) { m.spare_vertices = 9; }},
+    {"8 is not one of the 8 vertices", [](Mesh& m) { m.spare_vertices = 1; }},
     {"triangles[0]: has a point twice",
      [](Mesh& m) { m.triangles[0][2] = m.triangles[0][1], m.render.triangles[0][2] = m.render.triangles[0][1]; }},
     {"edges[0]: 0 and 99 are not two of the 9 points", [](Mesh& m) { m.edges[0].a = 0, m.edges[0].b = 99; }},

@@ -87,6 +87,16 @@ TEST(Splits, that_cannot_be_are_refused_or_left_out) {
   EXPECT_EQ(mesh.points.size(), 26u);
 }
 
+TEST(Splits, have_no_more_room_than_there_are_corners_to_split) {
+  Scene scene;
+  scene.cloths.emplace_back().grid = Grid{{1, 1}, 4, 4, Topology::diagonal, true};
+  scene.cloths[0].tear = Tear{.spare = 1000000};
+  auto meshes = must(make_meshes(scene));
+  add_spares(scene, meshes);
+  EXPECT_EQ(meshes[0].spare_points, 3u * 32 - 25);
+  EXPECT_EQ(meshes[0].point_of.size(), 96u);
+}
+
 // However cloth is torn, also into small pieces, it can be cooked; its particles keep their numbers and its mass stays.
 TEST(Splits, of_any_kind_can_be_cooked) {
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
