@@ -108,6 +108,7 @@ Result<std::optional<Simulation::State::Torn>> Simulation::State::torn_by(std::v
     if (!applied) return fail("cloths[", c, "]: ", applied.why());
     torn.applied.push_back(static_cast<std::uint32_t>(*applied));
   }
+  if (copies && std::ranges::count(torn.applied, 0u) == std::ssize(torn.applied)) return std::optional<Torn>();   // no spare ones are left
   auto cooked = torn_anew(scene, from, fabric);
   if (!cooked) return cooked.take_error();
   CookedFabric& next = torn.cooked.fabric = std::move(*cooked);
