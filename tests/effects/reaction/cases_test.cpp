@@ -262,5 +262,26 @@ TEST_F(ReactionCase, frames_under_way_are_told_later_and_none_twice) {
   EXPECT_EQ(submitted->take_reactions()[0].impulse.y, 0) << "a frame of no substep";
 }
 
+// The unit of the sums is of the fabric as it was made: pins make less of it free, and what is told stays what it is.
+TEST_F(ReactionCase, tells_the_same_weight_when_a_little_of_the_cloth_is_pinned) {
+  Scene scene = sheet(8);
+  scene.reactions = true;
+  scene.pins = 1;
+  scene.colliders = {plane(-0.01f)};
+  scene.cloths[0].fabric.area_density = 0.1251;   // and without a corner less than the power of two below
+  const auto simulation = must(Simulation::create(device(), scene));
+  run(*simulation, 1);
+  const auto weight = [&] {
+    (void)simulation->take_reactions();
+    run(*simulation, 0.2);
+    return double(simulation->take_reactions()[0].impulse.y) / 0.2;
+  };
+  const double whole = weight();
+  EXPECT_NEAR(whole, -0.1251 * 9.81, 0.01);
+  must(simulation->pin(std::vector<std::uint32_t>{0}));
+  run(*simulation, 0.2);
+  EXPECT_NEAR(weight(), whole, 0.02 * std::abs(whole));
+}
+
 }  // namespace
 }  // namespace weft
