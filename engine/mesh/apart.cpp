@@ -48,12 +48,12 @@ bool send(int pipe, std::string_view bytes) {
     std::signal(signal, SIG_DFL);
   const int nowhere = open("/dev/null", O_RDWR);   // readers print what they think of a file
   for (const int shown : {STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, shown);
-#ifndef __SANITIZE_ADDRESS__   // whose shadow takes terabytes
+#ifndef __SANITIZE_ADDRESS__   // whose shadow takes terabytes, and whose companion looks at types through pipes
   limit(RLIMIT_AS, own + bounds.memory);
+  limit(RLIMIT_NOFILE, 0);
 #endif
   limit(RLIMIT_CPU, bounds.seconds);
   alarm(6 * bounds.seconds);   // on a busy machine, and where it waits for what another thread held
-  limit(RLIMIT_NOFILE, 0);
   limit(RLIMIT_CORE, 0);
   try {
     const Result<std::string> done = work();
