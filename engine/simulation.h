@@ -178,13 +178,14 @@ class Simulation {
   /// How many frames Weft has submitted, on any device.
   std::uint64_t ready_value() const;
 
-  /// Records `seconds` into the host's command buffer (recording state, outside a render pass, on the queue family of the
-  /// device). Of a scene with cloth that tears at most two may be under way: it waits for the third last. Of what is earlier on the queue it waits for compute shaders, copies and SimulationOptions::readers, and it makes positions
-  /// and normals visible to the readers behind it: between readers and frames the host needs no barriers. Any number of recorded frames
-  /// may be under way; each is submitted once, in the order in which they were recorded, to one queue. The simulation may be destroyed
-  /// when they are done. Candidate pairs get more room where a frame that is done by now took more than a third of it; up to four frames
-  /// under way are asked. Before advance, submit and every call that waits the host's recorded frames must be done: these calls read the
-  /// last frame's counters. Errors: `seconds` not finite or negative.
+  /// Records `seconds` into the host's command buffer (recording state, outside a render pass, on the queue family of the device). Of a
+  /// scene with cloth that tears at most two may be under way: it waits for the third last. Of what is earlier on the queue it waits for
+  /// compute shaders, copies and SimulationOptions::readers, and it makes positions and normals visible to the readers behind it: between
+  /// readers and frames the host needs no barriers. Any number of recorded frames may be under way; each is submitted once, in the order in
+  /// which they were recorded, to one queue. The simulation may be destroyed when they are done. Candidate pairs get more room where a
+  /// frame that is done by now took more than a third of it; up to four frames under way are asked. Before advance, submit and every call
+  /// that waits the host's recorded frames must be done: these calls read the last frame's counters. Errors: `seconds` not finite or
+  /// negative.
   Result<Advance> record(VkCommandBuffer commands, double seconds);
 
   /// Makes room for so many candidate pairs of contacts, if there is less; nothing without contacts. Room grows by itself, before it is
@@ -232,20 +233,20 @@ class Simulation {
   /// Lets go: from the next frame on the cloth flies on with the velocity that it has. Errors: nothing is held by that number.
   Result<void> let_go(std::uint32_t grab);
 
-  /// Cuts all cloth that tears (Cloth::tear) along a blade, the part of a plane between two rays from `origin` (m, world space; any length of
-  /// direction), as a mouse that is drawn over the picture makes it, and returns how many vertices have become two. Triangles stay whole: each that
-  /// the blade meets goes to the side on which most of it lies. What is held is not cut. meshes() and positions() are of the cut cloth at once.
-  /// Waits, and cooks the cloth anew on the CPU. What spare vertices do not suffice for is not cut (Counts::splits_refused). Errors: no cloth
-  /// that tears; a blade that is not finite, or without an angle; memory; what Vulkan refuses.
+  /// Cuts all cloth that tears (Cloth::tear) along a blade, the part of a plane between two rays from `origin` (m, world space; any length
+  /// of direction), as a mouse that is drawn over the picture makes it, and returns how many vertices have become two. Triangles stay
+  /// whole: each that the blade meets goes to the side on which most of it lies. What is held is not cut. meshes() and positions() are of
+  /// the cut cloth at once. Waits, and cooks the cloth anew on the CPU. What spare vertices do not suffice for is not cut
+  /// (Counts::splits_refused). Errors: no cloth that tears; a blade that is not finite, or without an angle; memory; what Vulkan refuses.
   Result<std::uint32_t> cut(Vec3 origin, Vec3 a, Vec3 b);
   /// Splits a cloth that tears as another simulation of the same mesh has torn (splits_of), and returns how many vertices have become two.
   /// Errors: as cut; no such cloth; a split that split_points refuses. Nothing has changed then.
   Result<std::uint32_t> split(std::uint32_t cloth, std::span<const Split> splits);
   /// How a cloth has torn so far, in order; empty where it does not tear. Valid until the next frame, cut, split or restore.
   std::span<const Split> splits_of(std::uint32_t cloth) const;
-  /// How many vertices have become two so far, by tearing and cutting. When that has changed after a frame, meshes() has: drawn triangles, whose
-  /// number stays, have other vertices from that frame on, of which there have been as many from the start. A frame that tears cooks the
-  /// cloth anew on the CPU (engine/README.md, "Tearing", says how long that takes).
+  /// How many vertices have become two so far, by tearing and cutting. When that has changed after a frame, meshes() has: drawn triangles,
+  /// whose number stays, have other vertices from that frame on, of which there have been as many from the start. A frame that tears cooks
+  /// the cloth anew on the CPU (engine/README.md, "Tearing", says how long that takes).
   std::uint32_t splits() const;
 
   /// The complete pose for the end of the next frame (world space; a capsule or a box without a rotation stands along its own

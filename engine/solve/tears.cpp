@@ -93,7 +93,8 @@ Result<void> Simulation::State::hear_look() {
 
 void Simulation::State::record_look(compute::Recorder& recorder) {
   const VkBufferCopy region{0, 0, fabric.positions.size() * sizeof(gpu::vec4)};
-  device->vk().vkCmdCopyBuffer(recorder.commands(), solver->buffer(buffers::positions).handle, readback[readback.size() - 1].handle, 1, &region);
+  const VkBuffer from = solver->buffer(buffers::positions).handle, to = readback[readback.size() - 1].handle;
+  device->vk().vkCmdCopyBuffer(recorder.commands(), from, to, 1, &region);
 }
 
 // `from`: whole, or torn up to here. Nothing where the lists would not fit into their buffers. `copies`: the new particles begin where those
@@ -122,12 +123,15 @@ Result<std::optional<Simulation::State::Torn>> Simulation::State::torn_by(std::v
     const std::vector<std::uint32_t>& order = std::as_const(next.own).of<TearLists>().orders[c];
     const std::uint32_t first = next.cloths[c].first_particle;
     for (std::uint32_t k = 0; k < torn.applied[c]; ++k) {
-      const auto at = std::ranges::find(order, splits[c][k].point), to = std::ranges::find(order, points[c] + k);
+      const auto particle_of = [&](std::uint32_t point) {
+        return first + static_cast<std::uint64_t>(std::ranges::find(order, point) - order.begin());
+      };
+      const std::uint64_t from_particle = particle_of(splits[c][k].point), to_particle = particle_of(points[c] + k);
       for (const Plan::PlannedBuffer& planned : solver->plan().buffers) {
         const Buffer& row = *planned.row;
         const bool is_iterate = &row == &buffers::predicted || &row == &buffers::next_iterate;
         if (row.length == lengths::particles && (row.lifetime == Lifetime::persistent || is_iterate))
-          edits.push_back(copy_of(row, first + static_cast<std::uint64_t>(at - order.begin()), first + static_cast<std::uint64_t>(to - order.begin())));
+          edits.push_back(copy_of(row, from_particle, to_particle));
       }
     }
   }
