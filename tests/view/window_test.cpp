@@ -219,7 +219,7 @@ TEST_F(ViewWindow, is_paused_stepped_turned_and_grabbed) {
   ASSERT_TRUE(hears("paused at frame"));
   do_it("key x");
   ASSERT_TRUE(hears("a knife"));
-  do_it("mousemove 420 240 mousedown 1 sleep 0.1 mousemove 800 260 sleep 0.1 mouseup 1");
+  do_it("mousemove 610 120 mousedown 1 sleep 0.1 mousemove 630 585 sleep 0.1 mouseup 1");
   ASSERT_TRUE(hears("vertices have become two"));
   do_it("key x");
   ASSERT_TRUE(hears("the knife is put away"));
