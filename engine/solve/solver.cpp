@@ -378,10 +378,28 @@ void Solver::record_bytes(compute::Recorder& recorder, const compute::Buffer& to
 }
 
 void Solver::record_edits(compute::Recorder& recorder, std::span<const Edit> edits) const {
-  // Of two edits of a place the later one counts; and a frame's start may just have been copied.
+  // Of two edits of a place the later one counts; and a frame's start may just have been copied. Edits that go on behind those of their
+  // buffer need not wait for each other.
+  struct Written {
+    const Buffer* row;
+    std::uint64_t first, end;
+  };
+  std::vector<Written> written;
+  const auto wait = [&] {
+    recorder.barrier(compute::Use::transfer, compute::Use::transfer);
+    written.clear();
+  };
+  wait();
   for (const Edit& edit : edits) {
     const compute::Buffer& to = buffer(*edit.row);
-    recorder.barrier(compute::Use::transfer, compute::Use::transfer);
+    const std::uint64_t end = edit.at + std::max<std::uint64_t>(edit.bytes.size(), edit.copied);
+    auto own = std::ranges::find(written, edit.row, &Written::row);
+    if (own != written.end() && (edit.at < own->end || (edit.copied > 0 && edit.from < own->end && edit.from + edit.copied > own->first))) {
+      wait();
+      own = written.end();
+    }
+    if (own == written.end()) written.push_back({edit.row, edit.at, end});
+    else own->end = end;
     record_bytes(recorder, to, edit.bytes, edit.at);
     const VkBufferCopy region{edit.from, edit.at, edit.copied};
     if (edit.copied > 0) device_->vk().vkCmdCopyBuffer(recorder.commands(), to.handle, to.handle, 1, &region);
