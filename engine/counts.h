@@ -21,7 +21,9 @@ struct Counts {
   std::uint32_t crossings = 0;             // pairs of an edge and a triangle that it goes through, at the last detection
   std::uint32_t crossings_most = 0;        // the most that one detection found
   std::uint32_t splits = 0;                // vertices that have become two by tearing and cutting; put back by restore
-  std::uint32_t splits_refused = 0;        // times that cloth would have torn, or was cut, and could not: no spare vertices left (Tear::spare)
+  /// Times that cloth would have torn, or was cut, and could not, or not all of it: no spare vertices left (Tear::spare), or no room for the
+  /// lists of cloth that is torn so often.
+  std::uint32_t splits_refused = 0;
   float tracking_error = 0;                // m, the largest distance of an anchor or a mesh collider's vertex, held back, from its target
   // Method implicit only. The norm of a residual r is r . D^-1 r, D the blocks on the matrix's diagonal.
   std::uint32_t unconverged = 0;           // substeps whose solve left more than 1 % of the free flight's residual

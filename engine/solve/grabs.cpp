@@ -105,9 +105,8 @@ Result<void> Simulation::let_go(std::uint32_t grab) try {
   // Its particles have their own weight again.
   std::vector<Edit> edits;
   for (const std::uint32_t particle : s.grabs.held[grab]->particles) {
-    const auto weight = std::as_bytes(std::span(&s.fabric.iterate_weights[particle], 1));
-    for (const Buffer* row : {&buffers::predicted, &buffers::next_iterate})
-      edits.push_back({row, particle * sizeof(gpu::vec4) + offsetof(gpu::vec4, w), {weight.begin(), weight.end()}});
+    const std::uint64_t at = particle * sizeof(gpu::vec4) + offsetof(gpu::vec4, w);
+    for (const Buffer* row : {&buffers::predicted, &buffers::next_iterate}) edits.push_back(edit_of(*row, at, s.fabric.iterate_weights[particle]));
   }
   s.holds.edits.reserve(s.holds.edits.size() + edits.size());
   for (Edit& edit : edits) s.holds.edits.push_back(std::move(edit));

@@ -12,12 +12,6 @@ namespace {
 // Equal words between two that differ which one edit takes along: a command costs as much.
 constexpr std::size_t kNear = 32;
 
-template <class T>
-Edit edit_of(const Buffer& row, std::uint64_t at, const T& value) {
-  const auto bytes = std::as_bytes(std::span(&value, 1));
-  return {&row, at, {bytes.begin(), bytes.end()}};
-}
-
 // What makes `before` of a buffer `after`, which may be longer.
 void add_differences(const Buffer& row, std::span<const std::byte> before, std::span<const std::byte> after, std::vector<Edit>& edits) {
   constexpr std::size_t kWord = 4;

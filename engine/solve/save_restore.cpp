@@ -191,7 +191,8 @@ std::vector<gpu::vec4> Simulation::State::positions_of(const CookedFabric& fabri
   return positions;
 }
 
-Result<void> Simulation::State::check(const Snapshot& snapshot) {
+// Returns the cloth as the snapshot has it torn, where it is torn otherwise now.
+Result<std::optional<Simulation::State::Torn>> Simulation::State::check(const Snapshot& snapshot) {
   if (snapshot.digest != own_digest())
     return fail("the snapshot was taken of another scene than ", scene.name.empty() ? "this one" : scene.name,
                 ", or with other settings, fabrics or meshes than it has now");
@@ -240,7 +241,7 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
                  WEFT_LONGEST_LIFETIME);
   if (found.needs_detection == 0 && found.candidates > snapshot.capacity)   // an overflow calls for a detection
     return unfit("its ", found.candidates, " candidates are more than its capacity, ", snapshot.capacity);
-  const auto torn = torn_of(snapshot, targets);
+  auto torn = torn_of(snapshot, targets);
   if (!torn) return unfit(torn.why());
   const CookedFabric& present = *torn ? (*torn)->cooked.fabric : fabric;
   for (const Buffer* row : rollback.rows) {
@@ -250,9 +251,10 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
     if (!bytes || bytes->size() != wanted)
       return unfit("its buffer ", buffer.name, " has ", bytes ? bytes->size() : 0, " bytes instead of ", wanted);
     if (row == &buffers::positions)
-      if (auto good = check_values("positions", elements<gpu::vec4>(*bytes), positions_of(present, are_held(targets))); !good) return good;
+      if (auto good = check_values("positions", elements<gpu::vec4>(*bytes), positions_of(present, are_held(targets))); !good)
+        return good.take_error();
     if (row == &buffers::velocities)
-      if (auto good = check_values("velocities", elements<gpu::vec4>(*bytes), fabric.velocities); !good) return good;
+      if (auto good = check_values("velocities", elements<gpu::vec4>(*bytes), present.velocities); !good) return good.take_error();
     if (row == &buffers::detected_positions || row == &buffers::trajectories || row == &buffers::skin_ends)
       for (const gpu::vec4& at : elements<gpu::vec4>(*bytes))
         if (!is_finite(at)) return unfit("its buffer ", buffer.name, " has a vector that is not finite");
@@ -272,23 +274,27 @@ Result<void> Simulation::State::check(const Snapshot& snapshot) {
         return unfit("a candidate has a separation of ", candidate.separation, " m");
     }
   }
+  return torn;
+}
+
+Result<void> Simulation::fits(const Snapshot& snapshot) const try {
+  if (auto good = state_->check(snapshot); !good) return good.take_error();
   return {};
-}
-
-Result<void> Simulation::fits(const Snapshot& snapshot) const try { return state_->check(snapshot); } catch (...) {
-  return caught("the snapshot");
-}
-
-Result<void> Simulation::restore(const Snapshot& snapshot) try {
-  if (auto good = fits(snapshot); !good) return good;
-  if (auto done = state_->wait(); !done) return done;
-  if (auto done = state_->put_frame_back(); !done) return done;
-  return state_->put_back(snapshot);
 } catch (...) {
   return caught("the snapshot");
 }
 
-Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
+Result<void> Simulation::restore(const Snapshot& snapshot) try {
+  auto torn = state_->check(snapshot);
+  if (!torn) return torn.take_error();
+  if (auto done = state_->wait(); !done) return done;
+  if (auto done = state_->put_frame_back(); !done) return done;
+  return state_->put_back(snapshot, std::move(*torn));
+} catch (...) {
+  return caught("the snapshot");
+}
+
+Result<void> Simulation::State::put_back(const Snapshot& snapshot, std::optional<Torn> torn) {
   const bool contacts = solver->has(buffers::candidates);
   if (contacts && snapshot.capacity > solver->contact_settings().capacity) {
     // Growing discards the candidates; should anything fail from there on, they must be detected again.
@@ -297,11 +303,9 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
     if (auto done = create_saved(); !done) return done;
   }
   std::vector<gpu::Anchor> targets = anchors_of(snapshot);
-  auto torn = torn_of(snapshot, targets);
-  if (!torn) return torn.take_error();
   std::optional<Holds::Cooked> cooked;
-  if (scene.pins > 0 && !*torn) cooked = cooked_for(targets);
-  const CookedFabric& fabric = *torn ? (*torn)->cooked.fabric : cooked ? cooked->fabric : this->fabric;
+  if (scene.pins > 0 && !torn) cooked = cooked_for(targets);
+  const CookedFabric& fabric = torn ? torn->cooked.fabric : cooked ? cooked->fabric : this->fabric;
   const std::vector<gpu::vec4> iterate = iterates_at(elements<gpu::vec4>(*find(snapshot, "positions")), fabric);
   std::vector<compute::Upload> uploads;
   for (const Buffer* row : {&buffers::predicted, &buffers::next_iterate})
@@ -315,8 +319,7 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
 
   // From here on nothing asks for memory, up to the surface, but what is torn.
   std::erase_if(holds.edits, [](const Edit& edit) { return edit.copied > 0; });   // what was to begin where others are has begun
-  const bool is_torn = torn->has_value();
-  if (is_torn) take(std::move(**torn));
+  if (torn) take(std::move(*torn));
   put_tears_back(snapshot);
   kinematic.targets = std::move(targets);
   kinematic.are_dirty = true;
@@ -359,7 +362,7 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot) {
     bodies.pending_sizes[k] = state.is_resized ? std::optional(state.pending_size) : std::nullopt;
     bodies.keys[k] = pose_at(scene.colliders[k].keys, now());
   }
-  if (is_torn)
+  if (!tears.whole.empty())   // what is drawn at once has the triangles of then
     if (auto done = send_edits(); !done) return done;
   return draw_surface();
 }

@@ -4,15 +4,8 @@
 #include <cassert>
 #include <cstring>
 
-#include "engine/effects/anchor/anchor.h"
-#include "engine/effects/collide/collide.h"
 #include "engine/effects/contact/contact.h"
-#include "engine/effects/grab/grab.h"
-#include "engine/effects/inertia/inertia.h"
 #include "engine/effects/motion/motion.h"
-#include "engine/effects/motion_constraint/motion_constraint.h"
-#include "engine/effects/pressure/pressure.h"
-#include "engine/effects/skin/skin.h"
 #include "engine/solve/sizes.h"
 
 namespace weft {
@@ -269,10 +262,8 @@ Result<Solver::Outgrown> Solver::grow(std::uint32_t candidates) {
 }
 
 Result<void> Solver::fits(const Cooked& subject) const {
-  Needs needs = needs_;
-  needs.effects.reset();
-  needs.constants = {};
-  const Needs wanted = needs_of(subject, workgroup_, needs_.constants[gpu::constant::through_texels] != 0, needs.narrow, needs.alone, needs.crew);
+  const bool through_texels = needs_.constants[gpu::constant::through_texels] != 0;
+  const Needs wanted = needs_of(subject, workgroup_, through_texels, needs_.narrow, needs_.alone, needs_.crew);
   if (wanted.effects != needs_.effects || wanted.constants != needs_.constants) return fail("its passes would be others");
   for (std::size_t k = 0; k < plan_.buffers.size(); ++k) {
     const Buffer& row = *plan_.buffers[k].row;
@@ -368,81 +359,6 @@ void Solver::set_uniform_bytes(std::string_view slice, std::span<const std::byte
   for (std::size_t k = 0; k < plan_.slices.size(); ++k)
     if (plan_.slices[k]->name == slice)
       std::copy(bytes.begin(), bytes.end(), uniforms_.begin() + static_cast<std::ptrdiff_t>(slices_[k].at));
-}
-
-// The data travels in the command buffer, so frames under way never share it.
-void Solver::record_bytes(compute::Recorder& recorder, const compute::Buffer& to, std::span<const std::byte> bytes, std::uint64_t first) const {
-  constexpr std::size_t kLongest = 65536;   // vkCmdUpdateBuffer
-  for (std::size_t at = 0; at < bytes.size(); at += kLongest)
-    device_->vk().vkCmdUpdateBuffer(recorder.commands(), to.handle, first + at, std::min(kLongest, bytes.size() - at), bytes.data() + at);
-}
-
-void Solver::record_edits(compute::Recorder& recorder, std::span<const Edit> edits) const {
-  // Of two edits of a place the later one counts; and a frame's start may just have been copied. Edits that go on behind those of their
-  // buffer need not wait for each other.
-  struct Written {
-    const Buffer* row;
-    std::uint64_t first, end;
-  };
-  std::vector<Written> written;
-  const auto wait = [&] {
-    recorder.barrier(compute::Use::transfer, compute::Use::transfer);
-    written.clear();
-  };
-  wait();
-  for (const Edit& edit : edits) {
-    const compute::Buffer& to = buffer(*edit.row);
-    const std::uint64_t end = edit.at + std::max<std::uint64_t>(edit.bytes.size(), edit.copied);
-    auto own = std::ranges::find(written, edit.row, &Written::row);
-    if (own != written.end() && (edit.at < own->end || (edit.copied > 0 && edit.from < own->end && edit.from + edit.copied > own->first))) {
-      wait();
-      own = written.end();
-    }
-    if (own == written.end()) written.push_back({edit.row, edit.at, end});
-    else own->end = end;
-    record_bytes(recorder, to, edit.bytes, edit.at);
-    const VkBufferCopy region{edit.from, edit.at, edit.copied};
-    if (edit.copied > 0) device_->vk().vkCmdCopyBuffer(recorder.commands(), to.handle, to.handle, 1, &region);
-  }
-}
-
-void Solver::record_input(compute::Recorder& recorder, const FrameInput& input) {
-  const auto copy = [&](const compute::Buffer& to, std::span<const std::byte> bytes) { record_bytes(recorder, to, bytes); };
-  record_edits(recorder, input.edits);
-  motion_.gravity = {input.gravity.x, input.gravity.y, input.gravity.z};
-  set_uniforms("motion", motion_);
-  if (input.air) set_uniforms("air", input.air->air);
-  if (!uniforms_.empty()) copy(arena_[arena_.size() - 1], uniforms_);
-  if (input.anchors_move && has(buffers::anchors)) copy(buffer(buffers::anchors), std::as_bytes(input.anchors));
-  if (input.air && has(buffers::air_waves)) copy(buffer(buffers::air_waves), std::as_bytes(std::span(input.air->waves)));
-  if (input.air && has(buffers::air_fields)) copy(buffer(buffers::air_fields), std::as_bytes(std::span(input.air->fields)));
-  if (has(buffers::grabs)) copy(buffer(buffers::grabs), std::as_bytes(input.grabs));
-  if (has(buffers::colliders)) copy(buffer(buffers::colliders), std::as_bytes(input.colliders));
-  if (has(buffers::body_sizes)) copy(buffer(buffers::body_sizes), std::as_bytes(input.body_sizes));
-  if (has(buffers::skin_joints)) copy(buffer(buffers::skin_joints), std::as_bytes(input.joints));
-  if (has(buffers::morph_weights)) copy(buffer(buffers::morph_weights), std::as_bytes(input.morph_weights));
-  if (has(buffers::skin_sources)) copy(buffer(buffers::skin_sources), std::as_bytes(input.skin_sources));
-  for (const HostCopy& from : input.host_copies) {
-    const VkBufferCopy region{from.from, from.to, from.bytes};
-    if (has(*from.row)) device_->vk().vkCmdCopyBuffer(recorder.commands(), from.buffer, buffer(*from.row).handle, 1, &region);
-  }
-  if (has(buffers::frame_changes)) copy(buffer(buffers::frame_changes), std::as_bytes(input.frame_changes));
-  if (has(buffers::motion_limits)) copy(buffer(buffers::motion_limits), std::as_bytes(input.motion_limits));
-  if (has(buffers::gas_amounts)) copy(buffer(buffers::gas_amounts), std::as_bytes(input.gas_amounts));
-  recorder.barrier(compute::Use::transfer, compute::Use::compute);
-}
-
-void Solver::record_step(compute::Recorder& recorder, const Step& step) const {
-  const PlannedPass& planned = plan_.passes[step.pass];
-  const Run& run = runs_[step.pass];
-  recorder.begin_pass(planned.label.c_str(), run.touches[step.parity]);
-  const VkDescriptorSet sets[] = {sets_[step.pass].sets[step.parity][0].handle(), sets_[step.pass].sets[step.parity][1].handle()};
-  recorder.bind(run.pipeline.handle(), run.layout.get(), sets);
-  recorder.push(run.layout.get(), std::as_bytes(std::span(&step.push, 1)));
-  const Arguments& arguments = planned.pass->threads.arguments;
-  if (arguments.buffer != nullptr) recorder.dispatch_indirect(buffer(*arguments.buffer).handle, arguments.offset);
-  else if (planned.pass->a_workgroup_each) recorder.dispatch(step.push.count);
-  else recorder.dispatch(run.groups > 0 ? run.groups : (step.push.count + workgroup_ - 1) / workgroup_);
 }
 
 const compute::Buffer& Solver::buffer(const Buffer& row) const {

@@ -33,6 +33,12 @@ struct Edit {
   std::uint64_t from = 0, copied = 0;   // instead: so many bytes of the same buffer, from there
 };
 
+template <class T>
+Edit edit_of(const Buffer& row, std::uint64_t at, const T& value) {
+  const auto bytes = std::as_bytes(std::span(&value, 1));
+  return {&row, at, {bytes.begin(), bytes.end()}};
+}
+
 /// What a frame copies from a buffer of the host's before all else.
 struct HostCopy {
   const Buffer* row = nullptr;     // to

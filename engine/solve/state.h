@@ -317,8 +317,8 @@ struct Simulation::State {
   Result<void> wait_for_slot();
   Result<void> draw_surface();
   std::uint64_t own_digest();
-  Result<void> check(const Snapshot& snapshot);
-  Result<void> put_back(const Snapshot& snapshot);
+  Result<std::optional<Torn>> check(const Snapshot& snapshot);
+  Result<void> put_back(const Snapshot& snapshot, std::optional<Torn> torn);
   Result<void> wait();
   Result<std::vector<gpu::vec4>> read(const Buffer& row, std::size_t count);
   Result<void> put(std::span<const gpu::vec4> positions);

@@ -13,11 +13,10 @@ namespace weft {
 namespace {
 
 using Eigen::Vector3d;
+using parts::wide;
 
 // How long `record` waits for a frame that is under way on the host's queue.
 constexpr std::chrono::seconds kLongestWait{2};
-
-Vector3d wide(Vec3 v) { return {v.x, v.y, v.z}; }
 
 Edit copy_of(const Buffer& row, std::uint64_t from, std::uint64_t to) {
   return {&row, to * row.element_bytes, {}, from * row.element_bytes, row.element_bytes};
@@ -136,11 +135,8 @@ Result<std::optional<Simulation::State::Torn>> Simulation::State::torn_by(std::v
     }
   }
   add_changes(next, edits, true);
-  if (copies && solver->has(buffers::detection)) {
-    const std::uint32_t needs = 1;
-    const auto bytes = std::as_bytes(std::span(&needs, 1));
-    edits.push_back({&buffers::detection, offsetof(gpu::Detection, needs_detection), {bytes.begin(), bytes.end()}});
-  }
+  if (copies && solver->has(buffers::detection))
+    edits.push_back(edit_of(buffers::detection, offsetof(gpu::Detection, needs_detection), std::uint32_t(1)));
   holds.edits.reserve(holds.edits.size() + edits.size());
   return std::optional<Torn>(std::move(torn));
 }
@@ -286,6 +282,7 @@ void Simulation::State::save_tears(Snapshot& snapshot) const {
       for (const Split& split : (found ? tears.found : tears.done)[c]) snapshot.splits.push_back({c, found, split.point, split.corners});
 }
 
+// Nothing where the cloth is torn so already.
 Result<std::optional<Simulation::State::Torn>> Simulation::State::torn_of(const Snapshot& snapshot, std::span<const gpu::Anchor> targets) {
   if (tears.whole.empty()) {
     if (!snapshot.splits.empty()) return fail("it has splits, and no cloth of the scene tears");
@@ -294,12 +291,16 @@ Result<std::optional<Simulation::State::Torn>> Simulation::State::torn_of(const 
   auto done = saved_splits(snapshot, scene, false), found = saved_splits(snapshot, scene, true);
   if (!done) return done.take_error();
   if (!found) return found.take_error();
-  auto torn = torn_by(tears.whole, *done, targets, false);
-  if (!torn) return torn.take_error();
-  if (!*torn) return fail("its torn cloth does not fit into this scene's buffers");
+  std::optional<Torn> torn;
+  if (*done != tears.done) {
+    auto made = torn_by(tears.whole, *done, targets, false);
+    if (!made) return made.take_error();
+    if (!*made) return fail("its torn cloth does not fit into this scene's buffers");
+    torn = std::move(*made);
+  }
   for (std::size_t c = 0; c < scene.cloths.size(); ++c) {
-    if ((*torn)->applied[c] != (*done)[c].size()) return fail("cloth ", c, " has more splits than spare vertices");
-    Mesh trial = (*torn)->meshes[c];
+    if (torn && torn->applied[c] != (*done)[c].size()) return fail("cloth ", c, " has more splits than spare vertices");
+    Mesh trial = torn ? torn->meshes[c] : meshes[c];
     if (const auto good = split_points(trial, (*found)[c]); !good) return fail("cloth ", c, ": ", good.why());
   }
   return torn;

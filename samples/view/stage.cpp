@@ -78,8 +78,12 @@ Result<void> Stage::replace(const Scene& scene) {
   std::vector<Room> was_rooms, rooms;
   if (simulation_) {
     was_rooms = rooms_of(*simulation_);
-    for (std::uint32_t c = 0; c < std::min(scene.cloths.size(), scene_.cloths.size()); ++c)
-      if (const auto torn = simulation_->splits_of(c); !torn.empty()) (void)(*made)->split(c, torn);   // of another mesh, or one that may not tear: whole
+    for (std::uint32_t c = 0; c < std::min(scene.cloths.size(), scene_.cloths.size()); ++c) {
+      const auto torn = simulation_->splits_of(c);
+      const Mesh &was = simulation_->meshes()[c], &whole = (*made)->meshes()[c];
+      const bool is_same = whole.triangles.size() == was.triangles.size() && whole.points.size() + torn.size() == was.points.size();
+      if (!torn.empty() && is_same) (void)(*made)->split(c, torn);   // one that may not tear now stays whole
+    }
     rooms = rooms_of(**made);
     auto was = simulation_->save(), fresh = (*made)->save();
     if (!was || !fresh) return was ? fresh.take_error() : was.take_error();

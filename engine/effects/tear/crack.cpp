@@ -72,11 +72,7 @@ class Tearing {
 
   // Splits off those triangles of a fan that lie from one place of its rim up to another.
   void split(std::uint32_t point, const Fan& fan, std::size_t from, std::size_t to) {
-    Split made{point, {}};
-    for (std::size_t k = from; k != to; k = (k + 1) % fan.corners.size()) {
-      made.corners.push_back(fan.corners[k]);
-      if (to == fan.corners.size() && k + 1 == to) break;
-    }
+    Split made{point, {fan.corners.begin() + static_cast<std::ptrdiff_t>(from), fan.corners.begin() + static_cast<std::ptrdiff_t>(to)}};
     std::ranges::sort(made.corners);
     splits_.push_back(std::move(made));
     crack_.push_back(point);

@@ -1,3 +1,4 @@
+// The triangles around a point, from one to the next.
 #include <algorithm>
 #include <map>
 
@@ -15,7 +16,7 @@ Fans::Fans(const Mesh& mesh) : mesh_(mesh), first_(mesh.points.size() + 1), corn
 
 std::vector<Fan> Fans::of(std::uint32_t point) const {
   const auto around = std::span(corners_).subspan(first_[point], first_[point + 1] - first_[point]);
-  const auto from = [&](std::uint32_t corner) { return mesh_.triangles[corner / 3][(corner + 1) % 3 == 0 ? 0 : corner % 3 + 1]; };
+  const auto from = [&](std::uint32_t corner) { return mesh_.triangles[corner / 3][(corner % 3 + 1) % 3]; };
   const auto to = [&](std::uint32_t corner) { return mesh_.triangles[corner / 3][(corner % 3 + 2) % 3]; };
   std::map<std::uint32_t, std::uint32_t> leaving;   // the triangle that begins at a point of the rim
   std::map<std::uint32_t, std::uint32_t> arriving;

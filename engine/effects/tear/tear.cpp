@@ -52,7 +52,7 @@ constexpr Figure kFigures[] = {
 void remark(const Counts& counts, std::vector<std::string>& remarks) {
   if (counts.splits > 0) remarks.push_back("Torn: " + std::to_string(counts.splits) + " vertices have become two");
   if (counts.splits_refused > 0)
-    remarks.push_back(std::to_string(counts.splits_refused) + " times cloth would have torn and had no spare vertices left (its key \"tear.spare\")");
+    remarks.push_back(std::to_string(counts.splits_refused) + " times cloth could not tear: no spare vertices (its key \"tear.spare\") or no room");
 }
 
 }  // namespace
