@@ -18,7 +18,8 @@
 // Threads: a Simulation may be used from any thread, by one at a time. Several may share a device.
 //
 // Contacts (Scene::contacts): no vertex, edge or triangle of cloth crosses another. This does not hold where anchors or mesh
-// colliders are driven through each other or through cloth that cannot give way, nor where cloth crosses itself at the start.
+// colliders are driven through each other or through cloth that cannot give way, nor where cloth crosses itself at the start; and the
+// two lips of a tear may pass each other next to a point where they were one.
 //
 // Origin: far from the origin of the world floats are coarse, a millimetre at 10 km. A simulation therefore has an origin of
 // its own near the cloth; it is the world's for cloth within 8 m of that. What a host sets and draws is in world space:
@@ -190,8 +191,8 @@ class Simulation {
 
   /// Makes room for so many candidate pairs of contacts, if there is less; nothing without contacts. Room grows by itself, before it is
   /// needed: call this where the first frames may have more pairs at once than Contacts::capacity gives, with Counts::contacts_room of an
-  /// earlier run. It does not wait, and changes nothing but the room. Errors: more than kMostCandidates; no memory; what the device refuses.
-  /// The room is then as it was.
+  /// earlier run. It does not wait, and changes nothing but the room. Errors: more than kMostCandidates; no memory; what the device
+  /// refuses. The room is then as it was.
   Result<void> reserve_contacts(std::uint32_t pairs);
 
   /// Positions (m, world space) and unit normals of every render vertex, cloth after cloth, then mesh collider after mesh
@@ -210,19 +211,19 @@ class Simulation {
   /// "Hands", says how long that takes). Errors: a scene without `pins`, or with fewer than it takes; no such vertex; one of a mesh
   /// collider. Nothing has changed then.
   Result<void> pin(std::span<const std::uint32_t> vertices);
-  /// Lets go of vertices, pinned or the scene's own anchors, from the next frame on: each flies on with the velocity that it had in the last
-  /// substep, with its own mass, and its tethers are gone. What is not held stays free. pin() holds a released anchor again, without a pin of
-  /// the scene's, and without its keys. Does not wait, and costs what pin() does. Errors: as pin.
+  /// Lets go of vertices, pinned or the scene's own anchors, from the next frame on: each flies on with the velocity that it had in the
+  /// last substep, with its own mass, and its tethers are gone. What is not held stays free. pin() holds a released anchor again, without a
+  /// pin of the scene's, and without its keys. Does not wait, and costs what pin() does. Errors: as pin.
   Result<void> release(std::span<const std::uint32_t> vertices);
   /// Targets for the end of the next frame (m, world space) of vertices that are held, pinned or anchors, one each; as with move_anchors.
-  /// Errors: another number of targets; a vertex that is not held, or that pin refuses; a target that is not finite, or 1e10 m away or more.
-  /// Nothing has changed then.
+  /// Errors: another number of targets; a vertex that is not held, or that pin refuses; a target that is not finite, or 1e10 m away or
+  /// more. Nothing has changed then.
   Result<void> move_pins(std::span<const std::uint32_t> vertices, std::span<const Vec3> targets);
 
-  /// Takes hold of the cloth where a ray (m, world space; any length of direction) first meets it, from either side; nothing where it meets none.
-  /// From the next frame on `grip` pulls that place to its target. The CPU looks for it among all triangles of the cloth as it is: waits, and
-  /// copies positions back; frames that a host has recorded must be done. Colliders hide nothing: a host that knows of one in front compares
-  /// distances. Errors: no free place among the scene's `grabs`; a ray that is not finite, or without a direction; a grip
+  /// Takes hold of the cloth where a ray (m, world space; any length of direction) first meets it, from either side; nothing where it meets
+  /// none. From the next frame on `grip` pulls that place to its target. The CPU looks for it among all triangles of the cloth as it is:
+  /// waits, and copies positions back; frames that a host has recorded must be done. Colliders hide nothing: a host that knows of one in
+  /// front compares distances. Errors: no free place among the scene's `grabs`; a ray that is not finite, or without a direction; a grip
   /// out of its limits; memory; what Vulkan refuses.
   Result<std::optional<Grabbed>> grab(Vec3 origin, Vec3 direction, const Grip& grip = {});
   /// The same at the point of the cloth that is nearest to `point` (m, world space).
@@ -265,37 +266,37 @@ class Simulation {
   Result<void> resize_collider(std::uint32_t collider, const ColliderSize& size);
   /// From the next frame on (m/s^2). Errors: not finite, or 1e10 m/s^2 or more; the gravity is then as it was.
   Result<void> set_gravity(Vec3 gravity);
-  /// From the next frame on (m/s): gusts and turbulence come on top, and eddies go with it. Errors: a scene without air; not finite, or above
-  /// kFastestWind; the wind is then as it was.
+  /// From the next frame on (m/s): gusts and turbulence come on top, and eddies go with it. Errors: a scene without air; not finite, or
+  /// above kFastestWind; the wind is then as it was.
   Result<void> set_wind(Vec3 wind);
-  /// Where a field of the scene's air is (m) and its velocity (m/s), from the next frame on. Errors: no such field; a place that is not finite, or
-  /// 1e10 m away or more; a velocity that set_wind refuses. Nothing has changed then.
+  /// Where a field of the scene's air is (m) and its velocity (m/s), from the next frame on. Errors: no such field; a place that is not
+  /// finite, or 1e10 m away or more; a velocity that set_wind refuses. Nothing has changed then.
   Result<void> move_air_field(std::uint32_t field, Vec3 centre, Vec3 velocity);
 
-  /// The pose of a cloth's skin (Cloth::skin) for the end of the next frame: for each joint the map from the cloth at rest, as make_meshes has
-  /// it, to where the joint takes it (world space), the product of the joint's matrix and its inverse bind matrix in other words. The host
-  /// drives the skin from now on, instead of an animation; a frame without a new pose holds still. Anchors without keys go there, colliders
-  /// with a bone go along, and motion constraints follow, evenly through the frame. Errors: no such cloth, or none with a skin; another
-  /// number of joints than its mesh has (1 without a skin of its own); a map that is not finite. Nothing has changed then.
+  /// The pose of a cloth's skin (Cloth::skin) for the end of the next frame: for each joint the map from the cloth at rest, as make_meshes
+  /// has it, to where the joint takes it (world space), the product of the joint's matrix and its inverse bind matrix in other words. The
+  /// host drives the skin from now on, instead of an animation; a frame without a new pose holds still. Anchors without keys go there,
+  /// colliders with a bone go along, and motion constraints follow, evenly through the frame. Errors: no such cloth, or none with a skin;
+  /// another number of joints than its mesh has (1 without a skin of its own); a map that is not finite. Nothing has changed then.
   Result<void> set_pose(std::uint32_t cloth, std::span<const Affine> joints);
   /// The same of a mesh collider (Collider::skin): maps from its shape at rest to its shape, in its own axes; its pose comes on top.
   Result<void> set_body_pose(std::uint32_t collider, std::span<const Affine> joints);
   /// The weights of the morph targets of a cloth's skin (Skin::morphs) for the end of the next frame: each moves points by its deltas times
   /// its weight, before joints carry them. The host sets the weights from now on, instead of an animation, which goes on moving the joints
-  /// unless set_pose does; a frame without new ones holds still. What follows the pose follows them, evenly through the frame. Errors: no such
-  /// cloth, or none with a skin; another number of weights than its mesh has morph targets; one below -1e6, above 1e6 or not a number.
+  /// unless set_pose does; a frame without new ones holds still. What follows the pose follows them, evenly through the frame. Errors: no
+  /// such cloth, or none with a skin; another number of weights than its mesh has morph targets; one below -1e6, above 1e6 or not a number.
   /// Nothing has changed then.
   Result<void> set_morphs(std::uint32_t cloth, std::span<const float> weights);
   /// The same of a mesh collider.
   Result<void> set_body_morphs(std::uint32_t collider, std::span<const float> weights);
   /// Where the points of a cloth's skin are at the end of the next frame (world space), by the host's own skinning on the GPU, in place of
-  /// joints and weights; of a skin that says so in the scene (Skinning::takes_targets). Anchors without keys go there and motion constraints
-  /// follow, evenly through the frame, which begins where the one before ended. A frame without a new buffer holds still; one with a new
-  /// pose or new weights alone goes from there to where these have the points. The animation stands still from now on; colliders with a bone
-  /// and a joint for `inertia` go with set_pose, which may be called in the same frame. The same positions give the same bits as set_pose,
-  /// with an origin of 0; else they are rounded once more, relative to origin(). A place that is not finite, or 1e10 m away or more, is
-  /// counted in Counts::non_finite; the point then holds still. A snapshot has where points are, but no buffer that waits for the next frame.
-  /// Errors: a cloth that takes none; no buffer; another number of vertices. Nothing has changed then.
+  /// joints and weights; of a skin that says so in the scene (Skinning::takes_targets). Anchors without keys go there and motion
+  /// constraints follow, evenly through the frame, which begins where the one before ended. A frame without a new buffer holds still; one
+  /// with a new pose or new weights alone goes from there to where these have the points. The animation stands still from now on; colliders
+  /// with a bone and a joint for `inertia` go with set_pose, which may be called in the same frame. The same positions give the same bits
+  /// as set_pose, with an origin of 0; else they are rounded once more, relative to origin(). A place that is not finite, or 1e10 m away or
+  /// more, is counted in Counts::non_finite; the point then holds still. A snapshot has where points are, but no buffer that waits for the
+  /// next frame. Errors: a cloth that takes none; no buffer; another number of vertices. Nothing has changed then.
   Result<void> set_targets(std::uint32_t cloth, const TargetBuffer& targets);
   /// The same of a mesh collider: its whole shape in world space, on which its pose then has no influence. place_collider takes it along as
   /// it takes the pose.
@@ -306,13 +307,13 @@ class Simulation {
   /// has changed then.
   Result<void> move_frame(std::uint32_t cloth, const MovingFrame& frame);
   /// Takes a cloth from one frame to another at once, without a trace: places and velocities turn along, anchors and their targets too, the
-  /// pose of its skin with the colliders of its bones, and its frame. Keys and animations move anchors back where they have them; what the host has
-  /// set for the next frame stays set. Other colliders are taken along by place_collider. Waits. Errors: no such cloth; a frame that move_frame
-  /// refuses; cloth that would be 1e10 m away or more (nothing has changed then); memory; what Vulkan refuses.
+  /// pose of its skin with the colliders of its bones, and its frame. Keys and animations move anchors back where they have them; what the
+  /// host has set for the next frame stays set. Other colliders are taken along by place_collider. Waits. Errors: no such cloth; a frame
+  /// that move_frame refuses; cloth that would be 1e10 m away or more (nothing has changed then); memory; what Vulkan refuses.
   Result<void> teleport(std::uint32_t cloth, const MovingFrame& from, const MovingFrame& to);
 
-  /// From the next frame on: what a cloth's max distances are multiplied by (0 ... 1e6), and the stiffness of its motion constraints (0 ... 1).
-  /// Errors: a cloth without motion constraints; other values. Nothing has changed then.
+  /// From the next frame on: what a cloth's max distances are multiplied by (0 ... 1e6), and the stiffness of its motion constraints (0 ...
+  /// 1). Errors: a cloth without motion constraints; other values. Nothing has changed then.
   Result<void> limit_motion(std::uint32_t cloth, double scale, double stiffness);
 
   /// How much gas a cloth holds from the next frame on, as a multiple of the scene's amount (Cloth::pressure), 0 ... 1e3: it starts
@@ -358,8 +359,8 @@ class Simulation {
 
   /// As given to create, with the solver settings chosen where its method is "auto".
   const Scene& scene() const;
-  /// One a cloth, relative to origin(), then one a mesh collider, in its own axes, then one a render mesh, as the cloths. Cloth that tears has
-  /// spare vertices of no triangle at its end, and is torn as in the last frame.
+  /// One a cloth, relative to origin(), then one a mesh collider, in its own axes, then one a render mesh, as the cloths. Cloth that tears
+  /// has spare vertices of no triangle at its end, and is torn as in the last frame.
   const std::vector<Mesh>& meshes() const;
   /// Lists that depend on who is held are those of the last frame.
   const CookedFabric& fabric() const;

@@ -245,6 +245,12 @@ TEST_F(ViewStage, a_knife_cuts_and_changes_of_the_scene_keep_the_cut) {
   const std::vector<Vec3> changed = places();
   ASSERT_EQ(changed.size(), cut.size());
   for (std::size_t k = 0; k < cut.size(); ++k) ASSERT_LT(length(changed[k] - cut[k]), 1e-5f);
+  // Another mesh has other triangles: it is whole.
+  scene.cloths[0].grid->cells_x = 16;
+  scene.cloths[0].anchors[0].vertices = {0, 16};
+  ASSERT_TRUE(stage->change(scene));
+  EXPECT_EQ(stage->simulation().splits(), 0u);
+  ASSERT_TRUE(stage->cut({{0.02f, 3, 0}, {0, -3, -1}}, {{0.02f, 3, 0}, {0, -3, 1}}));
   ASSERT_TRUE(stage->take_knife(false));
   EXPECT_TRUE(stage->has_knife()) << "what is cut stays so";
   ASSERT_TRUE(stage->reset());

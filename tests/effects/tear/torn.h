@@ -25,8 +25,8 @@ inline std::vector<Eigen::Vector3d> places_of(const Mesh& mesh) {
 
 inline bool nobody(std::uint32_t) { return false; }
 
-/// Sets of triangles that hang together by points.
-inline std::size_t pieces(const Mesh& mesh) {
+/// Of each point, one of the points that hang together with it by triangles: the same for all of them.
+inline std::vector<std::uint32_t> pieces_of(const Mesh& mesh) {
   std::vector<std::uint32_t> of(mesh.points.size());
   std::iota(of.begin(), of.end(), 0u);
   const auto root = [&](std::uint32_t p) {
@@ -34,9 +34,14 @@ inline std::size_t pieces(const Mesh& mesh) {
     return p;
   };
   for (const auto& [a, b, c] : mesh.triangles) of[root(a)] = root(b), of[root(b)] = root(c);
-  std::set<std::uint32_t> roots;
-  for (std::uint32_t p = 0; p < of.size(); ++p) roots.insert(root(p));
-  return roots.size();
+  std::vector<std::uint32_t> roots;
+  for (std::uint32_t p = 0; p < of.size(); ++p) roots.push_back(root(p));
+  return roots;
+}
+
+inline std::size_t pieces(const Mesh& mesh) {
+  const auto of = pieces_of(mesh);
+  return std::set<std::uint32_t>(of.begin(), of.end()).size();
 }
 
 inline double area_of(const Mesh& mesh) {
