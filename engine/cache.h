@@ -103,10 +103,13 @@ class CacheWriter {
 struct CachedShape {
   RenderMesh mesh;                       // at rest, m, world space; for point caches positions alone
   std::vector<std::uint32_t> vertices;   // the render vertex of the simulation that each is; kNone: one of no triangle, which stays at rest
-  bool has_strain = false;               // its vertices are the first of vertex_strain(): there is no render mesh
+  bool has_strain = false;               // for ply: its vertices are the first of vertex_strain(), where there is no render mesh
 };
 
-/// `meshes` and `origin`: as Simulation has them.
+/// Whether its cloths can be cached: all frames have the same triangles. Errors: a cloth that tears.
+Result<void> check_cached(const Scene& scene);
+
+/// `meshes` and `origin`: as Simulation has them; of a scene that check_cached takes.
 CachedShape cached_shape(const CookedFabric& fabric, std::span<const Mesh> meshes, Vec3 origin, CacheFormat format);
 
 /// Of all render vertices (Simulation::read_vertex_positions) those of the shape.

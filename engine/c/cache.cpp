@@ -21,6 +21,7 @@ weft_status weft_cache_create(const weft_simulation* simulation, const char* fil
     WEFT_GIVEN(file);
     WEFT_GIVEN(cache);
     const weft::Simulation& of = *simulation->simulation;
+    if (auto can = weft::check_cached(of.scene()); !can) return can;
     const auto format = weft::cache_format(file);
     if (!format) return format.why();
     auto made = std::make_unique<weft_cache>(weft_cache{&of, weft::cached_shape(of.fabric(), of.meshes(), of.origin(), *format), {}});

@@ -323,7 +323,7 @@ WEFT_API weft_status weft_teleport(weft_simulation* simulation, uint32_t cloth, 
 
 /* ---- State */
 
-/* Since the simulation was made; engine/counts.h says what they mean. The first four are 0 in a healthy run. */
+/* Since the simulation was made; engine/counts.h says what they mean. The first three are 0 in a healthy run. */
 typedef struct weft_counts {
   uint32_t non_finite, coincident, contacts_overflowed, crossings;
   uint32_t contacts_most, contacts_room, truncated, detections;

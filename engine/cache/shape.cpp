@@ -72,6 +72,13 @@ std::vector<Vec3> chosen(const CachedShape& shape, std::span<const Vec3> all, st
 
 }  // namespace
 
+Result<void> check_cached(const Scene& scene) {
+  for (std::size_t c = 0; c < scene.cloths.size(); ++c)
+    if (scene.cloths[c].tear)
+      return fail("cloths[", c, "].tear: a cache has the same triangles in all of its frames, and this cloth tears");
+  return {};
+}
+
 CachedShape cached_shape(const CookedFabric& fabric, std::span<const Mesh> meshes, Vec3 origin, CacheFormat format) {
   assert(meshes.size() == fabric.cloths.size() + fabric.collider_meshes.size() + fabric.render_meshes.size());
   CachedShape shape;
@@ -81,7 +88,7 @@ CachedShape cached_shape(const CookedFabric& fabric, std::span<const Mesh> meshe
     else add_render(shape, shown, origin);
   }
   if (shape.mesh.materials) shape.mesh.material_of.resize(shape.mesh.triangles.size(), kNone);
-  shape.has_strain = fabric.render_meshes.empty() && !is_point_cache(format);
+  shape.has_strain = fabric.render_meshes.empty() && format == CacheFormat::ply;
   if (!is_point_cache(format)) return shape;
   shape.mesh.normals.clear();
   shape.mesh.uvs.clear();

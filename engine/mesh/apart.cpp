@@ -44,6 +44,10 @@ bool send(int pipe, std::string_view bytes) {
 
 [[noreturn]] void be_child(int pipe, Bounds bounds, [[maybe_unused]] std::size_t own,
                            const std::function<Result<std::string>()>& work) {
+  pipe = fcntl(pipe, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);   // not one of those that are given away below
+  sigset_t nobody;   // the caller's thread may hear no signals, and no bound would end this
+  sigemptyset(&nobody);
+  sigprocmask(SIG_SETMASK, &nobody, nullptr);
   for (const int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGXCPU, SIGALRM, SIGPIPE, SIGTERM, SIGINT})
     std::signal(signal, SIG_DFL);
   const int nowhere = open("/dev/null", O_RDWR);   // readers print what they think of a file
@@ -69,7 +73,16 @@ bool send(int pipe, std::string_view bytes) {
   _exit(0);
 }
 
-// All that comes, until the other end is closed.
+constexpr std::size_t kHead = 1 + sizeof(std::uint64_t);
+
+// How many bytes come after the head.
+std::uint64_t announced(const std::string& bytes) {
+  std::uint64_t size = 0;
+  std::memcpy(&size, bytes.data() + 1, sizeof size);
+  return size;
+}
+
+// All that was announced, or what comes until the other end is closed: a process that another thread forks meanwhile may keep it open.
 std::string received(int pipe) {
   std::string bytes;
   char some[1 << 16];
@@ -78,6 +91,7 @@ std::string received(int pipe) {
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) return bytes;
     bytes.append(some, static_cast<std::size_t>(count));
+    if (bytes.size() >= kHead && bytes.size() - kHead >= announced(bytes)) return bytes;
   }
 }
 
@@ -111,17 +125,14 @@ Result<std::string> apart(const char* who, Bounds bounds, const std::function<Re
   if (process < 0) return fail(ErrorKind::other, who, " cannot be given a process of its own: ", std::strerror(why));
   std::string bytes = received(ends[0]);
   child.end();
-  constexpr std::size_t head = 1 + sizeof(std::uint64_t);
-  std::uint64_t size = 0;
-  if (bytes.size() >= head) std::memcpy(&size, bytes.data() + 1, sizeof size);
   if (bytes.starts_with(kMemory)) return fail(who, " needs more than ", bounds.memory >> 20, " MiB of memory for it");
-  if (bytes.size() < head || bytes.size() - head != size) {
+  if (bytes.size() < kHead || bytes.size() - kHead != announced(bytes)) {
     if (WIFSIGNALED(child.status) && (WTERMSIG(child.status) == SIGXCPU || WTERMSIG(child.status) == SIGALRM))
       return fail(who, " did not come to an end in ", bounds.seconds, " s");
     return fail(who, " crashed on it", WIFSIGNALED(child.status) ? std::string(": ") + strsignal(WTERMSIG(child.status)) : std::string());
   }
   const bool is_done = bytes.front() == kDone;
-  bytes.erase(0, head);
+  bytes.erase(0, kHead);
   if (!is_done) return Error{std::move(bytes)};
   return bytes;
 }

@@ -5,7 +5,6 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
-#include <deque>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -33,7 +32,7 @@ inline bool has(const json& object, const char* key) { return object.is_object()
 struct GltfDocument {
   JsonTree tree;
   std::vector<std::string> buffers;   // each as long as the document says; after these what was unpacked
-  std::deque<std::string> dense;      // what sparse accessors come to
+  std::map<const json*, std::string> dense;   // what sparse accessors come to
   std::uint64_t dense_bytes = 0;      // of them
   std::string fault;
 
@@ -182,7 +181,7 @@ class MaterialReader {
   explicit MaterialReader(GltfDocument& document) : document_(document) {}
 
   /// Of a primitive; kNone: none, or one that the document has not.
-  std::uint32_t number_of(const json& primitive) const;
+  std::uint32_t number_of(const json& primitive);
   TextureCoordinates coordinates_of(std::uint32_t material);
   /// Those that triangles have, renumbered in `material_of`; none, and a fault, where something about them is wrong. Where no triangle has
   /// one there is none.
@@ -192,8 +191,12 @@ class MaterialReader {
   std::size_t differing() const { return differing_; }
 
  private:
+  /// The document's list. What is wrong with materials is no fault of the mesh: it is kept until they are taken.
+  const json& all();
+  void set_aside();
 
   GltfDocument& document_;
+  std::string fault_;
   std::map<std::uint32_t, TextureCoordinates> known_;
   std::size_t differing_ = 0;
 };

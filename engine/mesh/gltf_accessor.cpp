@@ -124,11 +124,13 @@ Accessor accessor(GltfDocument& document, const json& object, const char* key, s
   const Element kind = kind_of(document, *described, key, type, components);
   const std::uint64_t count = document.natural(*described, "count", 0);
   if (!has(*described, "sparse")) return elements(document, *described, key, count, kind.width, kind.component);
+  const auto [dense, is_new] = document.dense.try_emplace(described);
+  if (!is_new) return {dense->second.data(), kind.size(), count, kind.component, has(*described, "normalized") && (*described)["normalized"] == true};
   // A few words of a document can ask for all of these.
   if (count > kMostDense || (document.dense_bytes += count * kind.size()) > kMostDense)
     document.say("its sparse accessors have more than ", kMostDense, " bytes");
   if (!document.fault.empty()) return {};
-  return changed(document, *described, key, kind, count, document.dense.emplace_back());
+  return changed(document, *described, key, kind, count, dense->second);
 }
 
 std::vector<Vec3> vectors(GltfDocument& document, const json& object, const char* key) {

@@ -80,11 +80,21 @@ Vec2 TextureCoordinates::at(Vec2 uv) const {
   return {static_cast<float>(c * u + s * v + offset[0]), static_cast<float>(c * v - s * u + offset[1])};
 }
 
-std::uint32_t MaterialReader::number_of(const json& primitive) const {
+void MaterialReader::set_aside() {
+  if (fault_.empty()) fault_ = document_.fault;
+  document_.fault.clear();
+}
+
+const json& MaterialReader::all() {
+  const json& list = document_.list(document_.tree.root, "materials");
+  if (!document_.fault.empty()) set_aside();
+  return list;
+}
+
+std::uint32_t MaterialReader::number_of(const json& primitive) {
   if (!has(primitive, "material")) return kNone;
   const json& number = primitive["material"];
-  const std::size_t count = document_.list(document_.tree.root, "materials").size();
-  const bool is_there = number.is_number_unsigned() && number.get<std::uint64_t>() < count;
+  const bool is_there = number.is_number_unsigned() && number.get<std::uint64_t>() < all().size();
   return is_there ? number.get<std::uint32_t>() : kWrong;
 }
 
@@ -93,17 +103,21 @@ TextureCoordinates MaterialReader::coordinates_of(std::uint32_t material) {
   const auto [known, added] = known_.try_emplace(material);
   if (!added) return known->second;
   const json* first = nullptr;
-  for_textures(document_.list(document_.tree.root, "materials")[material], [&](const std::string& name, const json& info) {
+  for_textures(all()[material], [&](const std::string& name, const json& info) {
     if (!first || name == "baseColorTexture") first = &info;
   });
-  if (first) known->second = coordinates_in(document_, *first);
+  if (!first) return {};
+  const TextureCoordinates coordinates = coordinates_in(document_, *first);
+  if (document_.fault.empty()) known->second = coordinates;
+  else set_aside();
   return known->second;
 }
 
 std::shared_ptr<const Materials> MaterialReader::take(std::vector<std::uint32_t>& material_of, const std::filesystem::path& folder,
                                                       BufferFiles buffer_files) {
   Taken materials(document_, "materials"), textures(document_, "textures"), images(document_, "images");
-  const std::size_t count = document_.list(document_.tree.root, "materials").size();
+  const std::size_t count = all().size();
+  if (!fault_.empty()) document_.fault = fault_;
   for (std::uint32_t& material : material_of) {
     if (material == kWrong) document_.say("a primitive's \"material\" is not one of the ", count);
     if (material < kWrong) material = materials.number(material);

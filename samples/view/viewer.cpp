@@ -75,6 +75,7 @@ void Viewer::open(const std::filesystem::path& file, std::span<const Assignment>
   orbit_ = Orbit(stage_->scene().camera);
   draft_ = stage_->scene();
   tuning_ = {};
+  cuts_ = false;   // the new one has no knife
   save_as_ = file.stem().string() + ".changed.json";
   ball_radius_ = static_cast<float>(0.1 * orbit_.distance());
   window_->set_title("Weft: " + file.filename().string());

@@ -68,9 +68,8 @@ Exit refuse(const Error& error) {
 }  // namespace
 
 Exit Caches::prepare(const Scene& scene, const RunOptions& options, std::span<const Input> inputs) {
-  const auto torn = std::ranges::find_if(scene.cloths, [](const Cloth& cloth) { return cloth.tear.has_value(); });
-  if (!options.caches.empty() && torn != scene.cloths.end())
-    return refuse(fail("cloths[", torn - scene.cloths.begin(), "].tear: a cache has the same triangles in all of its frames, and this cloth tears"));
+  if (!options.caches.empty())
+    if (const Result<void> can = check_cached(scene); !can) return refuse(can.why());
   std::vector<std::filesystem::path> files;
   for (const std::filesystem::path& cache : options.caches) {
     const std::filesystem::path file = place_of(cache, options);
@@ -99,7 +98,6 @@ Exit Caches::open(const Simulation& simulation, const RunOptions& options, std::
     const Result<CacheFormat> format = cache_format(cache.file);
     if (!format) return refuse(format.why());
     cache.shape = cached_shape(simulation.fabric(), simulation.meshes(), simulation.origin(), *format);
-    cache.shape.has_strain = cache.shape.has_strain && *format == CacheFormat::ply;
     caches_.push_back(std::move(cache));
   }
   std::optional<Drawn> left;

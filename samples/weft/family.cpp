@@ -72,6 +72,9 @@ Exit conclude_family(const Rows& all, const fs::path& out) {
 Exit run_family(const std::vector<fs::path>& files, const RunOptions& common) {
   std::vector<Input> inputs;
   Work work{"run", {{"checked", common.check}}};
+  // What else each run is to leave.
+  work.of = std::to_string(common.every) + (common.picture ? "p" : "") + (common.movie ? "m" : "");
+  for (const fs::path& cache : common.caches) work.of += ' ' + cache.string();
   std::string faults = contradiction(files, common);
   for (const fs::path& file : files) {
     auto scene = load_subject(file, common.assignments, common.buffer_files);

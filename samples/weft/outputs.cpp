@@ -1,7 +1,10 @@
 // Outputs against inputs, by the identity of files.
 #include "samples/weft/outputs.h"
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
+#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -29,16 +32,38 @@ std::string decode_percent(const std::string& uri) {
   return plain;
 }
 
+// Of a glTF: all of it, or of a GLB its first chunk.
+std::string document_in(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string head(20, '\0');
+  if (!stream.read(head.data(), static_cast<std::streamsize>(head.size())) || !head.starts_with("glTF")) {
+    stream.clear();
+    stream.seekg(0);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  std::uint32_t length = 0;
+  std::memcpy(&length, head.data() + 12, sizeof length);
+  std::error_code none;
+  const auto size = std::filesystem::file_size(file, none);
+  std::string text(none ? 0 : static_cast<std::size_t>(std::min<std::uintmax_t>(length, size)), '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  return text;
+}
+
 // What is wrong with a mesh's document is said where it is read.
 void add_mesh(const std::filesystem::path& file, const std::string& as, std::vector<Input>& inputs) {
   inputs.push_back({file, as});
-  if (file.extension() != ".gltf") return;
-  std::ifstream stream(file, std::ios::binary);
-  const auto document = nlohmann::json::parse(stream, nullptr, false);
-  if (!document.is_object() || !document.contains("buffers") || !document["buffers"].is_array()) return;
-  for (const auto& buffer : document["buffers"])
-    if (buffer.is_object() && buffer.contains("uri") && buffer["uri"].is_string())
-      inputs.push_back({file.parent_path() / decode_percent(buffer["uri"].get<std::string>()), "a buffer of " + as});
+  std::string ending = file.extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (ending != ".gltf" && ending != ".glb") return;
+  const auto document = nlohmann::json::parse(document_in(file), nullptr, false);
+  if (!document.is_object()) return;
+  for (const auto& [list, what] : {std::pair("buffers", "a buffer of "), std::pair("images", "an image of ")}) {
+    if (!document.contains(list) || !document[list].is_array()) continue;
+    for (const auto& entry : document[list])
+      if (entry.is_object() && entry.contains("uri") && entry["uri"].is_string())
+        inputs.push_back({file.parent_path() / decode_percent(entry["uri"].get<std::string>()), what + as});
+  }
 }
 
 void add_curves(std::vector<Input>& inputs) {

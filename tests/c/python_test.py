@@ -176,6 +176,9 @@ class Weft(unittest.TestCase):
             self.assertEqual(cloth.triangles().shape, whole.shape)
             self.assertTrue((cloth.triangles() != whole).any())
             self.assertEqual(cloth.quality().splits_refused, 0)
+            with tempfile.TemporaryDirectory() as folder, self.assertRaises(weft.Error) as caught:
+                cloth.cache(os.path.join(folder, "cut.obj"), 2)
+            self.assertIn("tears", str(caught.exception))
         with self.assertRaises(weft.Error) as caught:
             self.cloth.cut((0, 1, 0), (0, -1, -1), (0, -1, 1))
         self.assertIn("tear", str(caught.exception))

@@ -63,5 +63,27 @@ TEST(Apart, it_changes_nothing_here_and_opens_no_file) {
   EXPECT_EQ(number, 1);
 }
 
+// Threads that leave signals to others, and daemons.
+TEST(Apart, it_is_bounded_and_heard_where_signals_are_blocked_and_streams_are_closed) {
+  sigset_t all, before;
+  sigfillset(&all);
+  ASSERT_EQ(pthread_sigmask(SIG_SETMASK, &all, &before), 0);
+  const int kept[] = {dup(STDIN_FILENO), dup(STDOUT_FILENO), dup(STDERR_FILENO)};
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) close(stream);
+  const auto done = apart("a reader", kBounds, []() -> Result<std::string> { return std::string("heard"); });
+  const auto endless = apart("a reader", kBounds, []() -> Result<std::string> {
+    for (volatile bool runs = true; runs;) {}
+    return std::string();
+  });
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    dup2(kept[stream], stream);
+    close(kept[stream]);
+  }
+  ASSERT_EQ(pthread_sigmask(SIG_SETMASK, &before, nullptr), 0);
+  ASSERT_TRUE(done) << done.error();
+  EXPECT_EQ(*done, "heard");
+  EXPECT_EQ(endless.error(), "a reader did not come to an end in 1 s");
+}
+
 }  // namespace
 }  // namespace weft

@@ -93,6 +93,10 @@ TEST(MeshMaterials, that_are_not_as_they_must_be_are_left_out_with_a_sentence) {
   EXPECT_EQ(left_out("/textures/1/source", 5), out + "a number among its \"images\" is 5, and there are 2");
   EXPECT_EQ(left_out("/textures/1/sampler", 5), out + "\"sampler\" points to 5 of a list of 1");
   EXPECT_EQ(left_out("/images/1/uri", "data:image/png;base64,R0lGODlh"), out + "an image is neither PNG, JPEG, WebP nor KTX2");
+  EXPECT_NE(left_out("/materials/2/extensions/KHR_materials_sheen/sheenColorTexture/texCoord", -1).find(out), std::string::npos);
+  EXPECT_NE(left_out("/materials", nlohmann::json::object()).find(out), std::string::npos);
+  EXPECT_NE(left_out("/materials/2/extensions/KHR_materials_sheen/sheenColorTexture/extensions",
+                     {{"KHR_texture_transform", {{"offset", {0, 0, 0}}}}}).find(out), std::string::npos);
   EXPECT_NE(left_out("/images/1/uri", "nowhere.png").find("nowhere.png does not exist"), std::string::npos);
   EXPECT_NE(left_out("/images/1/uri", "../outside.png").find("lies outside the folder"), std::string::npos);
 }

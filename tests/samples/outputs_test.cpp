@@ -87,6 +87,11 @@ TEST_F(Outputs, no_command_writes_over_what_it_reads) {
   write("sheet.gltf", R"({"asset": {"version": "2.0"}, "buffers": [{"byteLength": 4, "uri": "own/final%2eply"}]})");
   const std::string gltf = write("gltf.json", R"({"cloths": [{"mesh": "sheet.gltf"}]})");
   expect_refusal({"run", gltf, "--out", own}, "final.ply", "a buffer of cloths[0].mesh");
+  write("sheet.gltf", R"({"asset": {"version": "2.0"}, "images": [{"uri": "own/final.ply"}]})");
+  expect_refusal({"run", gltf, "--out", own}, "final.ply", "an image of cloths[0].mesh");
+  const std::string text = R"({"asset": {"version": "2.0"}, "images": [{"uri": "own/final.ply"}]} )";   // 68 bytes, of a GLB
+  write("sheet.GLB", std::string("glTF\2\0\0\0", 8) + std::string("\x58\0\0\0", 4) + std::string("\x44\0\0\0JSON", 8) + text);
+  expect_refusal({"run", write("glb.json", R"({"cloths": [{"mesh": "sheet.GLB"}]})"), "--out", own}, "final.ply", "an image of cloths[0].mesh");
 
   const std::string suite = WEFT_SOURCE_DIR "/assets/scenes/hard";
   write("own/hard_cases.csv", "<!-- weft harden: begin -->\n<!-- weft harden: end -->");

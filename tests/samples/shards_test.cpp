@@ -168,6 +168,8 @@ TEST_F(Shards, a_family_of_scenes_leaves_the_caches_and_the_table_of_one_machine
   EXPECT_NE(resumed.out.find("Going on after frame "), std::string::npos) << resumed.out;
   EXPECT_EQ(weft(call("parts", {"--shard", "2/2"})).exit, 0);
   ASSERT_EQ(weft({"merge", out("parts/run.1-of-2.rows"), out("parts/run.2-of-2.rows"), "--out", out("parts")}).exit, 0);
+  const Outcome more = weft(call("parts", {"--shard", "2/2", "--cache", "more.pc2"}));
+  EXPECT_EQ(more.exit, 2) << "another cache is other work: " << more.out;
   ASSERT_EQ(weft(call("one")).exit, 0);
   const std::string table = read(folder / "parts/runs.csv");
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 3) << table;
