@@ -22,31 +22,33 @@ void Solver::record_bytes(compute::Recorder& recorder, const compute::Buffer& to
 }
 
 void Solver::record_edits(compute::Recorder& recorder, std::span<const Edit> edits) const {
+  if (edits.empty()) return;
   // Of two edits of a place the later one counts; and a frame's start may just have been copied. Edits that go on behind those of their
   // buffer need not wait for each other.
-  struct Written {
+  struct Touched {
     const Buffer* row;
     std::uint64_t first, end;
   };
-  std::vector<Written> written;
+  std::vector<Touched> touched;
   const auto wait = [&] {
     recorder.barrier(compute::Use::transfer, compute::Use::transfer);
-    written.clear();
+    touched.clear();
   };
   wait();
   for (const Edit& edit : edits) {
     const compute::Buffer& to = buffer(*edit.row);
-    const std::uint64_t end = edit.at + std::max<std::uint64_t>(edit.bytes.size(), edit.copied);
-    auto own = std::ranges::find(written, edit.row, &Written::row);
-    if (own != written.end() && (edit.at < own->end || (edit.copied > 0 && edit.from < own->end && edit.from + edit.copied > own->first))) {
+    const bool copies = edit.copied > 0;
+    auto own = std::ranges::find(touched, edit.row, &Touched::row);
+    if (own != touched.end() && (edit.at < own->end || (copies && edit.from < own->end && edit.from + edit.copied > own->first))) {
       wait();
-      own = written.end();
+      own = touched.end();
     }
-    if (own == written.end()) written.push_back({edit.row, edit.at, end});
-    else own->end = end;
+    if (own == touched.end()) own = touched.insert(own, {edit.row, edit.at, edit.at});
+    own->end = std::max({own->end, edit.at + edit.bytes.size(), copies ? std::max(edit.at, edit.from) + edit.copied : 0});
+    if (copies) own->first = std::min(own->first, edit.from);
     record_bytes(recorder, to, edit.bytes, edit.at);
     const VkBufferCopy region{edit.from, edit.at, edit.copied};
-    if (edit.copied > 0) device_->vk().vkCmdCopyBuffer(recorder.commands(), to.handle, to.handle, 1, &region);
+    if (copies) device_->vk().vkCmdCopyBuffer(recorder.commands(), to.handle, to.handle, 1, &region);
   }
 }
 
