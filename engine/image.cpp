@@ -115,6 +115,22 @@ std::string fault_of(std::string_view file) {
 
 }  // namespace
 
+Result<Image> decode_image(std::string_view bytes, const std::string& name) try {
+  if (bytes.size() > kMostBytes) return fail(name, " has ", bytes.size(), " bytes; at most ", kMostBytes, " are read");
+  if (const std::string fault = fault_of(bytes); !fault.empty()) return fail(name, " ", fault);
+
+  int width = 0, height = 0, channels = 0;
+  const auto* encoded = reinterpret_cast<const stbi_uc*>(bytes.data());
+  const std::unique_ptr<stbi_uc, decltype(&std::free)> pixels(
+      stbi_load_from_memory(encoded, static_cast<int>(bytes.size()), &width, &height, &channels, 4), &std::free);
+  if (!pixels) return fail(name, " is not a whole PNG or JPEG: ", stbi_failure_reason());
+  Image image{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), {}};
+  image.rgba.assign(pixels.get(), pixels.get() + std::size_t{4} * image.width * image.height);
+  return image;
+} catch (...) {
+  return caught("the picture");
+}
+
 Result<Image> read_image(const std::filesystem::path& file) try {
   std::error_code code;
   if (!std::filesystem::exists(file, code)) return fail("picture \"", file.string(), "\" does not exist");
@@ -126,16 +142,7 @@ Result<Image> read_image(const std::filesystem::path& file) try {
   std::string bytes(code ? 0 : size, '\0');
   if (code || !stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size())))
     return fail("picture \"", file.string(), "\" cannot be read");
-  if (const std::string fault = fault_of(bytes); !fault.empty()) return fail("picture \"", file.string(), "\" ", fault);
-
-  int width = 0, height = 0, channels = 0;
-  const auto* encoded = reinterpret_cast<const stbi_uc*>(bytes.data());
-  const std::unique_ptr<stbi_uc, decltype(&std::free)> pixels(
-      stbi_load_from_memory(encoded, static_cast<int>(bytes.size()), &width, &height, &channels, 4), &std::free);
-  if (!pixels) return fail("picture \"", file.string(), "\" is not a whole PNG or JPEG: ", stbi_failure_reason());
-  Image image{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), {}};
-  image.rgba.assign(pixels.get(), pixels.get() + std::size_t{4} * image.width * image.height);
-  return image;
+  return decode_image(bytes, "picture \"" + file.string() + "\"");
 } catch (...) {
   return caught("the picture");
 }

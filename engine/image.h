@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "compute/result.h"
@@ -20,6 +22,9 @@ inline constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 26;   // 8192 x
 /// Reads a PNG or JPEG of at most kMostPixels. Errors: missing, unreadable or foreign file, one too large, a PNG that holds more than
 /// the picture it announces, a JPEG of more than 100 scans: no file takes more memory than a picture of its size needs, or much longer.
 Result<Image> read_image(const std::filesystem::path& file);
+
+/// The same of a PNG or JPEG in memory, `name` in errors.
+Result<Image> decode_image(std::string_view bytes, const std::string& name);
 
 /// Writes under a temporary name and renames, so that nobody ever sees half a picture. Errors: a size of 0 or of other than 4 width height
 /// bytes; a file that cannot be written.

@@ -36,8 +36,8 @@ inline constexpr std::uint32_t kNone = 0xffffffffu;
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// What a file says of how its triangles look: kept for whoever writes the mesh back (engine/export.h, engine/cache.h). Pictures of
-/// weft::shading show a cloth's own textures instead.
+/// What a file says of how its triangles look: kept for whoever writes the mesh back (engine/export.h, engine/cache.h), and for pictures
+/// of cloths that want it (Appearance::mesh_materials).
 struct Materials {
   std::size_t count = 0;
   std::string text;   // JSON: glTF's lists "materials", "textures", "samplers", "images"; an image's "bufferView" is one of `images`

@@ -89,6 +89,7 @@ struct Appearance {
   double roughness_factor = 0.8;
   double metallic = 0;
   Vec2 repeat{1, 1};                                  // how often the textures repeat over the mesh's UVs
+  bool mesh_materials = false;                        // triangles that have a material in the mesh's file are drawn by that instead
 };
 
 /// Springs between neighbours on the mesh, each at rest as long as they are apart there.

@@ -58,14 +58,6 @@ void add_materials(Scene& scene, const RenderMesh& mesh, bool some_have_none) {
   scene.materials.root["materials"].push_back(std::move(plain.root));
 }
 
-// Triangles by their material, those without one last.
-std::vector<std::pair<std::uint32_t, std::vector<Triangle>>> by_material(const RenderMesh& mesh) {
-  std::map<std::uint32_t, std::vector<Triangle>> groups;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    groups[mesh.material_of.empty() ? kNone : mesh.material_of[t]].push_back(mesh.triangles[t]);
-  return {std::make_move_iterator(groups.begin()), std::make_move_iterator(groups.end())};
-}
-
 }  // namespace
 
 Result<Scene> scene_of(const std::filesystem::path& file, const RenderMesh& mesh) {
@@ -98,7 +90,7 @@ Result<Scene> scene_of(const std::filesystem::path& file, const RenderMesh& mesh
   if (!mesh.material_of.empty() && mesh.material_of.size() != mesh.triangles.size())
     return fail(file.string(), " is not written: ", mesh.material_of.size(), " materials for ", mesh.triangles.size(), " triangles");
   bool some_have_none = false;
-  for (const auto& [material, triangles] : by_material(mesh)) {
+  for (const auto& [material, triangles] : parts::by_material(mesh)) {
     if (material != kNone && material >= materials)
       return fail(file.string(), " is not written: a triangle has material ", material, " of ", materials);
     some_have_none |= material == kNone;

@@ -3,39 +3,16 @@
 #include <optional>
 
 #include "engine/mesh/gltf.h"
+#include "engine/mesh/outline.h"
 #include "engine/mesh/parts.h"
 
 namespace weft::parts {
 namespace {
 
-constexpr int kDeepestNesting = 64;                // brackets; glTF itself needs about ten
-constexpr std::size_t kMostValues = 4'000'000;     // of the JSON: about a hundred bytes of memory each
-
 std::uint32_t little_endian(const std::string& bytes, std::size_t at) {
   std::uint32_t value = 0;
   for (std::size_t k = 0; k < 4; ++k) value |= std::uint32_t{static_cast<unsigned char>(bytes[at + k])} << (8 * k);
   return value;
-}
-
-/// What is wrong with the outline of a text, before anything of it is kept.
-std::string outline_fault(const std::string& text) {
-  int depth = 0;
-  std::size_t values = 0;
-  bool quoted = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (quoted) {
-      if (c == '\\') ++i;
-      quoted = c != '"';
-      continue;
-    }
-    quoted = c == '"';
-    values += c == ',' || c == '[' || c == '{';
-    depth += (c == '[' || c == '{') - (c == ']' || c == '}');
-    if (depth > kDeepestNesting) return fail("its brackets nest deeper than ", kDeepestNesting, " levels").message;
-    if (values > kMostValues) return fail("its JSON has more than ", kMostValues, " values").message;
-  }
-  return {};
 }
 
 std::optional<std::string> decode_base64(std::string_view text) {

@@ -1,7 +1,10 @@
 #include "engine/mesh/materials.h"
 
 #include <algorithm>
-#include <utility>
+#include <iterator>
+#include <map>
+
+#include "engine/mesh/outline.h"
 
 namespace weft::parts {
 namespace {
@@ -16,8 +19,16 @@ std::size_t size_of(const JsonTree& lists, const char* key) { return lists.root.
 
 }  // namespace
 
+std::vector<std::pair<std::uint32_t, std::vector<Triangle>>> by_material(const RenderMesh& mesh) {
+  std::map<std::uint32_t, std::vector<Triangle>> groups;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    groups[mesh.material_of.empty() ? kNone : mesh.material_of[t]].push_back(mesh.triangles[t]);
+  return {std::make_move_iterator(groups.begin()), std::make_move_iterator(groups.end())};
+}
+
 JsonTree material_lists(const Materials& materials, std::size_t textures, std::size_t samplers, std::size_t images) {
-  JsonTree lists = parsed_json(materials.text);
+  JsonTree lists(json::object());
+  if (outline_fault(materials.text).empty()) lists = parsed_json(materials.text);
   for (const char* key : {"materials", "textures", "samplers", "images"}) {
     if (lists.root.is_object() && lists.root.contains(key) && lists.root[key].is_array()) continue;
     if (!lists.root.is_object()) lists = JsonTree(json::object());   // a host's own, which is no JSON

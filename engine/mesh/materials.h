@@ -1,7 +1,10 @@
 // Materials as JSON: what is done to those that a file has, on their way into another file. Internal.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "engine/json_tree.h"
 #include "engine/mesh.h"
@@ -22,7 +25,11 @@ void for_textures(Json& value, const Act& act) {
   }
 }
 
-/// The lists of a text, numbers in them raised as if so many materials' textures and images came before; see Materials::text.
+/// Triangles by their materials, in their order; those without one last.
+std::vector<std::pair<std::uint32_t, std::vector<Triangle>>> by_material(const RenderMesh& mesh);
+
+/// The lists of a text, numbers in them raised as if so many materials' textures and images came before; see Materials::text. A host's
+/// own text may be anything: what is no JSON, too long or too deep (engine/mesh/outline.h) has empty lists.
 JsonTree material_lists(const Materials& materials, std::size_t textures = 0, std::size_t samplers = 0, std::size_t images = 0);
 
 /// The extensions that are used in a value, added to a list of names.

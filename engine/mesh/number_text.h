@@ -19,8 +19,8 @@ inline constexpr std::size_t kNumberLength = 15;   // at most: -1.17549435e-38
 
 /// Writes it to a place of kNumberLength; returns its end, behind which anything may stand in that place.
 inline char* put_number(float value, char* to) {
-  // Nine decimals are nine digits or more, or as good as these: the error of 5e-10 is below 3e-8 of the size.
-  constexpr double kSmallest = 0.02, kLargest = 1000;
+  // Nine decimals are nine digits or more, or as good as these: the error of 5e-10 is below 3e-8 of the size. Of the small ones twelve are.
+  constexpr double kSmallest = 2e-5, kSmall = 0.02, kLargest = 1000;
   constexpr std::uint64_t kNine = 1'000'000'000;
   static constexpr auto pairs = [] {
     std::array<char, 200> text{};
@@ -30,14 +30,18 @@ inline char* put_number(float value, char* to) {
   const double size = std::abs(static_cast<double>(value));
   if (!(size >= kSmallest && size < kLargest)) return std::to_chars(to, to + kNumberLength, value).ptr;
   if (value < 0) *to++ = '-';
-  const auto scaled = static_cast<std::uint64_t>(size * static_cast<double>(kNine) + 0.5);
+  const bool is_small = size < kSmall;
+  const auto scaled = static_cast<std::uint64_t>(size * (is_small ? 1000 * static_cast<double>(kNine) : static_cast<double>(kNine)) + 0.5);
   const auto whole = static_cast<std::uint32_t>(scaled / kNine);
   auto rest = static_cast<std::uint32_t>(scaled % kNine);
-  if (whole >= 100) *to++ = static_cast<char>('0' + whole / 100);
-  if (whole >= 10) *to++ = static_cast<char>('0' + whole / 10 % 10);
+  if (is_small) {
+    for (const char c : {'0', '.'}) *to++ = c;
+  }
+  if (is_small || whole >= 100) *to++ = static_cast<char>('0' + whole / 100);
+  if (is_small || whole >= 10) *to++ = static_cast<char>('0' + whole / 10 % 10);
   *to++ = static_cast<char>('0' + whole % 10);
-  if (rest == 0) return to;
-  *to++ = '.';
+  if (rest == 0 && !is_small) return to;
+  if (!is_small) *to++ = '.';
   *to = static_cast<char>('0' + rest / 100'000'000);
   rest %= 100'000'000;
   for (int k = 3; k >= 0; --k, rest /= 100) std::memcpy(to + 1 + 2 * k, pairs.data() + 2 * (rest % 100), 2);

@@ -38,6 +38,7 @@ Scene default_scene(const std::filesystem::path& mesh, Vec3 low, Vec3 high) {
   cloth.mesh = mesh.filename().string();
   cloth.anchors.push_back(top_of(low, high));
   cloth.appearance.base_colour = {0.5f, 0.16f, 0.12f};  // stands out from a grey floor
+  cloth.appearance.mesh_materials = true;
 
   const Vec3 size = high - low;
   const float largest = std::max({size.x, size.y, size.z});

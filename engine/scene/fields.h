@@ -71,6 +71,7 @@ void fields(V& v, Appearance& appearance) {
   v.number("roughness_factor", appearance.roughness_factor, between(0, 1));
   v.number("metallic", appearance.metallic, between(0, 1));
   v.vector2("repeat", appearance.repeat, above(0, 1e4));
+  v.flag("mesh_materials", appearance.mesh_materials);
 }
 
 template <class V>

@@ -15,16 +15,20 @@ constexpr compute::ImageUse kLeft{VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPEL
 
 }  // namespace
 
-void Shading::State::record_cloths(VkCommandBuffer commands, const Poses& poses, VkPipeline pipeline, std::uint32_t view) {
+void Shading::State::record_cloths(VkCommandBuffer commands, const Poses& poses, const compute::OwnedPipeline& whole,
+                                   const compute::OwnedPipeline& cut, std::uint32_t view) {
   if (cloths.empty()) return;
   const compute::Functions& vk = device->vk();
   const VkPipelineLayout layout = pipelines.cloth_layout.get();
-  vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
   const VkBuffer buffers[] = {poses.positions.buffer, poses.normals.buffer, geometry[0].handle};
   const VkDeviceSize offsets[] = {poses.positions.offset, poses.normals.offset, 0};
   vk.vkCmdBindVertexBuffers(commands, 0, 3, buffers, offsets);
   vk.vkCmdBindIndexBuffer(commands, geometry[1].handle, 0, VK_INDEX_TYPE_UINT32);
+  VkPipeline bound = VK_NULL_HANDLE;
   for (const DrawnCloth& cloth : cloths) {
+    const VkPipeline pipeline = cloth.push.cutoff > 0 ? cut.get() : whole.get();
+    if (pipeline != bound) vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
+    bound = pipeline;
     const VkDescriptorSet sets[] = {frame_set.set.handle(), cloth.maps.handle()};
     vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 2, sets, 0, nullptr);
     shading::Cloth push = cloth.push;
@@ -72,14 +76,14 @@ void Shading::State::record_picture(VkCommandBuffer commands, const Poses& poses
 
   change_use(*device, commands, targets.sun_depth, compute::kUnused, compute::kDepthTarget);
   compute::begin_drawing(*device, commands, {.depth = &targets.sun_depth, .clear_depth = 1});
-  record_cloths(commands, poses, pipelines.cloth_sun.get(), WEFT_VIEW_SUN);
+  record_cloths(commands, poses, pipelines.cloth_sun, pipelines.cut_sun, WEFT_VIEW_SUN);
   record_solids(commands, pipelines.solid_sun.get(), WEFT_VIEW_SUN);
   compute::end_drawing(*device, commands);
   change_use(*device, commands, targets.sun_depth, compute::kDepthTarget, compute::kSampled);
 
   change_use(*device, commands, targets.camera_depth, compute::kUnused, compute::kDepthTarget);
   compute::begin_drawing(*device, commands, {.depth = &targets.camera_depth, .clear_depth = 0});
-  record_cloths(commands, poses, pipelines.cloth_depth.get(), WEFT_VIEW_CAMERA);
+  record_cloths(commands, poses, pipelines.cloth_depth, pipelines.cut_depth, WEFT_VIEW_CAMERA);
   record_solids(commands, pipelines.solid_depth.get(), WEFT_VIEW_CAMERA);
   compute::end_drawing(*device, commands);
   change_use(*device, commands, targets.camera_depth, compute::kDepthTarget, compute::kSampled);
@@ -96,7 +100,7 @@ void Shading::State::record_picture(VkCommandBuffer commands, const Poses& poses
                           .depth = &targets.sample_depth,
                           .clear_depth = 0,
                           .keep_depth = false});
-  record_cloths(commands, poses, pipelines.cloth.get(), WEFT_VIEW_CAMERA);
+  record_cloths(commands, poses, pipelines.cloth, pipelines.cloth, WEFT_VIEW_CAMERA);
   record_solids(commands, pipelines.solid.get(), WEFT_VIEW_CAMERA);
   const VkDescriptorSet set = frame_set.set.handle();
   vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines.sky.get());

@@ -19,11 +19,12 @@ constexpr std::array<VkVertexInputAttributeDescription, 3> kClothAttributes{{
     {1, 1, VK_FORMAT_R32G32B32_SFLOAT, 0},
     {2, 2, VK_FORMAT_R32G32_SFLOAT, 0},
 }};
+constexpr std::array<VkVertexInputAttributeDescription, 2> kCutAttributes{kClothAttributes[0], kClothAttributes[2]};
 
 }  // namespace
 
 Result<Pipelines> Pipelines::create(const compute::Device& device, VkDescriptorSetLayout frame_set,
-                                    VkDescriptorSetLayout cloth_set) {
+                                    VkDescriptorSetLayout cloth_set, bool cut) {
   constexpr VkShaderStageFlags kStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
   Pipelines made;
   const std::array cloth_sets = {frame_set, cloth_set};
@@ -77,6 +78,12 @@ Result<Pipelines> Pipelines::create(const compute::Device& device, VkDescriptorS
     request.attributes = kClothAttributes;
     return request;
   };
+  const auto of_cut = [&](const compute::DrawPipelineRequest& request, const char* name) {
+    compute::DrawPipelineRequest made_so = of_cloth(request, name, shader("shading/cut.frag"));
+    made_so.vertex = shader("shading/cut.vert");
+    made_so.attributes = kCutAttributes;
+    return made_so;
+  };
   const auto of_solid = [&](compute::DrawPipelineRequest request, std::string name, std::span<const std::uint32_t> fragment,
                             VkCullModeFlags cull) {
     request.name = std::move(name);
@@ -102,8 +109,10 @@ Result<Pipelines> Pipelines::create(const compute::Device& device, VkDescriptorS
     compute::DrawPipelineRequest request;
   } wanted[] = {
       {&made.cloth_sun, of_cloth(sun, "cloth sun", none)},
+      {&made.cut_sun, of_cut(sun, "cut cloth sun")},
       {&made.solid_sun, of_solid(sun, "solid sun", none, VK_CULL_MODE_NONE)},
       {&made.cloth_depth, of_cloth(depth, "cloth depth", none)},
+      {&made.cut_depth, of_cut(depth, "cut cloth depth")},
       {&made.solid_depth, of_solid(depth, "solid depth", none, VK_CULL_MODE_BACK_BIT)},
       {&made.occlusion, of_screen(screen, "occlusion", shader("shading/occlusion.frag"))},
       {&made.smooth, of_screen(screen, "smooth", shader("shading/smooth.frag"))},
@@ -112,6 +121,7 @@ Result<Pipelines> Pipelines::create(const compute::Device& device, VkDescriptorS
       {&made.sky, of_screen(behind, "sky", shader("shading/sky.frag"))},
   };
   for (const auto& [pipeline, request] : wanted) {
+    if (!cut && (pipeline == &made.cut_sun || pipeline == &made.cut_depth)) continue;
     auto created = compute::create_draw_pipeline(device, request);
     if (!created) return created.take_error();
     *pipeline = std::move(*created);

@@ -1,5 +1,6 @@
 #include "engine/shading/shading.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -9,11 +10,6 @@
 
 namespace weft {
 namespace {
-
-template <class T>
-std::span<const std::byte> bytes_of(const std::vector<T>& values) {
-  return std::as_bytes(std::span(values));
-}
 
 // One vertex view of a frame must be what the pipelines were made for.
 Result<void> check(const FrameView& view, const char* name, std::size_t vertices) {
@@ -31,38 +27,7 @@ Vec3 floor_colour(const Scene& scene) {
   return {0.3f, 0.3f, 0.3f};
 }
 
-// The i-th of what is drawn: a cloth, or a mesh collider after all cloths. Colliders look as the other shapes do (layout.cpp).
-struct Drawn {
-  std::string name;
-  Appearance look;
-  double transmission = 0;
-};
-
-Result<Drawn> drawn_of(const Scene& scene, std::size_t i, const ShadedCloth& shaded) {
-  if (shaded.appearance != nullptr) {
-    const std::string name = i < scene.cloths.size() ? scene.cloths[i].name : std::to_string(i);
-    return Drawn{"cloth \"" + name + "\"", *shaded.appearance, shaded.transmission};
-  }
-  const std::vector<std::uint32_t> meshes = mesh_colliders(scene);
-  const std::size_t k = i - scene.cloths.size();   // a cloth wraps around and is beyond them
-  if (k >= meshes.size()) return fail("cloth ", i, " has no appearance, and is no mesh collider of the scene");
-  Drawn drawn{"collider " + std::to_string(meshes[k]), {}, 0};
-  drawn.look.base_colour = scene.colliders[meshes[k]].colour;
-  drawn.look.roughness_factor = 0.45;
-  return drawn;
-}
-
 }  // namespace
-
-std::vector<ShadedCloth> shaded_cloths(const Scene& scene, const CookedFabric& fabric, std::span<const Mesh> meshes) {
-  std::vector<ShadedCloth> cloths;
-  for (const Cloth& cloth : scene.cloths)
-    cloths.push_back({.mesh = &meshes[cloths.size()].render, .appearance = &cloth.appearance, .shown = cloth.render_mesh.empty()});
-  for (std::size_t k = 0; k < mesh_colliders(scene).size(); ++k) cloths.push_back({.mesh = &meshes[cloths.size()].render});
-  for (const CarriedMesh& carried : fabric.render_meshes)
-    cloths.push_back({.mesh = &meshes[cloths.size()].render, .appearance = &scene.cloths[carried.cloth].appearance});
-  return cloths;
-}
 
 Shading::State::~State() {
   try {
@@ -96,101 +61,6 @@ Result<void> Shading::State::create_frame() {
   return {};
 }
 
-Result<void> Shading::Geometry::add(const std::string& name, const RenderMesh& mesh) {
-  for (const Triangle& triangle : mesh.triangles)
-    for (std::uint32_t vertex : triangle)
-      if (vertex >= mesh.positions.size())
-        return fail("a triangle of ", name, " refers to vertex ", vertex, ", but there are ", mesh.positions.size());
-  const std::size_t first = uvs.size();
-  uvs.insert(uvs.end(), mesh.uvs.begin(), mesh.uvs.end());
-  uvs.resize(first + mesh.positions.size());  // a mesh without texture coordinates has zeros
-  triangles.insert(triangles.end(), mesh.triangles.begin(), mesh.triangles.end());
-  return {};
-}
-
-Result<void> Shading::State::create_cloths(const Scene& scene, std::span<const ShadedCloth> shaded) {
-  auto sampler = compute::create_sampler(*device, "map sampler", {.linear = true, .repeat = true});
-  if (!sampler) return sampler.take_error();
-  map_sampler = std::move(*sampler);
-  constexpr VkDescriptorType kMap = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-  const std::array bindings = {compute::DescriptorBinding{0, kMap}, compute::DescriptorBinding{1, kMap},
-                               compute::DescriptorBinding{2, kMap}, compute::DescriptorBinding{3, kMap}};
-  auto layout = compute::DescriptorLayout::create(*device, "cloth maps", bindings, VK_SHADER_STAGE_FRAGMENT_BIT);
-  if (!layout) return layout.take_error();
-  map_layout = std::move(*layout);
-
-  Geometry all;
-  for (std::size_t i = 0; i < shaded.size(); ++i) {
-    const RenderMesh& mesh = *shaded[i].mesh;
-    auto described = drawn_of(scene, i, shaded[i]);
-    if (!described) return described.take_error();
-    const auto& [name, look, transmission] = *described;
-    if (mesh.triangles.empty()) return fail(name, " has no triangle to draw");
-
-    DrawnCloth drawn;
-    drawn.first_vertex = static_cast<std::uint32_t>(all.uvs.size());
-    drawn.first_index = static_cast<std::uint32_t>(3 * all.triangles.size());
-    drawn.index_count = shaded[i].shown ? static_cast<std::uint32_t>(3 * mesh.triangles.size()) : 0;
-    drawn.push = {look.base_colour, static_cast<float>(look.roughness_factor), look.repeat, static_cast<float>(look.metallic),
-                  static_cast<float>(transmission), WEFT_VIEW_CAMERA};
-    if (auto added = all.add(name, mesh); !added) return added;
-
-    const struct {
-      const std::string& file;
-      shading::Content content;
-      std::array<std::uint8_t, 4> fallback;
-    } maps[] = {
-        {look.albedo, shading::Content::colour, {255, 255, 255, 255}},
-        {look.normal, shading::Content::data, {128, 128, 255, 255}},
-        {look.roughness, shading::Content::data, {255, 255, 255, 255}},
-        {look.occlusion, shading::Content::data, {255, 255, 255, 255}},
-    };
-    std::vector<compute::DrawBinding> bound;
-    for (const auto& [file, content, fallback] : maps) {
-      auto texture = textures.load(file.empty() ? std::filesystem::path() : scene.folder / file, content, fallback);
-      if (!texture) return fail(name, ": ", texture.why());
-      const VkDescriptorImageInfo image{map_sampler.get(), (*texture)->view(), compute::kSampled.layout};
-      bound.push_back({static_cast<std::uint32_t>(bound.size()), {}, image});
-    }
-    auto set = compute::DrawSet::create(*device, "maps of " + name, map_layout, bound);
-    if (!set) return set.take_error();
-    drawn.maps = std::move(*set);
-    cloths.push_back(std::move(drawn));
-  }
-
-  vertices = all.uvs.size();
-  triangles = all.triangles.size();
-  const std::array requests = {
-      compute::BufferRequest{"shading uvs", all.uvs.size() * sizeof(Vec2),
-                             VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT},
-      compute::BufferRequest{"shading indices", all.triangles.size() * sizeof(Triangle),
-                             VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT},
-  };
-  auto arena = compute::Arena::create(*device, compute::Memory::device, "shading geometry", requests);
-  if (!arena) return arena.take_error();
-  geometry = std::move(*arena);
-  if (cloths.empty()) return {};
-  return send(all);
-}
-
-Result<void> Shading::State::send(const Geometry& all) {
-  const std::array uploads = {compute::Upload{&geometry[0], bytes_of(all.uvs)}, compute::Upload{&geometry[1], bytes_of(all.triangles)}};
-  return compute::upload_all(*device, uploads);
-}
-
-Result<void> Shading::follow(std::span<const ShadedCloth> cloths) try {
-  Geometry all;
-  if (cloths.size() != state_->cloths.size()) return fail(cloths.size(), " cloths were given for ", state_->cloths.size());
-  for (const ShadedCloth& cloth : cloths)
-    if (auto added = all.add("cloth " + std::to_string(&cloth - cloths.data()), *cloth.mesh); !added) return added;
-  if (all.uvs.size() != state_->vertices || all.triangles.size() != state_->triangles)
-    return fail(all.uvs.size(), " vertices and ", all.triangles.size(), " triangles were given for ", state_->vertices, " and ",
-                state_->triangles);
-  return state_->send(all);
-} catch (...) {
-  return caught("the torn cloth's picture");
-}
-
 Result<std::unique_ptr<Shading>> Shading::create(compute::Device& device, const Scene& scene, std::span<const ShadedCloth> cloths,
                                                  VkExtent2D size) try {
   if (!device.draws())
@@ -218,7 +88,8 @@ Result<std::unique_ptr<Shading>> Shading::create(compute::Device& device, const 
   if (auto ready = state.create_frame(); !ready) return ready.take_error();
   if (auto ready = state.resize(size); !ready) return ready.take_error();
   if (auto ready = state.create_cloths(scene, cloths); !ready) return ready.take_error();
-  auto pipelines = shading::Pipelines::create(device, state.frame_set.layout.handle(), state.map_layout.handle());
+  auto pipelines = shading::Pipelines::create(device, state.frame_set.layout.handle(), state.map_layout.handle(),
+                                              std::ranges::any_of(state.cloths, [](const auto& one) { return one.push.cutoff > 0; }));
   if (!pipelines) return pipelines.take_error();
   state.pipelines = std::move(*pipelines);
   return made;
@@ -294,6 +165,8 @@ Result<void> Shading::resize(VkExtent2D size) try {
 } catch (...) {
   return caught("the picture");
 }
+
+std::span<const std::string> Shading::notes() const { return state_->notes; }
 
 VkImage Shading::image() const { return state_->targets.picture.handle(); }
 

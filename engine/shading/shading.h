@@ -11,6 +11,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "compute/result.h"
@@ -53,8 +54,8 @@ class Shading {
   /// `cloths` are the scene's and, where they are to be seen, its mesh colliders and render meshes after them: in the order of
   /// Simulation::meshes().
   /// Loads textures and allocates and compiles everything. `device` must outlive the result and needs a graphics queue.
-  /// Errors: what read_image refuses of a texture; a picture size outside 1 ... 8192; a mesh with no triangle, or with an index out of
-  /// range; a null appearance that is no mesh collider's; neither cloth nor collider; a light without a direction; a device that does not
+  /// Errors: what read_image refuses of a texture; a picture size outside 1 ... 8192; a mesh with no triangle, or with an index or a material
+  /// out of range; a null appearance that is no mesh collider's; neither cloth nor collider; a light without a direction; a device that does not
   /// draw; memory; what Vulkan refuses.
   static Result<std::unique_ptr<Shading>> create(compute::Device& device, const Scene& scene, std::span<const ShadedCloth> cloths,
                                                  VkExtent2D size);
@@ -62,9 +63,12 @@ class Shading {
   Shading(const Shading&) = delete;
   Shading& operator=(const Shading&) = delete;
 
+  /// Sentences of what the materials of meshes' files have and pictures do not show (Appearance::mesh_materials).
+  std::span<const std::string> notes() const;
+
   /// From the next picture on: the triangles and texture coordinates of create's cloths as they are now, where cloth has torn
-  /// (Simulation::splits). As many as in create, and none may be drawn meanwhile. Errors: another number of cloths, vertices or triangles;
-  /// an index out of range; memory; what Vulkan refuses. Nothing has changed then.
+  /// (Simulation::splits). As many as in create, and none may be drawn meanwhile. Errors: another number of cloths, vertices, triangles or
+  /// triangles of a material; an index or a material out of range; memory; what Vulkan refuses. Nothing has changed then.
   Result<void> follow(std::span<const ShadedCloth> cloths);
 
   /// Sets the camera of the pictures that follow.

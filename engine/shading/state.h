@@ -7,6 +7,7 @@
 #include "compute/buffer.h"
 #include "compute/commands.h"
 #include "engine/shading/layout.h"
+#include "engine/shading/looks.h"
 #include "engine/shading/pipelines.h"
 #include "engine/shading/shading.h"
 #include "engine/shading/targets.h"
@@ -18,8 +19,14 @@ namespace weft {
 struct Shading::Geometry {
   std::vector<Vec2> uvs;
   std::vector<Triangle> triangles;
-  /// Errors: an index out of range.
-  Result<void> add(const std::string& name, const RenderMesh& mesh);
+  /// Triangles that follow each other and look alike.
+  struct Run {
+    std::uint32_t material = kNone, first_vertex = 0, first_triangle = 0, triangles = 0;
+    bool operator==(const Run&) const = default;
+  };
+  std::vector<Run> runs;
+  /// In one run, or one for each material. Errors: an index or a material out of range.
+  Result<void> add(const std::string& name, const ShadedCloth& cloth);
 };
 
 struct Shading::State {
@@ -28,7 +35,7 @@ struct Shading::State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
-  /// One cloth's share of the vertex and index buffers, and its four maps.
+  /// One run's share of the vertex and index buffers, and its four maps.
   struct DrawnCloth {
     std::uint32_t first_vertex = 0, first_index = 0, index_count = 0;
     shading::Cloth push;
@@ -41,7 +48,9 @@ struct Shading::State {
   std::vector<Collider> colliders;
   shading::Frame frame{};
   float tile = 1;
-  std::size_t vertices = 0, triangles = 0;
+  std::size_t meshes = 0, vertices = 0, triangles = 0;
+  std::vector<Geometry::Run> runs;
+  std::vector<std::string> notes;
 
   compute::Arena upload;    // the frame block
   compute::Arena readback;  // the picture
@@ -63,6 +72,7 @@ struct Shading::State {
   /// What has the picture's size, and the camera that sees all of it: made first, then put in place of what there was.
   Result<void> resize(VkExtent2D to);
   Result<void> create_cloths(const Scene& scene, std::span<const ShadedCloth> shaded);
+  Result<compute::DrawSet> maps_of(shading::Look& look);
   Result<void> send(const Geometry& all);
 
   Result<void> wait();
@@ -71,7 +81,9 @@ struct Shading::State {
   Result<void> prepare(const Poses& poses);
   void record_picture(VkCommandBuffer commands, const Poses& poses);
   Result<void> record_copy(const Poses& poses);   // all of draw's commands
-  void record_cloths(VkCommandBuffer commands, const Poses& poses, VkPipeline pipeline, std::uint32_t view);
+  /// `cut` is for what has holes in its texture.
+  void record_cloths(VkCommandBuffer commands, const Poses& poses, const compute::OwnedPipeline& whole, const compute::OwnedPipeline& cut,
+                     std::uint32_t view);
   void record_solids(VkCommandBuffer commands, VkPipeline pipeline, std::uint32_t view);
   void record_screen(VkCommandBuffer commands, const compute::DeviceImage& target, VkPipeline pipeline);
 };

@@ -26,6 +26,33 @@ std::vector<std::byte> bytes_of(const std::vector<float>& texels, Content conten
   return out;
 }
 
+// A texel that changes nothing.
+Image nothing(Map map) {
+  if (map == Map::normal) return {1, 1, {128, 128, 255, 255}};
+  return {1, 1, {255, 255, 255, 255}};
+}
+
+std::uint8_t scaled(std::uint8_t value, double about, double by) {
+  return static_cast<std::uint8_t>(std::clamp(std::lround(about + by * (value - about)), 0L, 255L));
+}
+
+// One texel of a file, to one that cloth.frag reads.
+void take(const Source& source, std::uint8_t* texel) {
+  switch (source.map) {
+    case Map::roughness: texel[1] = 255; break;   // the picture is grey, and all of it is as metallic as the scene says
+    case Map::surface:
+      texel[0] = texel[1];
+      texel[1] = texel[2];
+      break;
+    case Map::normal:
+      if (source.strength == 1) break;
+      for (int c = 0; c < 2; ++c) texel[c] = scaled(texel[c], 127.5, source.strength);
+      break;
+    case Map::occlusion: texel[0] = scaled(texel[0], 255, source.strength); break;
+    case Map::albedo: break;
+  }
+}
+
 }  // namespace
 
 std::vector<std::vector<std::byte>> mip_levels(const Image& image, Content content) {
@@ -56,21 +83,20 @@ std::vector<std::vector<std::byte>> mip_levels(const Image& image, Content conte
   return levels;
 }
 
-Result<const compute::DeviceImage*> Textures::load(const std::filesystem::path& file, Content content,
-                                                   std::array<std::uint8_t, 4> fallback) {
-  // A fallback's name holds its texel: fallbacks differ in colour, not in path.
-  std::string name = file.string();
-  if (file.empty())
-    for (std::uint8_t value : fallback) name += std::to_string(value) + " ";
-  const auto key = std::pair(name, content);
+Result<const compute::DeviceImage*> Textures::load(const Source& source) {
+  const auto key = std::tuple(source.map, source.file.string(), source.embedded, source.strength);
   if (const auto known = found_.find(key); known != found_.end()) return known->second;
 
-  Image image{1, 1, {fallback.begin(), fallback.end()}};
-  if (!file.empty()) {
-    auto read = read_image(file);
+  const bool is_there = source.embedded != nullptr || !source.file.empty();
+  const std::string name = source.embedded != nullptr ? "an embedded picture" : source.file.string();
+  Image image = nothing(source.map);
+  if (is_there) {
+    auto read = source.embedded != nullptr ? decode_image(*source.embedded, name) : read_image(source.file);
     if (!read) return read.take_error();
     image = std::move(*read);
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4) take(source, &image.rgba[i]);
   }
+  const Content content = source.map == Map::albedo ? Content::colour : Content::data;
   const VkFormat format = content == Content::colour ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM;
   auto texture =
       compute::create_texture(*device_, "texture " + name, format, {image.width, image.height}, mip_levels(image, content));

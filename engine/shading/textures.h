@@ -1,16 +1,15 @@
-// Textures from files: read once each, mip levels made on the CPU.
+// Textures of looks: each read once, mip levels made on the CPU.
 #pragma once
 
-#include <array>
 #include <deque>
-#include <filesystem>
 #include <map>
 #include <string>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "compute/raster.h"
 #include "engine/image.h"
+#include "engine/shading/looks.h"
 
 namespace weft::shading {
 
@@ -20,19 +19,19 @@ enum class Content { colour, data };  // sRGB, averaged in linear light; plain n
 /// mean gets shorter where they disagree: the shader turns that into roughness.
 std::vector<std::vector<std::byte>> mip_levels(const Image& image, Content content);
 
-/// Owns the textures; the same file with the same content is loaded once.
+/// Owns the textures; the same picture for the same map is loaded once.
 class Textures {
  public:
   explicit Textures(const compute::Device& device) : device_(&device) {}
 
-  /// `file` empty: a single texel of `fallback`. The pointer is valid as long as this.
-  Result<const compute::DeviceImage*> load(const std::filesystem::path& file, Content content,
-                                           std::array<std::uint8_t, 4> fallback);
+  /// As cloth.frag reads it: roughness in red and metal in green, slopes and occlusion as strong as the source says. The pointer is
+  /// valid as long as this.
+  Result<const compute::DeviceImage*> load(const Source& source);
 
  private:
   const compute::Device* device_;
   std::deque<compute::DeviceImage> images_;
-  std::map<std::pair<std::string, Content>, const compute::DeviceImage*> found_;
+  std::map<std::tuple<Map, std::string, const std::string*, double>, const compute::DeviceImage*> found_;
 };
 
 }  // namespace weft::shading

@@ -239,6 +239,7 @@ Result<void> Viewer::record_rendered(VkCommandBuffer commands, VkExtent2D size) 
     auto made = Shading::create(window_->device(), simulation.scene(), cloths, size);
     if (!made) return made.take_error();
     shading_ = std::move(*made);
+    for (const std::string& note : shading_->notes()) std::printf("note: %s\n", note.c_str());
     rendered_splits_ = simulation.splits();
   } else if (!are_same(shading_size_, size)) {
     if (auto done = shading_->resize(size); !done) return done;

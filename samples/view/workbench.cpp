@@ -53,18 +53,20 @@ Result<std::unique_ptr<Workbench>> Workbench::create(const compute::Device& devi
 Workbench::Lists Workbench::lists() const {
   Lists lists;
   const std::size_t cloths = simulation_->fabric().cloths.size();
-  for (const Mesh& mesh : simulation_->meshes()) {
-    const bool is_cloth = static_cast<std::size_t>(&mesh - simulation_->meshes().data()) < cloths;
+  for (const ShadedCloth& shaded : shaded_cloths(simulation_->scene(), simulation_->fabric(), simulation_->meshes())) {
+    const RenderMesh& mesh = *shaded.mesh;
+    const bool is_simulated = lists.meshes++ < cloths;
     const auto first = static_cast<std::uint32_t>(lists.uvs.size());
-    for (const Triangle& t : mesh.render.triangles) {
-      const auto& at = mesh.render.positions;
-      const Vec3 sides{length(at[t[1]] - at[t[0]]), length(at[t[2]] - at[t[1]]), length(at[t[0]] - at[t[2]])};
-      lists.sides += (sides.x + sides.y + sides.z) / 3;
-      for (const std::uint32_t vertex : t) lists.corners.push_back(first + vertex);
-      lists.rests.push_back(is_cloth ? Vec4{sides.x, sides.y, sides.z, 0} : Vec4{});
-    }
-    lists.uvs.insert(lists.uvs.end(), mesh.render.uvs.begin(), mesh.render.uvs.end());
-    lists.uvs.resize(first + mesh.render.positions.size());
+    for (const auto& [material, triangles] : shading::runs_of(mesh, shaded.appearance))
+      for (const Triangle& t : triangles) {
+        const auto& at = mesh.positions;
+        const Vec3 sides{length(at[t[1]] - at[t[0]]), length(at[t[2]] - at[t[1]]), length(at[t[0]] - at[t[2]])};
+        lists.sides += (sides.x + sides.y + sides.z) / 3;
+        for (const std::uint32_t vertex : t) lists.corners.push_back(first + vertex);
+        lists.rests.push_back(is_simulated ? Vec4{sides.x, sides.y, sides.z, 0} : Vec4{});
+      }
+    lists.uvs.insert(lists.uvs.end(), mesh.uvs.begin(), mesh.uvs.end());
+    lists.uvs.resize(first + mesh.positions.size());
   }
   return lists;
 }
@@ -79,7 +81,7 @@ Result<void> Workbench::follow() {
 Result<void> Workbench::create_geometry() {
   const Scene& scene = simulation_->scene();
   const Lists all = lists();
-  const auto& [corners, rests, uvs, sides] = all;
+  const auto& [corners, rests, uvs, sides, meshes] = all;
   std::vector<std::span<const Vec3>> places;
   for (const Mesh& mesh : simulation_->meshes()) places.emplace_back(mesh.render.positions);
   vertices_ = static_cast<std::uint32_t>(uvs.size());
@@ -110,14 +112,18 @@ Result<void> Workbench::create_geometry() {
   return take(compute::Arena::create(*device_, compute::Memory::upload, "view frame", {&block, 1}), upload_);
 }
 
-Result<const compute::DeviceImage*> Workbench::texture(const std::string& file, shading::Content content,
-                                                       std::array<std::uint8_t, 4> fallback) {
-  if (!file.empty()) {
-    auto loaded = textures_.load(simulation_->scene().folder / file, content, fallback);
-    if (loaded) return loaded;
-    if (std::ranges::find(notes_, loaded.error()) == notes_.end()) notes_.push_back(loaded.error());
+Result<compute::DrawSet> Workbench::maps_of(const shading::Look& look) {
+  std::vector<compute::DrawBinding> bound;
+  for (const shading::Source& source : look.maps) {
+    auto loaded = textures_.load(source);
+    if (!loaded) {
+      if (std::ranges::find(notes_, loaded.error()) == notes_.end()) notes_.push_back(loaded.error());
+      loaded = textures_.load({.map = source.map});
+    }
+    if (!loaded) return loaded.take_error();
+    bound.push_back({static_cast<std::uint32_t>(bound.size()), {}, {sampler_.get(), (*loaded)->view(), compute::kSampled.layout}});
   }
-  return textures_.load({}, content, fallback);
+  return compute::DrawSet::create(*device_, "view maps", maps_layout_, bound);
 }
 
 Result<void> Workbench::create_parts() {
@@ -132,35 +138,29 @@ Result<void> Workbench::create_parts() {
   if (auto done = take(compute::DescriptorLayout::create(*device_, "view", bindings, kStages), layout_); !done) return done;
 
   const Scene& scene = simulation_->scene();
-  const CookedFabric& fabric = simulation_->fabric();
   const std::vector<std::uint32_t> bodies = mesh_colliders(scene);
+  const std::vector<ShadedCloth> shaded = shaded_cloths(scene, simulation_->fabric(), simulation_->meshes());
   std::uint32_t first = 0;
-  for (std::size_t k = 0; k < simulation_->meshes().size(); ++k) {
-    const auto count = static_cast<std::uint32_t>(simulation_->meshes()[k].render.triangles.size());
-    Part part;
-    part.first_triangle = first;
-    first += count;
-    const std::size_t cloths = scene.cloths.size();
-    part.is_cloth = k < cloths || k >= cloths + bodies.size();
-    // A cloth that carries a render mesh is not drawn itself.
-    if (k >= cloths || scene.cloths[k].render_mesh.empty()) part.triangles = count;
-    Appearance look;
-    if (k < cloths) look = scene.cloths[k].appearance;
-    else if (part.is_cloth) look = scene.cloths[fabric.render_meshes[k - cloths - bodies.size()].cloth].appearance;
-    else look.base_colour = scene.colliders[bodies[k - cloths]].colour;
-    part.colour = look.base_colour;
-    part.repeat = look.repeat;
-    const std::array files = {texture(look.albedo, shading::Content::colour, {255, 255, 255, 255}),
-                              texture(look.normal, shading::Content::data, {128, 128, 255, 255}),
-                              texture(look.roughness, shading::Content::data, {255, 255, 255, 255}),
-                              texture(look.occlusion, shading::Content::data, {255, 255, 255, 255})};
-    std::vector<compute::DrawBinding> bound;
-    for (const auto& file : files) {
-      if (!file) return fail(file.why());
-      bound.push_back({static_cast<std::uint32_t>(bound.size()), {}, {sampler_.get(), (*file)->view(), compute::kSampled.layout}});
+  for (std::size_t k = 0; k < shaded.size(); ++k) {
+    const auto& [mesh, appearance, transmission, shown] = shaded[k];
+    Appearance plain;
+    if (appearance == nullptr) plain.base_colour = scene.colliders[bodies[k - scene.cloths.size()]].colour;
+    const shading::Look own = shading::look_of("view", appearance != nullptr ? *appearance : plain, scene.folder);
+    std::vector<shading::Look> looks;
+    std::vector<std::string> left;   // the picture says so
+    if (mesh->materials) looks = shading::looks_of("view", *mesh->materials, left);
+    for (const auto& [material, triangles] : shading::runs_of(*mesh, appearance)) {
+      const shading::Look& look = material < looks.size() ? looks[material] : own;
+      Part part;
+      part.first_triangle = first;
+      first += static_cast<std::uint32_t>(triangles.size());
+      if (shown) part.triangles = static_cast<std::uint32_t>(triangles.size());
+      part.is_cloth = appearance != nullptr;
+      part.colour = look.base_colour;
+      part.repeat = look.repeat;
+      if (auto done = take(maps_of(look), part.maps); !done) return done;
+      parts_.push_back(std::move(part));
     }
-    if (auto done = take(compute::DrawSet::create(*device_, "view maps", maps_layout_, bound), part.maps); !done) return done;
-    parts_.push_back(std::move(part));
   }
   return create_segments(0);
 }

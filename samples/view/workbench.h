@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "compute/raster.h"
+#include "engine/shading/shading.h"
 #include "engine/shading/textures.h"
 #include "engine/simulation.h"
 #include "samples/view/view.h"
@@ -44,7 +45,7 @@ class Workbench {
   std::uint32_t triangles() const { return triangles_; }
 
  private:
-  struct Part {
+  struct Part {   // what looks alike
     std::uint32_t first_triangle = 0, triangles = 0;   // none: it is not drawn itself
     Vec3 colour;
     Vec2 repeat{1, 1};
@@ -60,6 +61,7 @@ class Workbench {
     std::vector<Vec4> rests;   // m: lengths of sides
     std::vector<Vec2> uvs;
     double sides = 0;          // m, the sum of the means
+    std::size_t meshes = 0;
   };
   Lists lists() const;
   Result<void> create_geometry();
@@ -68,7 +70,7 @@ class Workbench {
   Result<void> create_targets(VkExtent2D size);
   Result<void> create_segments(std::size_t ends);
   Result<void> create_set();
-  Result<const compute::DeviceImage*> texture(const std::string& file, shading::Content content, std::array<std::uint8_t, 4> fallback);
+  Result<compute::DrawSet> maps_of(const shading::Look& look);
   void record_surfaces(VkCommandBuffer commands, const Look& look) const;
   void record_solids(VkCommandBuffer commands, const Camera& camera) const;
   void record_lines(VkCommandBuffer commands, const Look& look, std::span<const Segments> lines) const;

@@ -1,5 +1,7 @@
 #include "samples/weft/painter.h"
 
+#include <cstdio>
+
 #include "samples/weft/console.h"
 #include "samples/weft/subject.h"
 
@@ -11,6 +13,7 @@ Exit Painter::create(compute::Device& device, const Simulation& simulation, VkEx
   auto shading = Shading::create(device, scene, cloths, size);
   if (shading) {
     shading_ = std::move(*shading);
+    for (const std::string& note : shading_->notes()) std::printf("note: %s\n", note.c_str());
     return kDone;
   }
   const std::vector<std::string> faults = file_faults(scene);

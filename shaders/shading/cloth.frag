@@ -41,15 +41,18 @@ void main() {
   s.smooth_normal = smooth_normal;
   vec3 map = 2.0 * texture(normal_map, in_uv).xyz - 1.0;
   s.normal = mapped_normal(smooth_normal, map);
-  s.albedo = cloth.colour * texture(albedo_map, in_uv).rgb;
+  vec4 albedo = texture(albedo_map, in_uv);
+  s.albedo = cloth.colour * albedo.rgb;
   // Far away, one texel of a small mip level stands for many directions; their mean is short, and what was relief becomes
   // roughness (Toksvig 2005).
   float spread = clamp((1.0 - length(map)) * 2.0, 0.0, 0.5);
-  float roughness = clamp(cloth.roughness * texture(roughness_map, in_uv).r, 0.05, 1.0);
+  vec2 rough_metal = texture(roughness_map, in_uv).rg;
+  float roughness = clamp(cloth.roughness * rough_metal.r, 0.05, 1.0);
   s.roughness = clamp(sqrt(sqrt(roughness * roughness * roughness * roughness + spread * spread)), 0.05, 1.0);
-  s.metallic = cloth.metallic;
+  s.metallic = cloth.metallic * rough_metal.g;
   s.occlusion = texture(occlusion_texture, in_uv).r * screen_occlusion();
-  s.fuzz = 0.15 * smoothstep(0.45, 0.8, roughness) * (1.0 - cloth.metallic);
+  s.fuzz = 0.15 * smoothstep(0.45, 0.8, roughness) * (1.0 - s.metallic);
   s.transmission = cloth.transmission;
+  if (albedo.a < cloth.cutoff) discard;   // last: its neighbours took their gradients from it
   out_colour = picture(reflected(s), gl_FragCoord.xy);
 }

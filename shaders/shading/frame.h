@@ -74,12 +74,13 @@ struct Cloth {
   float metallic;
   float transmission;
   uint view;       // WEFT_VIEW_*
+  float cutoff;    // what has less alpha is not there
 };
 
 #ifdef __cplusplus
 static_assert(sizeof(Frame) == 2 * 64 + 4 * 16 + 6 * 16 + 3 * 16);
 static_assert(sizeof(Solid) == 100);
-static_assert(sizeof(Cloth) == 36);
+static_assert(sizeof(Cloth) == 40);
 }  // namespace weft::shading
 #endif
 #endif

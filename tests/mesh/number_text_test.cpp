@@ -17,7 +17,7 @@ std::string text_of(float value) {
 
 TEST(NumberText, reads_back_as_the_same_bits) {
   std::size_t longest = 0;
-  // Every 1009th float, both signs: 8 million. (All of those from 2^-7 to 2^10, which the quick way writes, were gone through by hand.)
+  // Every 1009th float, both signs: 8 million. (All of those from 2^-16 to 2^10, which the quick way writes, were gone through by hand.)
   for (std::uint32_t bits = 0; bits < 0x7f800000u; bits += 1009)
     for (const std::uint32_t sign : {0u, 0x80000000u}) {
       const auto value = std::bit_cast<float>(bits | sign);
@@ -41,6 +41,8 @@ TEST(NumberText, is_short_where_the_number_is) {
   EXPECT_EQ(text_of(999.99994f), "999.999938965");
   EXPECT_EQ(text_of(1000), "1000");
   EXPECT_EQ(text_of(1e-20f), "1e-20");
+  EXPECT_EQ(text_of(0.0078125f), "0.0078125");
+  EXPECT_EQ(text_of(-0.01f), "-0.009999999776");
 }
 
 }  // namespace

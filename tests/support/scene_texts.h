@@ -50,7 +50,7 @@ inline constexpr const char* kFull = R"({
      "anchors": [{"top": 0.02, "every": 8, "keys": [{"time": 0}, {"time": 1, "translate": [0, 1, 0], "axis": [1, 0, 0], "degrees": 720}]},
                  {"box": {"low": [0, 0, 0], "high": [1, 1, 1]}}, {"vertices": [0, 5]}],
      "appearance": {"albedo": "weave.png", "normal": "weave.png", "roughness": "weave.jpg", "occlusion": "weave.jpg",
-                    "base_colour": [1, 0, 0], "roughness_factor": 0.5, "metallic": 0.25, "repeat": [4, 6]}},
+                    "base_colour": [1, 0, 0], "roughness_factor": 0.5, "metallic": 0.25, "repeat": [4, 6], "mesh_materials": true}},
     {"grid": {"size": [2, 3], "cells": [4, 5], "topology": "centre", "upright": true},
      "fabric": "silk", "bend_rest": "mesh", "tethers": false, "skin": {"takes_targets": true}, "meets": ["curtain"],
      "anchors": [{"corners": ["low_high", "high_high"]}]}],
