@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "compute/text.h"
+#include "engine/cache/halves.h"
 #include "engine/cache/layout.h"
 #include "engine/mesh/glb.h"
 #include "engine/mesh/number_text.h"
@@ -21,21 +22,20 @@ constexpr std::string_view kClosing = "    }\n";
 
 // [(x,y,z),(x,y,z)], spaces behind every tuple; the comma after the last becomes the bracket.
 void add_list(std::string& text, std::span<const Vec3> list) {
-  std::size_t place = text.size() + 1;
-  text.resize(place + list.size() * kTuple);
-  text[place - 1] = '[';
-  char* at = text.data() + place - 1;
-  for (const Vec3& p : list) {
-    at = text.data() + place;
-    *at++ = '(';
-    for (const float number : {p.x, p.y, p.z}) *(at = parts::put_number(number, at))++ = ',';
-    at[-1] = ')';
-    *at = ',';
-    place += kTuple;
-    std::fill(at + 1, text.data() + place, ' ');   // numbers may leave digits behind their ends
-  }
+  const std::size_t start = text.size() + 1;
+  text.resize(start + list.size() * kTuple);
+  text[start - 1] = '[';
+  in_halves(list.size(), [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) {
+      char *place = text.data() + start + k * kTuple, *at = place;
+      *at++ = '(';
+      for (const float number : {list[k].x, list[k].y, list[k].z}) *(at = parts::put_number(number, at))++ = ',';
+      at[-1] = ')';
+      *at = k + 1 == list.size() ? ']' : ',';
+      std::fill(at + 1, place + kTuple, ' ');   // numbers may leave digits behind their ends
+    }
+  });
   if (list.empty()) text.push_back(']');
-  else *at = ']';
 }
 
 std::array<Vec3, 2> extent_of(std::span<const Vec3> positions) {
@@ -94,7 +94,7 @@ class Samples : public Layout {
   Result<void> put_frame(std::uint32_t frame, const CacheFrame& content, const Put& put) const override {
     const std::array<Vec3, 2> extent = extent_of(content.positions);
     const std::array<std::span<const Vec3>, 3> lists = {extent, content.positions, content.normals};
-    std::string text;
+    std::string& text = text_;
     for (std::size_t k = 0; k < blocks_.size(); ++k) {
       text = std::to_string(frame + 1);
       text.insert(0, kCode - text.size(), ' ');
@@ -144,6 +144,7 @@ class Samples : public Layout {
 
   std::uint64_t frames_, points_, end_ = 0;
   std::vector<Block> blocks_;
+  mutable std::string text_;   // of a sample: its room is kept for the next one
 };
 
 }  // namespace
