@@ -91,9 +91,9 @@ Result<void> Viewer::run(const ViewerOptions& options) {
     if (options.frames && pictures_ >= *options.frames) break;
   }
   const VkExtent2D size = picture_size();
-  char text[160];
-  std::snprintf(text, sizeof text, "%u pictures, the last of %u x %u; medians: simulated in %.1f ms, drawn in %.1f ms", pictures_,
-                size.width, size.height, median(simulated_times_), median(drawn_times_));
+  char text[200];
+  std::snprintf(text, sizeof text, "%u pictures, the last of %u x %u, and %u frames; medians: simulated in %.1f ms, drawn in %.1f ms",
+                pictures_, size.width, size.height, frames_, median(simulated_times_), median(drawn_times_));
   say(text);
   return {};
 }
@@ -118,14 +118,18 @@ Result<void> Viewer::frame() {
   return is_settled_ ? Result<void>() : draw();
 }
 
-// A frame of the simulation where one is due: as fast as real time, or as fast as it can.
+// Frames of the simulation where they are due: as fast as real time, or as fast as it can. Where a picture takes longer than a frame, as
+// many as take the time of a picture: drawing never has more of the time than the simulation while that is behind.
 void Viewer::step() {
   if (!is_playing_) return;
   const double period = 1 / stage_->scene().solver.rate;
   due_ += speed_ * wall_s_;
-  if (due_ < period) return;
-  due_ = std::min(due_ - period, period);
-  step_once();
+  double spent = 0;
+  for (; is_playing_ && due_ >= period && (spent == 0 || spent < window_->drawn_ms()); spent += simulated_ms_) {
+    due_ -= period;
+    step_once();
+  }
+  due_ = std::min(due_, period);
 }
 
 void Viewer::step_once() {
@@ -135,6 +139,7 @@ void Viewer::step_once() {
   if (!good(compute::wait_for(window_->device(), simulation.ready_semaphore(), simulation.ready_value()))) set_playing(false);
   simulated_ms_ = milliseconds(Clock::now() - start);
   add(simulated_times_, simulated_ms_);
+  ++frames_;
 }
 
 // Nothing moves, and the user does nothing. What a click does takes the interface up to three frames.

@@ -117,7 +117,7 @@ class Viewer {
   std::uint32_t drawn_since_heard_ = 0;  // pictures
   bool is_settled_ = false;              // nothing has changed since the last picture, which was drawn as fine as it may be
   int slow_ = 0, fast_ = 0;              // frames in a row
-  std::uint32_t pictures_ = 0;
+  std::uint32_t pictures_ = 0, frames_ = 0;   // drawn; simulated
   Clock::time_point last_ = Clock::now();
   Scene draft_;                          // as the panel has it
   Tuning tuning_;
