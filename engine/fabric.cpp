@@ -190,6 +190,8 @@ Result<Mesh> grid_mesh(const Grid& grid) {
   return make_grid(grid);
 }
 
+constexpr std::uint64_t kMostImageBytes = std::uint64_t{1} << 30;
+
 }  // namespace
 
 Result<std::vector<Mesh>> make_meshes(const Scene& scene) { return make_meshes_with(scene, {}); }
@@ -198,9 +200,18 @@ Result<std::vector<Mesh>> make_meshes_with(const Scene& scene, const GivenMeshes
   if (const std::string fault = size_fault(scene); !fault.empty()) return fail("cloths: ", fault);
   std::vector<Mesh> meshes;
   std::uint64_t vertices = 0;
+  std::uint64_t image_bytes = 0;
+  std::map<std::string, std::shared_ptr<const weft::Materials>> looks;   // of files: those who show the same one share its pictures
   const auto named = [&](const std::string& name) -> Result<Mesh> {
     const auto made = given.find(name);
-    return made != given.end() ? Result<Mesh>(Mesh(*made->second)) : load_mesh(scene.folder / name, scene.buffer_files);
+    Result<Mesh> mesh = made != given.end() ? Result<Mesh>(Mesh(*made->second)) : load_mesh(scene.folder / name, scene.buffer_files);
+    if (!mesh || !mesh->render.materials) return mesh;
+    const auto [known, is_new] = looks.try_emplace(name, mesh->render.materials);
+    mesh->render.materials = known->second;
+    for (const std::string& image : known->second->images) image_bytes += is_new ? image.size() : 0;
+    if (image_bytes > kMostImageBytes)
+      return fail("the pictures of the scene's meshes have ", image_bytes, " bytes up to here; at most ", kMostImageBytes, " are held");
+    return mesh;
   };
   // Each is looked at before the next is made.
   const auto add = [&](Mesh mesh) -> Result<void> {

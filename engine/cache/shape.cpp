@@ -1,6 +1,7 @@
 // Which vertices of a simulation a cache has, and in which order.
 #include <algorithm>
 #include <cassert>
+#include <map>
 
 #include "engine/cache.h"
 #include "engine/mesh/materials.h"
@@ -43,7 +44,13 @@ void add_source(CachedShape& shape, const Shown& shown, Vec3 origin) {
   }
 }
 
-void add_render(CachedShape& shape, const Shown& shown, Vec3 origin) {
+// The materials of all cloths; those of one file once.
+struct Joined {
+  std::shared_ptr<Materials> all;
+  std::map<const Materials*, std::uint32_t> first;
+};
+
+void add_render(CachedShape& shape, Joined& joined, const Shown& shown, Vec3 origin) {
   const RenderMesh& render = shown.mesh.render;
   const auto first = static_cast<std::uint32_t>(shape.mesh.positions.size());
   for (std::uint32_t v = 0; v < render.positions.size(); ++v) {
@@ -54,11 +61,11 @@ void add_render(CachedShape& shape, const Shown& shown, Vec3 origin) {
   shape.mesh.uvs.insert(shape.mesh.uvs.end(), render.uvs.begin(), render.uvs.end());
   for (const Triangle& t : render.triangles) shape.mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
   if (render.material_of.empty()) return;
-  auto all = std::make_shared<Materials>(shape.mesh.materials ? *shape.mesh.materials : Materials());
-  const std::uint32_t number = parts::append(*all, *render.materials);
-  shape.mesh.materials = std::move(all);
+  if (!joined.all) joined.all = std::make_shared<Materials>();
+  const auto [known, is_new] = joined.first.try_emplace(render.materials.get());
+  if (is_new) known->second = parts::append(*joined.all, *render.materials);
   shape.mesh.material_of.resize(shape.mesh.triangles.size() - render.triangles.size(), kNone);
-  for (const std::uint32_t m : render.material_of) shape.mesh.material_of.push_back(m == kNone ? kNone : number + m);
+  for (const std::uint32_t m : render.material_of) shape.mesh.material_of.push_back(m == kNone ? kNone : known->second + m);
 }
 
 std::vector<Vec3> chosen(const CachedShape& shape, std::span<const Vec3> all, std::span<const Vec3> at_rest) {
@@ -82,11 +89,13 @@ Result<void> check_cached(const Scene& scene) {
 CachedShape cached_shape(const CookedFabric& fabric, std::span<const Mesh> meshes, Vec3 origin, CacheFormat format) {
   assert(meshes.size() == fabric.cloths.size() + fabric.collider_meshes.size() + fabric.render_meshes.size());
   CachedShape shape;
+  Joined joined;
   for (std::size_t cloth = 0; cloth < fabric.cloths.size(); ++cloth) {
     const Shown shown = shown_of(fabric, meshes, cloth);
     if (is_point_cache(format) && !shown.mesh.point_of_source.empty()) add_source(shape, shown, origin);
-    else add_render(shape, shown, origin);
+    else add_render(shape, joined, shown, origin);
   }
+  shape.mesh.materials = std::move(joined.all);
   if (shape.mesh.materials) shape.mesh.material_of.resize(shape.mesh.triangles.size(), kNone);
   shape.has_strain = fabric.render_meshes.empty() && format == CacheFormat::ply;
   if (!is_point_cache(format)) return shape;

@@ -104,17 +104,20 @@ TEST(MeshMaterials, that_are_not_as_they_must_be_are_left_out_with_a_sentence) {
 TEST(MeshMaterials, of_several_cloths_are_in_one_cache) {
   const Folder folder;
   const std::filesystem::path file = patchwork().write(folder);
+  const std::filesystem::path copy = folder.write("copy.gltf", test::slurp(file));
   Scene scene;
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; k < 4; ++k) {
     Cloth& cloth = scene.cloths.emplace_back();
-    if (k != 1) cloth.mesh = file.string();   // the one between has none
+    if (k != 1) cloth.mesh = (k == 2 ? copy : file).string();   // the second has none, the last those of the first
     else cloth.grid = Grid{.cells_x = 1, .cells_y = 1};
     cloth.name = "cloth" + std::to_string(k);
   }
   const std::vector<Mesh> meshes = must(make_meshes(scene));
+  EXPECT_EQ(meshes[0].render.materials, meshes[3].render.materials);
+  EXPECT_NE(meshes[0].render.materials, meshes[2].render.materials);
   const CachedShape shape = cached_shape(must(cook(scene, meshes)), meshes, {}, CacheFormat::glb);
   const std::uint32_t silk = shape.mesh.material_of[0], wool = shape.mesh.material_of[2];
-  EXPECT_EQ(shape.mesh.material_of, (std::vector<std::uint32_t>{silk, kNone, wool, kNone, kNone, silk + 2, kNone, wool + 2}));
+  EXPECT_EQ(shape.mesh.material_of, (std::vector<std::uint32_t>{silk, kNone, wool, kNone, kNone, silk + 2, kNone, wool + 2, silk, kNone, wool}));
   EXPECT_NE(silk, wool);
   auto writer = must(CacheWriter::create(folder / "all.glb", shape.mesh, {.frames = 1}));
   must(writer->add({.positions = shape.mesh.positions, .normals = shape.mesh.normals}));
