@@ -321,7 +321,7 @@ struct Air {
   Vec3 wind;                    // m/s; the host may change it (Simulation::set_wind)
   std::vector<Gust> gusts;      // at most 8
   std::vector<Field> fields;    // at most 16; the host may move them (Simulation::move_air_field)
-  bool lee = false;             // whether air is slower behind spheres, capsules and boxes, in the wake that the wind has there
+  bool lee = false;             // whether air is slower behind colliders, but planes, and cloths, in the wake that the wind has there
   double turbulence = 0;        // m/s, root mean square; free of divergence, carried along by the wind
   double eddy = 1;              // m, > 0: the length of the largest eddies; the smallest are an eighth of it
 };
@@ -353,7 +353,7 @@ struct Scene {
   std::optional<Air> air;             // none: cloth meets no resistance but its own damping
   std::uint32_t pins = 0;             // vertices that the host may pin at a time, besides anchors (Simulation::pin); 0: none, nor release any
   std::uint32_t grabs = 0;            // places of cloth that the host may pull at a time (Simulation::grab)
-  bool reactions = false;             // adds up what cloth does to colliders that are no meshes, and to grabs (take_reactions, take_pulls)
+  bool reactions = false;             // adds up what cloth does to colliders and to grabs (take_reactions, take_pulls)
   std::vector<Cloth> cloths;          // 1 ... 1024
   std::vector<Collider> colliders;    // at most 1024; each costs every particle
   Camera camera;

@@ -333,8 +333,8 @@ class Simulation {
 
   /// What cloth has done to each of the scene's colliders, in the scene's order, since the last call, or since create or restore: in
   /// frames that are done. It does not wait: after advance the frame is among them; after submit and record some of the last may not be,
-  /// and come with the next call. Nothing is lost or told twice. Zero of mesh colliders; empty where the scene does not ask for reactions.
-  /// Valid until the next call.
+  /// and come with the next call. Nothing is lost or told twice. Empty where the scene does not ask for reactions. Valid until the
+  /// next call.
   std::span<const Reaction> take_reactions();
   /// The same of the scene's grabs, an entry each: what cloth pulls hands by, so that a host can attach it to its rigid bodies: it moves a
   /// grab to where the body has it, and gives the body this impulse there. What a substep gave is known when the next one begins. Exact as

@@ -44,7 +44,7 @@
   X(24, bool, has_pins)         /* 1: the host may pin and release particles (anchor.comp) */ \
   X(25, uint, grab_count)       /* of grabs */ \
   X(26, bool, reacts)           /* 1: what colliders are given is added up (reaction/reaction.glsl) */ \
-  X(27, bool, has_lee)          /* 1: colliders have wakes in the air (air/wake.glsl) */ \
+  X(27, bool, has_lee)          /* 1: colliders or cloths have wakes in the air (air/wake.glsl) */ \
   X(28, bool, has_maps)         /* 1: a cloth has several materials (Maps) */ \
   X(29, uint, air_every)        /* substeps from one look at the air to the next (air/air.comp) */ \
   X(30, bool, has_tapered)      /* 1: some capsule's ends have two radii (collide/round_cone.glsl) */ \
@@ -52,7 +52,9 @@
   X(32, uint, contact_mask_words)   /* in a row of contact_masks; 0: every cloth meets every other and every mesh (contact/mask.glsl) */ \
   X(33, bool, resizes)          /* 1: the host may resize some collider (collide/colliders.glsl) */ \
   X(34, uint, morphs)           /* 1: morph targets move points of skins, 2: and turn their normals (skin/skin.comp) */ \
-  X(35, bool, takes_targets)    /* 1: the host may say in a buffer where points of skins are (skin/host_targets.glsl) */
+  X(35, bool, takes_targets)    /* 1: the host may say in a buffer where points of skins are (skin/host_targets.glsl) */ \
+  X(36, uint, first_mesh_body)  /* the body number of the first mesh collider (motion/body.glsl); 0: none is told what it is given (reaction/mesh.glsl) */ \
+  X(37, uint, wake_count)       /* cloths and mesh colliders that have wakes in the air (air/wake.comp) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
@@ -324,6 +326,8 @@ struct AirField {
   vec3 velocity;      // m/s
   uint shape;         // WEFT_AIR_BOX ...
 };
+
+#define WEFT_WAKE_LANES 64u   // sums of a body's triangles, side by side (air/air_wake.comp)
 
 /// A particle that a skin moves: where it is at rest, and the joints that carry it (skin.comp).
 struct SkinPoint {

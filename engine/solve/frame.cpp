@@ -97,10 +97,12 @@ const ColliderMesh* Simulation::State::mesh_of(std::uint32_t collider) const {
 // Their particles are kinematic targets, as anchors are: each moves along a straight line to its next position.
 void Simulation::State::move_collider_meshes() {
   auto at = kinematic.targets.begin() + static_cast<std::ptrdiff_t>(anchors_and_pins());
-  for (const ColliderMesh& mesh : fabric.collider_meshes) {
+  for (std::size_t m = 0; m < fabric.collider_meshes.size(); ++m) {
+    const ColliderMesh& mesh = fabric.collider_meshes[m];
     const ColliderPose from = bodies.poses[mesh.collider];
     move_collider_on(mesh.collider);
     const ColliderPose& to = bodies.poses[mesh.collider];
+    if (!bodies.meshes.empty()) bodies.meshes[m].centre_from = gpu_vector(from.centre), bodies.meshes[m].centre_to = gpu_vector(to.centre);
     if (!(from.centre == to.centre) || !(from.rotation == to.rotation))
       for (std::uint32_t k = 0; k < mesh.particles; ++k)
         at[static_cast<std::ptrdiff_t>(k)].to = gpu_vector(collider_point(fabric, mesh, k, to.centre, to.rotation));
@@ -163,6 +165,7 @@ void Simulation::State::move_scene(double seconds, FrameInput& input) {
                                 gpu_vector(from.normal), gpu_vector(to.normal), gpu_vector(spin), {start.x, start.y, start.z, start.w},
                                 size.half_size});
   }
+  bodies.colliders.insert(bodies.colliders.end(), bodies.meshes.begin(), bodies.meshes.end());
   kinematic.are_dirty = input.anchors_move;
   input.anchors = kinematic.targets;
   input.grabs = grabs.corners;

@@ -204,15 +204,16 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   for (const auto& [collider, joint] : std::as_const(state->fabric.own).of<SkinLists>().bones)
     state->bodies.poses[collider] = carried_pose(scene.colliders[collider], state->skins.pose[joint]);
   state->bodies.order = colliders_by_shape(scene);
-  state->bodies.colliders.reserve(state->bodies.order.size());   // a frame that has begun to move them needs no memory
+  state->bodies.colliders.reserve(colliders);   // a frame that has begun to move them needs no memory
   state->bodies.from_sizes.reserve(state->bodies.order.size());
   state->bodies.in_world.reserve(colliders);
   if (scene.reactions) {
     state->reactions.quantum = reaction_quantum(state->fabric);
+    state->bodies.meshes.resize(state->fabric.collider_meshes.size());
     state->reactions.between.resize(colliders);
     state->reactions.pulls.resize(scene.grabs);
     for (auto* sums : {&state->reactions.heard, &state->reactions.known, &state->reactions.told})
-      sums->resize(state->bodies.order.size() + scene.grabs);
+      sums->resize(colliders + scene.grabs);
   }
   std::unique_ptr<Simulation> simulation(new Simulation(std::move(state)));
   // The surface is drawable before the first frame.

@@ -93,11 +93,14 @@ std::span<const Reaction> Simulation::take_reactions() {
   State& s = *state_;
   if (!s.scene.reactions) return {};
   s.hear_reactions();
-  const double quantum = s.reactions.quantum;
-  for (std::size_t k = 0; k < s.bodies.order.size(); ++k) {
-    s.reactions.between[s.bodies.order[k]] = reaction_between(s.reactions.told[k], s.reactions.known[k], quantum);
+  const auto tell = [&](std::uint32_t collider, std::size_t k) {
+    s.reactions.between[collider] = reaction_between(s.reactions.told[k], s.reactions.known[k], s.reactions.quantum);
     s.reactions.told[k] = s.reactions.known[k];
-  }
+  };
+  std::size_t k = 0;
+  for (const std::uint32_t collider : s.bodies.order) tell(collider, k++);
+  k += s.scene.grabs;
+  for (const ColliderMesh& mesh : s.fabric.collider_meshes) tell(mesh.collider, k++);
   return s.reactions.between;
 }
 

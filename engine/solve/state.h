@@ -91,7 +91,8 @@ struct Bodies {
   std::vector<std::optional<ColliderSize>> pending_sizes;
   std::vector<ColliderPose> in_world;            // poses in the host's world
   std::vector<std::uint32_t> order;            // by shape, as the GPU wants them; no meshes
-  std::vector<gpu::Collider> colliders;        // of the frame at hand, in that order
+  std::vector<gpu::Collider> colliders;        // of the frame at hand, in that order; with reactions then those of `meshes`
+  std::vector<gpu::Collider> meshes;           // of each mesh collider the place of its centre, with reactions
   std::vector<gpu::BodySize> from_sizes;       // where it begins
 };
 
@@ -160,7 +161,7 @@ struct RecordedFrames {
   std::size_t next = 0;                        // the place of the next frame, if it is free
 };
 
-/// What colliders were given, in the order of Bodies::order, and then grabs; with reactions. All have their size from the start, so that a
+/// What colliders were given, in the order of Bodies::order, then grabs, then mesh colliders; with reactions. All have their size from the start, so that a
 /// frame that is heard of asks for no memory.
 struct ReactionSums {
   std::vector<gpu::Reaction> heard;            // of the frame that Report is of

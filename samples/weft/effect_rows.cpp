@@ -57,6 +57,11 @@ const EffectRow kRows[] = {
     {"skin_targets", "the same, which can also take targets of the host's",
      {{"cloths[0].skin", R"({"takes_targets": true})"}, {"cloths[0].anchors", R"([{"corners":["high_low","high_high"]}])"}},
      {{"cloths[0].anchors", "[]"}}},
+    {"morph", "a morph target that moves two anchors of an octahedron in place of the patch",
+     {{"cloths[1]", R"({"name": "ball", "mesh": "effects_morph.gltf", "fabric": {"stretch": 20, "shear": 1}, "bending": false,
+       "tethers": false, "transform": {"translate": [0, 0.104, 0]}, "start": {"velocity": [0, -0.5, 0]},
+       "skin": {}, "anchors": [{"vertices": [0, 1]}]})"}},
+     {}},
     {"motion_constraint", "max distances and backstops",
      {{"cloths[0].motion_constraints", R"({"max_distance":0.02,"backstop_distance":0.01,"backstop_radius":10})"}},
      {}},
@@ -71,6 +76,7 @@ const EffectRow kRows[] = {
      {{"contacts.untangle", "true"}},
      {{"contacts.enabled", "false"}, {"contacts.untangle", "true"}}},
     {"air", "a wind", {{"air.wind", "[2,0,0]"}}, {}},
+    {"air_lee", "the lee of two cloths", {{"air.wind", "[2,0,0]"}, {"air.lee", "true"}}, {}},
     {"pressure", "a gas in an octahedron in place of the patch",
      {{"cloths[1]", R"({"name": "ball", "mesh": "effects_body.obj", "fabric": {"stretch": 20, "shear": 1}, "bending": false,
        "tethers": false, "transform": {"translate": [0, 0.104, 0]}, "start": {"velocity": [0, -0.5, 0]},
@@ -124,7 +130,25 @@ Result<void> write_body(const std::filesystem::path& folder) {
   constexpr std::string_view kOctahedron =
       "v 0.1 0 0\nv -0.1 0 0\nv 0 0.1 0\nv 0 -0.1 0\nv 0 0 0.1\nv 0 0 -0.1\n"
       "f 1 3 5\nf 5 3 2\nf 2 3 6\nf 6 3 1\nf 5 4 1\nf 2 4 5\nf 6 4 2\nf 1 4 6\n";
-  return write_file(folder / kBodyFile, std::as_bytes(std::span(kOctahedron)));
+  // The same, with a morph target that draws it out along x, whose weight goes from 0 to 1 within a tenth of a second.
+  constexpr std::string_view kMorphed =
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"targets":[{"POSITION":2}]}],"weights":[0]}],)"
+      R"("animations":[{"channels":[{"sampler":0,"target":{"node":0,"path":"weights"}}],"samplers":[{"input":3,"output":4}]}],)"
+      R"("bufferViews":[{"buffer":0,"byteLength":72},{"buffer":0,"byteOffset":72,"byteLength":24},)"
+      R"({"buffer":0,"byteOffset":96,"byteLength":72},{"buffer":0,"byteOffset":168,"byteLength":16}],)"
+      R"("accessors":[{"bufferView":0,"componentType":5126,"count":6,"type":"VEC3","min":[-0.1,-0.1,-0.1],"max":[0.1,0.1,0.1]},)"
+      R"({"bufferView":1,"componentType":5121,"count":24,"type":"SCALAR"},)"
+      R"({"bufferView":2,"componentType":5126,"count":6,"type":"VEC3","min":[-0.02,0,0],"max":[0.02,0.01,0]},)"
+      R"({"bufferView":3,"componentType":5126,"count":2,"type":"SCALAR","min":[0],"max":[0.1]},)"
+      R"({"bufferView":3,"byteOffset":8,"componentType":5126,"count":2,"type":"SCALAR"}],)"
+      R"("buffers":[{"byteLength":184,"uri":"data:application/octet-stream;base64,)"
+      "zczMPQAAAAAAAAAAzczMvQAAAAAAAAAAAAAAAM3MzD0AAAAAAAAAAM3MzL0AAAAAAAAAAAAAAADNzMw9AAAAAAAAAADNzMy9AAIEBAIBAQIFBQIABAMAAQ"
+      "MEBQMBAAMFCtejPArXIzwAAAAACtejvArXIzwAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAM3MzD0A"
+      "AAAAAACAPw=="
+      R"("}]})";
+  if (auto written = write_file(folder / kBodyFile, std::as_bytes(std::span(kOctahedron))); !written) return written;
+  return write_file(folder / kMorphFile, std::as_bytes(std::span(kMorphed)));
 }
 
 }  // namespace weft::command

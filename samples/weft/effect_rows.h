@@ -31,8 +31,9 @@ Result<std::vector<Assignment>> both_of(const EffectRow& first, const EffectRow&
 Result<Scene> base_scene(std::uint32_t cells, const std::filesystem::path& folder, std::span<const Assignment> assignments = {});
 
 inline constexpr const char* kBodyFile = "effects_body.obj";
+inline constexpr const char* kMorphFile = "effects_morph.gltf";
 
-/// An octahedron, as the mesh collider that a row asks for. Errors: what writing a file can meet.
+/// An octahedron, as the mesh collider that a row asks for, and one with a morph target. Errors: what writing a file can meet.
 Result<void> write_body(const std::filesystem::path& folder);
 
 }  // namespace weft::command

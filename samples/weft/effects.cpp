@@ -72,6 +72,7 @@ Exit effects(const EffectsOptions& given) {
   listen_for_interrupts();
   std::vector<std::string> names = outputs_of("effects", options.farm.shard, {kEffectsTable, kEffectsPage});
   names.push_back(kBodyFile);
+  names.push_back(kMorphFile);
   if (const Exit exit = prepare_outputs(options.out, names, {}); exit != kDone) return exit;
   if (const Result<void> written = write_body(options.out); !written) return failed(written.error());
   compute::DeviceChoice choice;

@@ -52,6 +52,29 @@ inline double deficit_at(const Vector& d, const Vector& way, double radius) {
   return std::exp2(-(d - behind * way).squaredNorm() / (width * width)) / std::pow(far, 2.0 / 3);
 }
 
+/// What a surface shows to a wind that goes along `way`: the disc that it is taken for.
+struct Disc {
+  Vector middle = Vector::Zero();
+  double radius = 0;   // m
+};
+inline Disc shown_disc(std::span<const std::array<std::uint32_t, 3>> triangles, const Points& x, const Vector& way) {
+  double front = 0, back = 0;
+  Vector sum = Vector::Zero();
+  for (const auto& [a, b, c] : triangles) {
+    const double area = (x[b] - x[a]).cross(x[c] - x[a]).dot(way) / 2;
+    (area > 0 ? front : back) += std::abs(area);
+    sum += std::abs(area) * (x[a] + x[b] + x[c]) / 3;
+  }
+  if (front + back == 0) return {};
+  return {sum / (front + back), std::sqrt(std::max(front, back) / 3.14159265358979323846)};
+}
+
+/// The same as deficit_at of a disc, at d from its middle.
+inline double deficit_of_disc(const Vector& d, const Vector& way, double radius) {
+  if (radius == 0) return 0;
+  return std::min(1.0, d.dot(way) / (0.1 * radius)) * deficit_at(d, way, radius);
+}
+
 /// Force (N) of air that comes at `u` on a plate with the unit normal n.
 inline Vector air_force(const gpu::Air& air, double area, const Vector& n, const Vector& u) {
   const double speed = u.norm(), c = speed > 0 ? n.dot(u) / speed : 0;

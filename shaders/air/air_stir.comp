@@ -5,6 +5,8 @@
 #include "shared.h"
 
 GATHER(positions)
+GATHER(velocities)
+GATHER(materials)
 READ(AirWave, air_waves)
 READ(AirField, air_fields)
 WRITE(vec4, air_stirred)
@@ -12,6 +14,7 @@ WRITE(vec4, air_stirred)
 #include "collide/collide.glsl"
 #include "collide/size.glsl"
 #include "air/wake.glsl"
+#include "motion/body.glsl"
 
 vec3 stirred_at(vec3 x, float fraction) {
   vec3 velocity = vec3(0);
@@ -61,8 +64,9 @@ void main() {
   const vec3 x = FETCH(positions, i).xyz, still = fields_at(x);
   vec3 begins = still + stirred_at(x, 0), ends = still + stirred_at(x, 1);
   if (has_lee) {   // of what moves there all together
-    begins = lee_at(x, false) * (air.wind + begins) - air.wind;
-    ends = lee_at(x, true) * (air.wind + ends) - air.wind;
+    const uint own = wake_count > 0 ? body_of(i) : 0;
+    begins = lee_at(x, false, own) * (air.wind + begins) - air.wind;
+    ends = lee_at(x, true, own) * (air.wind + ends) - air.wind;
   }
   air_stirred[2 * i] = vec4(begins, 0);
   air_stirred[2 * i + 1] = vec4(ends, 0);

@@ -1,1 +1,1 @@
-weft_passes(air air_stir)
+weft_passes(air air_stir air_wake)

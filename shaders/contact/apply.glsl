@@ -1,4 +1,4 @@
-// apply: what contact_apply does for particle i. Needs collide/colliders.glsl,
+// apply: what contact_apply does for particle i. Needs collide/colliders.glsl, reaction/mesh.glsl,
 // motion/displacement_bound.glsl, motion_constraint/motion_constraint.glsl, and ITERATE(i).
 
 vec3 moved_by_contacts(uint i, vec3 p) {
@@ -6,7 +6,12 @@ vec3 moved_by_contacts(uint i, vec3 p) {
   const ivec3 sum = contact_sums[i].xyz;
   if (sum == ivec3(0)) return p;
   contact_sums[i].xyz = ivec3(0);
-  return p + contact_settings.quantum * vec3(sum);
+  precise const vec3 asked = contact_settings.quantum * vec3(sum), end = p + asked;
+  if (first_mesh_body > 0) {
+    precise const vec3 rounding = (end - p) - asked;
+    tell_touched_mesh(i, rounding, end, FETCH(positions, i).w);
+  }
+  return end;
 }
 
 void apply_corrections(uint i) {
@@ -20,7 +25,10 @@ void apply_corrections(uint i) {
   }
   if ((push.flags & WEFT_LAST_ITERATION) != 0) {
     const vec3 end = keep_within_bound(bound_of(i), expected_of(i, detection[0].steps), FETCH(positions, i).xyz, p);
-    if (end != p) atomicAdd(counters[0].truncated, 1);
+    if (end != p) {
+      atomicAdd(counters[0].truncated, 1);
+      if (first_mesh_body > 0) tell_touched_mesh(i, end - p, end, FETCH(positions, i).w);
+    }
     p = end;
   }
   if (p != before.xyz) predicted[i].xyz = p;

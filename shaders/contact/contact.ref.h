@@ -93,9 +93,11 @@ inline ContactImpulse contact_impulse(const Contact& contact, const Quad& x, con
   return {lambda, -std::min(friction * lambda, slip.norm() / give) * slip.normalized()};
 }
 
-/// One Jacobi iteration over all active contacts. `friction`: one a particle; a pair's is the geometric mean of its sides'.
-inline Points solve_contacts(std::span<const Pair> pairs, std::span<const Contact> contacts, const Points& x, const Points& p,
-                             std::span<const double> inverse_masses, std::span<const double> friction) {
+/// What one Jacobi iteration over all active contacts asks for: visit(pair, particle, by how much it is moved). `friction`: one a particle;
+/// a pair's is the geometric mean of its sides'.
+template <class Visit>
+void for_each_correction(std::span<const Pair> pairs, std::span<const Contact> contacts, const Points& x, const Points& p,
+                         std::span<const double> inverse_masses, std::span<const double> friction, Visit&& visit) {
   std::vector<double> total(p.size());
   const auto penetration = [&](std::size_t k, int j) {
     return std::abs(contacts[k].weights[j]) * std::max(0.0, -contact_value(contacts[k], places(pairs[k], p)));
@@ -103,7 +105,6 @@ inline Points solve_contacts(std::span<const Pair> pairs, std::span<const Contac
   for (std::size_t k = 0; k < pairs.size(); ++k)
     for (int j = 0; j < 4; ++j)
       if (contacts[k].touches) total[pairs[k].particle[j]] += penetration(k, j);
-  Points solved = p;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     if (!contacts[k].touches) continue;
     Eigen::Vector4d split, own;
@@ -114,9 +115,16 @@ inline Points solve_contacts(std::span<const Pair> pairs, std::span<const Contac
     const double mu = std::sqrt(friction[pairs[k].particle[0]] * friction[pairs[k].first_of_b()]);
     const ContactImpulse impulse = contact_impulse(contacts[k], places(pairs[k], x), places(pairs[k], p), split, own, mu);
     for (int j = 0; j < 4; ++j)
-      solved[pairs[k].particle[j]] +=
-          own[j] * (contact_gradient(contacts[k], j) * impulse.lambda + contacts[k].weights[j] * impulse.tangential);
+      visit(k, pairs[k].particle[j],
+            Vector(own[j] * (contact_gradient(contacts[k], j) * impulse.lambda + contacts[k].weights[j] * impulse.tangential)));
   }
+}
+
+inline Points solve_contacts(std::span<const Pair> pairs, std::span<const Contact> contacts, const Points& x, const Points& p,
+                             std::span<const double> inverse_masses, std::span<const double> friction) {
+  Points solved = p;
+  for_each_correction(pairs, contacts, x, p, inverse_masses, friction,
+                      [&](std::size_t, std::uint32_t i, const Vector& moved) { solved[i] += moved; });
   return solved;
 }
 

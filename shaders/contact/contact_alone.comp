@@ -29,6 +29,8 @@ SHARE(Detection, detection)
 #define PENETRATIONS(i) contact_penetrations[i]
 
 #include "collide/colliders.glsl"
+#include "reaction/touched_mesh.glsl"
+#include "reaction/mesh.glsl"
 #include "motion/displacement_bound.glsl"
 #include "motion_constraint/motion_constraint.glsl"
 #include "contact/contact.glsl"

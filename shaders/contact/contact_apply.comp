@@ -18,6 +18,8 @@ READ(vec4, ways_out)
 GATHER(velocities)
 GATHER(materials)
 #include "collide/colliders.glsl"
+#include "reaction/touched_mesh.glsl"
+#include "reaction/mesh.glsl"
 #include "motion/displacement_bound.glsl"
 #include "motion_constraint/motion_constraint.glsl"
 

@@ -10,9 +10,14 @@ READ_WRITE(uvec4, step_fractions)
 READ_WRITE(uint, contact_counts)
 READ_WRITE(Detection, detection)
 READ_WRITE(Counters, counters)
+READ_WRITE(ivec4, contact_sums)
+READ(Collider, colliders)
 
 #include "motion/update_velocity.glsl"
 #include "motion/watch_bound.glsl"
+#include "reaction/quanta.glsl"
+#include "reaction/touched_mesh.glsl"
+#include "reaction/mesh.glsl"
 
 const uint kOne = 0x3f800000u;   // 1.0
 
@@ -42,18 +47,26 @@ void move_kinematic(uint i, vec3 x, vec3 target) {
   positions[i].xyz = end;
 }
 
+// What the particle lost alone is a mesh collider's, if it has touched one (reaction/mesh.glsl), which is forgotten then.
+void settle_with_mesh(uint i, vec3 before, vec3 after) {
+  tell_touched_mesh(i, after - before, after, FETCH(positions, i).w);
+  if (contact_sums[i].w != 0) contact_sums[i].w = 0;
+}
+
 void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.count || !is_paired(i)) return;
   vec4 p = FETCH(predicted, i);
   const vec3 x = FETCH(positions, i).xyz;
   if (p.w == 0) {
+    if (first_mesh_body > 0) contact_sums[i].w = 0;
     move_kinematic(i, x, p.xyz);
     return;
   }
   const vec4 v = FETCH(velocities, i);
-  p.xyz = allowed(i, x, p.xyz);
-  const vec3 end = p.xyz;
+  const vec3 end = allowed(i, x, p.xyz);
+  if (first_mesh_body > 0) settle_with_mesh(i, p.xyz, end);
+  p.xyz = end;
   p = update_velocity(i, x, p, v.xyz, FETCH(materials, floatBitsToUint(v.w)).x);
   watch_bound(bound_of(i), expected_of(i, detection[0].steps), end, p.xyz);
   predicted[i] = p;

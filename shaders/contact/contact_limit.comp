@@ -43,11 +43,15 @@ GATHER_UINT4(candidates)
 GATHER(contact_normals)
 GATHER_UINT(contact_list)
 READ_WRITE(uvec4, step_fractions)
+READ_WRITE(ivec4, contact_sums)
+GATHER(velocities)
+GATHER(materials)
 READ_WRITE(Detection, detection)
 
 #include "contact/wide.glsl"
 #include "contact/contact.glsl"
 #include "contact/sides.glsl"
+#include "reaction/touched_mesh.glsl"
 #include "contact/limit.glsl"
 
 void main() {

@@ -16,10 +16,14 @@ GATHER(contact_normals)
 GATHER_UINT(contact_list)
 READ(Detection, detection)
 READ_WRITE(uvec4, slides)
+READ_WRITE(ivec4, contact_sums)
+GATHER(velocities)
+GATHER(materials)
 
 #include "contact/wide.glsl"
 #include "contact/contact.glsl"
 #include "contact/sides.glsl"
+#include "reaction/touched_mesh.glsl"
 #include "contact/slide.glsl"
 
 void main() {

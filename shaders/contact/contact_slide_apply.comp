@@ -8,8 +8,16 @@ GATHER_WRITE(predicted)
 READ(Detection, detection)
 GATHER_UINT(touched_particles)
 READ_WRITE(uvec4, slides)
+READ_WRITE(ivec4, contact_sums)
+READ(Collider, colliders)
+GATHER(velocities)
+GATHER(materials)
 
 #include "motion/displacement_bound.glsl"
+
+#include "reaction/quanta.glsl"
+#include "reaction/touched_mesh.glsl"
+#include "reaction/mesh.glsl"
 
 #define ITERATE(i) FETCH(predicted, i)
 #include "contact/slide_apply.glsl"

@@ -26,10 +26,14 @@ GATHER(velocities)
 GATHER(materials)
 GATHER_UINT(contact_penetrations)
 READ_WRITE(ivec4, contact_sums)
+READ(Collider, colliders)
 #define PENETRATIONS(i) FETCH_UINT(contact_penetrations, i)
 
 #include "contact/wide.glsl"
 #include "contact/contact_share.glsl"
+#include "reaction/quanta.glsl"
+#include "reaction/touched_mesh.glsl"
+#include "reaction/mesh.glsl"
 #include "contact/solve.glsl"
 
 void main() {

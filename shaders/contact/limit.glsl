@@ -1,5 +1,5 @@
 // limit: what contact_limit does for the unsafe candidate at `place` of the list, in one of its passes. Needs contact/contact.glsl,
-// contact/sides.glsl, ITERATE(i) and LISTED(place).
+// contact/sides.glsl, reaction/touched_mesh.glsl, ITERATE(i) and LISTED(place).
 
 const uint kLastPass = WEFT_LIMIT_PASSES - 1;
 // The step fraction of particle i after the passes before this one.
@@ -24,7 +24,10 @@ vec4 truncated_fractions(Sides sides, vec2 stopping) {
 // Stage 5.
 void lower_fractions(Candidate pair, uint pass, vec4 t, vec4 before) {
   for (int j = 0; j < 4; ++j)
-    if (t[j] < before[j]) atomicMin(step_fractions[pair.particle[j]][pass], floatBitsToUint(t[j]));
+    if (t[j] < before[j]) {
+      atomicMin(step_fractions[pair.particle[j]][pass], floatBitsToUint(t[j]));
+      if (first_mesh_body > 0) touch(pair.particle[j], mesh_of(pair));
+    }
   if (pass < kLastPass && any(lessThan(t, before))) atomicOr(detection[0].changed[pass], 1);
 }
 

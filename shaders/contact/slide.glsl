@@ -1,5 +1,5 @@
-// slide: what contact_slide does for the active contact at `place` of the list. Needs contact/contact.glsl, contact/sides.glsl and
-// LISTED(place).
+// slide: what contact_slide does for the active contact at `place` of the list. Needs contact/contact.glsl, contact/sides.glsl,
+// reaction/touched_mesh.glsl and LISTED(place).
 
 void ask(uint place, vec3 way) {
   if (way.x > 0) atomicMax(slides[place].x, floatBitsToUint(way.x));
@@ -28,5 +28,6 @@ void ask_for_ways(uint place) {
     const vec3 way = signs(sides.edges)[j] * missing[j] * n;
     ask(2 * pair.particle[j], way);
     ask(2 * pair.particle[j] + 1, -way);
+    if (first_mesh_body > 0) touch(pair.particle[j], mesh_of(pair));
   }
 }

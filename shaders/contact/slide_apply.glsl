@@ -1,9 +1,11 @@
-// slide_apply: what contact_slide_apply does for particle i. Needs motion/displacement_bound.glsl and ITERATE(i).
+// slide_apply: what contact_slide_apply does for particle i. Needs motion/displacement_bound.glsl, reaction/mesh.glsl and ITERATE(i).
 
 void slide_along(uint i) {
   const uvec3 up = slides[2 * i].xyz, down = slides[2 * i + 1].xyz;
   if ((up | down) == uvec3(0)) return;
   slides[2 * i].xyz = slides[2 * i + 1].xyz = uvec3(0);
-  const vec3 end = ITERATE(i).xyz + uintBitsToFloat(up) - uintBitsToFloat(down);
-  predicted[i].xyz = keep_within_bound(bound_of(i), expected_of(i, detection[0].steps), FETCH(positions, i).xyz, end);
+  const vec3 before = ITERATE(i).xyz, asked = before + uintBitsToFloat(up) - uintBitsToFloat(down);
+  const vec3 end = keep_within_bound(bound_of(i), expected_of(i, detection[0].steps), FETCH(positions, i).xyz, asked);
+  predicted[i].xyz = end;
+  if (first_mesh_body > 0) tell_touched_mesh(i, end - before, end, FETCH(positions, i).w);
 }

@@ -1,5 +1,5 @@
-// solve: what contact_solve does for the active contact at `place` of the list. Needs contact/contact_share.glsl, and PENETRATIONS(i), the
-// sum of particle i's.
+// solve: what contact_solve does for the active contact at `place` of the list. Needs contact/contact_share.glsl, reaction/mesh.glsl, and
+// PENETRATIONS(i), the sum of particle i's.
 
 // Units that the corrections of one particle may add up to; an int holds twice that.
 const float kMostUnits = 1073741824;   // 2^30
@@ -42,11 +42,28 @@ vec3 impulse(vec3 n, float depth, vec3 u, float friction, Response response) {
   return lambda * n - min(friction * lambda / max(len, 1e-20), 1 / response.pair) * slip;
 }
 
-void add(uint particle, float response, vec3 units) {
+ivec3 add(uint particle, float response, vec3 units) {
   const ivec3 sum = ivec3(floor(response * units + 0.5));
   if (sum.x != 0) atomicAdd(contact_sums[particle].x, sum.x);
   if (sum.y != 0) atomicAdd(contact_sums[particle].y, sum.y);
   if (sum.z != 0) atomicAdd(contact_sums[particle].z, sum.z);
+  return sum;
+}
+
+// What the particles of cloth were given, of x their places and inverse masses.
+void tell_mesh(ActiveContact contact, mat4 x, ivec3 given[4]) {
+  const uint mesh = mesh_of(contact.pair);
+  if (mesh == 0) return;
+  const vec3 origin = ITERATE(contact.pair.particle[0]).xyz - centre_of_mesh(mesh);
+  vec3 impulse = vec3(0), angular = vec3(0);
+  for (int j = 0; j < 4; ++j) {
+    if (!(x[j].w > 0)) continue;
+    touch(contact.pair.particle[j], mesh);
+    const vec3 own = opposite_of(contact_settings.quantum * vec3(given[j]), x[j].w);
+    impulse += own;
+    angular += cross(origin + contact.iterate[j], own);
+  }
+  give_mesh(mesh, impulse, angular);
 }
 
 void solve_contact(uint place) {
@@ -64,8 +81,7 @@ void solve_contact(uint place) {
   const vec3 size = abs(on_a) * (response.longest / contact_settings.quantum);
   const float most = kMostUnits / float(max(response.most_uses, kUsualContacts));
   const vec3 units = on_a * (min(1, most / max(1, max(size.x, max(size.y, size.z)))) / contact_settings.quantum);
-  add(a, response.particle.x, units);
-  add(b, response.particle.y, units);
-  add(c, response.particle.z, units);
-  add(d, response.particle.w, units);
+  const ivec3 given[4] = ivec3[4](add(a, response.particle.x, units), add(b, response.particle.y, units), add(c, response.particle.z, units),
+                                  add(d, response.particle.w, units));
+  if (first_mesh_body > 0) tell_mesh(contact, x, given);
 }

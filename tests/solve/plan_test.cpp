@@ -207,7 +207,8 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(calls.has(Id::spring), {&b::spring_rows, &b::spring_ends, &b::springs});
     expect(implicit, {&b::spring_blocks, &b::inverses, &b::exchanged, &b::solve_vectors, &b::partial_sums, &b::linear, &b::free_cloths});
     expect(implicit && calls.has(Id::collide), {&b::collider_filters});
-    expect(calls.has(Id::triangle), {&b::triangles, &b::collisions, &b::collision_list, &b::collision_sums});
+    expect(calls.has(Id::triangle) || (calls.has(Id::air) && calls.has(Id::collide)), {&b::triangles});
+    expect(calls.has(Id::triangle), {&b::collisions, &b::collision_list, &b::collision_sums});
     expect(calls.has(Id::triangle) && calls.has(Id::contact), {&b::ways_out});
     expect(calls.has(Id::contact),
            {&b::clusters, &b::cluster_faces, &b::cluster_edges, &b::cluster_searchers, &b::cluster_owners, &b::cluster_hulls, &b::cluster_surroundings,
@@ -217,6 +218,7 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
             &b::contact_counts, &b::contact_sums, &b::contact_penetrations, &b::slides, &b::kinematic_lags, &b::step_fractions, &b::contact_list,
             &b::touched_particles});
     expect(calls.has(Id::air), {&b::air_rows, &b::air_fans});
+    expect(calls.has(Id::air) && calls.has(Id::collide), {&b::wake_bodies, &b::wakes});
     expect(calls.has(Id::pressure),
            {&b::gases, &b::gas_parts, &b::gas_rows, &b::gas_rings, &b::gas_amounts, &b::gas_states, &b::gas_gradients, &b::gas_sums});
     expect(calls.has(Id::skin), {&b::skin_points, &b::skin_joints});

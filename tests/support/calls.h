@@ -48,13 +48,14 @@ inline Needs setup_for(const Calls& calls, bool texels) {
   setup.constants[constant::air_wave_count] = setup.constants[constant::air_field_count] = calls.has(Id::air);
   setup.constants[constant::has_maps] = calls.has(Id::render_mesh);
   setup.constants[constant::air_every] = calls.has(Id::air) ? 2 : 0;
-  setup.constants[constant::has_lee] = calls.has(Id::air) && calls.has(Id::collide);
+  setup.constants[constant::has_lee] = setup.constants[constant::wake_count] = calls.has(Id::air) && calls.has(Id::collide);
   setup.constants[constant::motion_constraints] = calls.has(Id::motion_constraint) ? 2 : 0;
   setup.constants[constant::skins_move_anchors] = calls.has(Id::skin) && calls.has(Id::anchor);
   if (calls.has(Id::skin) && calls.has(Id::contact)) setup.constants[constant::morphs] = calls.has(Id::motion_constraint) ? 2 : 1;
   setup.constants[constant::takes_targets] = setup.constants[constant::morphs] > 0;
   setup.constants[constant::grab_count] = calls.has(Id::grab);
   setup.constants[constant::reacts] = calls.has(Id::reaction);
+  setup.constants[constant::first_mesh_body] = calls.has(Id::reaction) && calls.has(Id::contact);
   for (const Id id : {Id::motion, Id::surface}) setup.effects.set(static_cast<std::size_t>(id));
   for (const Id id : calls.effects) setup.effects.set(static_cast<std::size_t>(id));
   return setup;

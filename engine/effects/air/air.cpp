@@ -98,7 +98,8 @@ std::uint32_t air_every(const Cooked& subject) {
 namespace effects {
 namespace {
 
-constexpr const Buffer* kBuffers[] = {&buffers::air_waves, &buffers::air_fields, &buffers::air_rows, &buffers::air_fans, &buffers::air_stirred};
+constexpr const Buffer* kBuffers[] = {&buffers::air_waves,   &buffers::air_fields,  &buffers::air_rows, &buffers::air_fans,
+                                      &buffers::air_stirred, &buffers::wake_bodies, &buffers::wakes};
 
 bool is_stirred(const Needs& needs) {
   using namespace gpu::constant;
@@ -106,6 +107,8 @@ bool is_stirred(const Needs& needs) {
 }
 
 constexpr Pass kPasses[] = {
+    {.name = "air_wake", .stage = Stage::frame_begin, .threads = {[](const Cooked& s) { return buffers::wakes.length(s); }},
+     .when = [](const Needs& needs) { return needs.constants[gpu::constant::wake_count] > 0; }, .a_workgroup_each = true},
     {.name = "air_stir", .stage = Stage::frame_begin, .threads = threads::particles, .when = is_stirred},
     {.name = "air", .stage = Stage::force, .threads = threads::particles, .changes = Changes::velocity, .every = air_every},
 };
@@ -130,8 +133,27 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   return {};
 }
 
+// Nobody is in a cloth's own lee: a cloth that is alone with formulas has none.
+std::vector<gpu::uvec4> wake_bodies(const Scene& scene, const CookedFabric& fabric) {
+  std::vector<gpu::uvec4> bodies;
+  const auto cloths = static_cast<std::uint32_t>(fabric.cloths.size()), meshes = static_cast<std::uint32_t>(fabric.collider_meshes.size());
+  if (!scene.air->lee || cloths + meshes < 2) return bodies;
+  std::uint32_t first = 0;
+  for (std::uint32_t c = 0; cloths > 1 && c < cloths; ++c) {
+    const std::uint32_t end = fabric.cloths[c].first_particle + fabric.cloths[c].particles;
+    std::uint32_t k = first;
+    while (k < fabric.cloth_triangles && fabric.triangles[k][0] < end) ++k;
+    bodies.push_back({first, k - first, c, 0});
+    first = k;
+  }
+  for (std::uint32_t m = 0; m < meshes; ++m)
+    bodies.push_back({fabric.collider_meshes[m].first_triangle, fabric.collider_meshes[m].triangles, cloths + m, 0});
+  return bodies;
+}
+
 void lay_out(cooking::CookState& state) {
   if (!state.scene().air) return;
+  state.fabric().own.of<WakeLists>().bodies = wake_bodies(state.scene(), state.fabric());
   AirSurface surface = std::exchange(state.fabric().own.of<AirSurface>(), {});
   surface.corners.resize(state.fabric().positions.size());
   surface.places.resize(surface.corners.size());
@@ -154,9 +176,11 @@ constinit const Effect air{
           constants[gpu::constant::air_wave_count] =
               static_cast<std::uint32_t>(air.gusts.size()) + (air.turbulence > 0 ? WEFT_AIR_EDDIES : 0);
           constants[gpu::constant::air_field_count] = static_cast<std::uint32_t>(air.fields.size());
-          constants[gpu::constant::has_lee] = air.lee && std::ranges::any_of(s.scene.colliders, [](const Collider& c) {
+          const std::size_t wakes = s.fabric.own.of<WakeLists>().bodies.size();
+          constants[gpu::constant::wake_count] = static_cast<std::uint32_t>(wakes);
+          constants[gpu::constant::has_lee] = wakes > 0 || (air.lee && std::ranges::any_of(s.scene.colliders, [](const Collider& c) {
             return c.shape == ColliderShape::sphere || c.shape == ColliderShape::capsule || c.shape == ColliderShape::box;
-          });
+          }));
           constants[gpu::constant::air_every] = air_every(s);
           constants[gpu::constant::air_stride] = s.fabric.own.of<AirLists>().fans.stride;
         },

@@ -30,6 +30,11 @@ struct AirLists {
   PairRows fans;   // entries: (particle, that as float bits)
 };
 
+/// Cloths and mesh colliders that have wakes: first triangle, triangles, number of the body (motion/body.glsl), 0.
+struct WakeLists {
+  std::vector<gpu::uvec4> bodies;
+};
+
 /// Substeps from one look at the air to the next, so that it takes no longer than 1/300 s: with the default two.
 std::uint32_t air_every(const Cooked& subject);
 
@@ -46,5 +51,9 @@ inline constexpr Buffer air_fans = own<gpu::uvec4, &AirLists::fans, &PairRows::p
 /// Two a particle: xyz what the air's velocity differs from the wind by where it is when the frame begins, as it is then, and as it is when the
 /// frame ends (m/s).
 inline constexpr Buffer air_stirred = scratch<gpu::vec4>("air_stirred", [](const Cooked& s) { return 2 * lengths::particles(s); });
+inline constexpr Buffer wake_bodies = own<gpu::uvec4, &WakeLists::bodies>("wake_bodies");
+/// Of each of them the disc that it is to the wind: xyz middle, w radius (m).
+inline constexpr Buffer wakes =
+    scratch<gpu::vec4>("wakes", [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<WakeLists>().bodies.size()); });
 }  // namespace buffers
 }  // namespace weft

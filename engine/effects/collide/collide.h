@@ -22,14 +22,19 @@ gpu::BodySize body_size(ColliderShape shape, const ColliderSize& size);
 /// Indices of the colliders that are formulas, by shape: the order of `colliders`.
 std::vector<std::uint32_t> colliders_by_shape(const Scene& scene);
 
+namespace lengths {
+inline std::uint64_t formulas(const Cooked& s) { return s.scene.colliders.size() - s.fabric.collider_meshes.size(); }
+}  // namespace lengths
+
 namespace buffers {
 
-/// Poses at the frame's start and end: all planes, then all spheres, capsules and boxes.
-inline constexpr Buffer colliders = buffer<gpu::Collider>(
-    "colliders", Lifetime::uploaded,
-    [](const Cooked& s) { return std::uint64_t(s.scene.colliders.size() - s.fabric.collider_meshes.size()); });
+/// Poses at the frame's start and end: all planes, then all spheres, capsules and boxes. With reactions then all meshes, with the places of
+/// their centres alone.
+inline constexpr Buffer colliders = buffer<gpu::Collider>("colliders", Lifetime::uploaded, [](const Cooked& s) {
+  return lengths::formulas(s) + (s.scene.reactions ? s.fabric.collider_meshes.size() : 0);
+});
 /// Their sizes at the frame's start, where the host may resize some.
-inline constexpr Buffer body_sizes = buffer<gpu::BodySize>("body_sizes", Lifetime::uploaded, colliders.length);
+inline constexpr Buffer body_sizes = buffer<gpu::BodySize>("body_sizes", Lifetime::uploaded, lengths::formulas);
 inline constexpr Buffer body_masks = own<gpu::uint, &BodyMasks::words>("body_masks");
 
 }  // namespace buffers

@@ -41,12 +41,15 @@ constinit const Effect reaction{
     .name = "reaction",
     .key = "reactions",
     .called_for =
-        [](const Scene& scene, const CookedFabric& fabric) {
-          return scene.reactions && scene.colliders.size() + scene.grabs > fabric.collider_meshes.size();
-        },
+        [](const Scene& scene, const CookedFabric&) { return scene.reactions && scene.colliders.size() + scene.grabs > 0; },
     .buffers = kBuffers,
     .part_of_finalize = "+reaction",
-    .specialize = [](const Cooked&, Constants& constants) { constants[gpu::constant::reacts] = 1; },
+    .specialize =
+        [](const Cooked& s, Constants& constants) {
+          constants[gpu::constant::reacts] = 1;
+          constants[gpu::constant::first_mesh_body] =
+              s.fabric.collider_meshes.empty() ? 0 : static_cast<std::uint32_t>(s.fabric.cloths.size());
+        },
     .slice = {"reaction_settings", settings},
     .reference = Reference::absent,
 };

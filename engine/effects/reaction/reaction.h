@@ -17,9 +17,9 @@ Reaction reaction_between(const gpu::Reaction& from, const gpu::Reaction& to, do
 
 namespace buffers {
 
-/// Of each collider of the buffer `colliders`, and then of each grab, since the start.
+/// Of each collider that is a formula, in the order of the buffer `colliders`, of each grab, and of each mesh collider, since the start.
 inline constexpr Buffer reactions = buffer<gpu::Reaction>("reactions", Lifetime::persistent, [](const Cooked& s) {
-  return std::uint64_t(s.scene.colliders.size() - s.fabric.collider_meshes.size() + s.scene.grabs);
+  return std::uint64_t(s.scene.colliders.size() + s.scene.grabs);
 });
 
 }  // namespace buffers
