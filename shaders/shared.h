@@ -132,7 +132,9 @@ layout(local_size_x_id = 0) in;
 
 #endif
 
-/// Isometric bending stencil (Bergou et al. 2006): the edge (particle[0], particle[1]) and its opposite vertices.
+/// Bending stencil: a sum K . p of up to four particles that is zero in every flat pose. Of a hinge the edge (particle[0], particle[1]) and its
+/// opposite vertices (Bergou et al. 2006); of a lattice the ends of a line, its middle and what is beside it, or the corners of a quad, those
+/// of its diagonal first (engine/effects/bend/lattice.cpp).
 struct Bend {
   uint particle[4];
   float k[4];         // K of the stencil: sums to 0

@@ -3,7 +3,7 @@
 //
 //   link   C = |a - b| - L,  E = C^2 / (2 alpha);  one that only pulls has E = 0 where C < 0
 //   tether a link to a held particle that only pulls and is rigid
-//   bend   E = 1/2 k |l|^2,  l = K_1 (p_1 - p_0) + K_2 (p_2 - p_0) + K_3 (p_3 - p_0),  k = B q  (Bergou et al. 2006)
+//   bend   E = 1/2 k |l|^2,  l = K_1 (p_1 - p_0) + K_2 (p_2 - p_0) + K_3 (p_3 - p_0),  k = B q  (engine/effects/bend)
 //
 // A rigid link has no potential, so it gets the smallest compliance that matters: alpha / h^2 of at least
 // kSoftening (w_a + w_b), with which a link gives way by a millionth of what its two particles would without it. A sheet of n

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <vector>
 
@@ -117,11 +118,16 @@ double sideways(const Glance& at) {
 
 double bend_angle(const Glance& at) {
   double most = 0;
-  for (const gpu::Bend& bend : at.fabric.bends) {
-    const Vector3d a = vector(at.positions[bend.particle[0]]), b = vector(at.positions[bend.particle[1]]);
-    const Vector3d c = vector(at.positions[bend.particle[2]]), d = vector(at.positions[bend.particle[3]]);
-    const Vector3d edge = b - a, first = edge.cross(c - a), second = (d - a).cross(edge);
-    most = std::max(most, std::atan2(first.cross(second).norm(), first.dot(second)));
+  // Of cloth that bends about flat, over the edges of its triangles.
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Vector3d> normals;
+  for (std::uint32_t t = 0; t < at.fabric.cloth_triangles && !at.fabric.bends.empty(); ++t) {
+    const Triangle& corner = at.fabric.triangles[t];
+    const Vector3d a = vector(at.positions[corner[0]]);
+    const Vector3d normal = (vector(at.positions[corner[1]]) - a).cross(vector(at.positions[corner[2]]) - a);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto [edge, first] = normals.try_emplace(std::minmax({corner[c], corner[(c + 1) % 3]}), normal);
+      if (!first) most = std::max(most, std::atan2(edge->second.cross(normal).norm(), edge->second.dot(normal)));
+    }
   }
   for (const gpu::Hinge& hinge : at.fabric.hinges) {
     const Vector3d a = vector(at.positions[hinge.particle[0]]), b = vector(at.positions[hinge.particle[1]]);

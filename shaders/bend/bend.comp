@@ -1,4 +1,4 @@
-// bend: isometric bending (Bergou et al. 2006) in one visit a substep.
+// bend: bending about flat (engine/effects/bend: a lattice, or hinges) in one visit a substep.
 //
 // A stencil's constraint l = sum K_j p_j = 0 is linear, and with one visit a substep its multiplier starts at zero, so the
 // Jacobi step with masses split is a constant sparse matrix: dp_i = -omega w_i sum_e (K_i / D_e) l_e = -omega sum_j M_ij (p_j - p_i)

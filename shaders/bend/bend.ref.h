@@ -58,7 +58,8 @@ inline Points relax_bend(std::span<const Bend> bends, const Points& p, std::span
                          double h, double omega, Averaged averaging) {
   Copies copies(inverse_masses, averaging);
   for (const Bend& bend : bends)
-    for (const std::uint32_t i : bend.particle) copies.use(i);
+    for (int j = 0; j < 4; ++j)
+      if (bend.k[j] != 0) copies.use(bend.particle[static_cast<std::size_t>(j)]);   // some are of three
   for (std::size_t e = 0; e < bends.size(); ++e) {
     const Bend& bend = bends[e];
     double weight = 0;
@@ -66,7 +67,8 @@ inline Points relax_bend(std::span<const Bend> bends, const Points& p, std::span
     const Vector l = bend_value(bend.k, {p[bend.particle[0]], p[bend.particle[1]], p[bend.particle[2]], p[bend.particle[3]]});
     const Vector change = change_of_multiplier<Vector>(l, lambda[e], weight / omega, bend.compliance, h);
     lambda[e] += change;
-    for (int j = 0; j < 4; ++j) copies.push(bend.particle[j], bend.k[j] * change);
+    for (int j = 0; j < 4; ++j)
+      if (bend.k[j] != 0) copies.push(bend.particle[static_cast<std::size_t>(j)], bend.k[j] * change);
   }
   return copies.averaged(p);
 }

@@ -3,7 +3,7 @@
 // dlambda = -(l + alpha lambda / h^2) / (sum n_j w_j K_j^2 / omega + alpha / h^2). bend_gather sums the impulses by particle.
 //
 //        2
-//       / \       The edge (0, 1) and its opposite vertices. K_0 + K_1 + K_2 + K_3 = 0, so l needs only differences.
+//       / \       Of a hinge the edge (0, 1) and its opposite vertices. K_0 + K_1 + K_2 + K_3 = 0, so l needs only differences.
 //      0---1
 //       \ /
 //        3

@@ -141,7 +141,9 @@ constexpr double kRounding = 40 * 0x1p-23;
 TEST(Fabric, bending_coefficients_sum_to_zero_and_slivers_are_limited_and_noted) {
   Scene scene = hung(6);
   scene.cloths[0].grid->size = {0.05f, 3};   // one degree between diagonals and columns
-  const CookedFabric fabric = cooked(scene);
+  auto meshes = make_meshes(scene);
+  for (Vec3& p : (*meshes)[0].points) p.x += 0.5f * p.y;   // askew: no lattice
+  const CookedFabric fabric = *cook(scene, *meshes);
   ASSERT_FALSE(fabric.notes.empty());
   EXPECT_NE(fabric.notes[0].find("slivers"), std::string::npos) << fabric.notes[0];
   for (const gpu::Bend& bend : fabric.bends) {
@@ -152,13 +154,26 @@ TEST(Fabric, bending_coefficients_sum_to_zero_and_slivers_are_limited_and_noted)
   EXPECT_TRUE(cooked(hung(6)).notes.empty());
 }
 
-TEST(Fabric, inner_edges_bend_and_boundary_edges_do_not) {
+// Of lines that cross a point from one neighbour to the opposite one, and of quads. Grids with centres have theirs askew: lines over
+// every centre and every inner corner, and a quad about every inner side of a cell.
+TEST(Fabric, a_lattice_bends_along_its_lines_and_over_its_quads) {
+  for (const long n : {1l, 2l, 7l}) {
+    EXPECT_EQ(static_cast<long>(cooked(hung(std::uint32_t(n))).bends.size()), 2 * (n - 1) * (n + 1) + n * n) << n;
+    if (n == 1) continue;
+    EXPECT_EQ(static_cast<long>(cooked(hung(std::uint32_t(n), Topology::centre)).bends.size()), 2 * n * n + 2 * (n - 1) * (n - 1) + 2 * n * (n - 1))
+        << n << ", with centres";
+  }
+}
+
+TEST(Fabric, where_there_is_no_lattice_inner_edges_bend_and_boundary_edges_do_not) {
   for (const Topology topology : {Topology::diagonal, Topology::centre}) {
     const Scene scene = hung(7, topology);
-    const auto meshes = make_meshes(scene);
+    auto meshes = make_meshes(scene);
+    // Askew, and cells of two squares, whose quads have angles of 53 degrees.
+    for (Vec3& p : (*meshes)[0].points) p = topology == Topology::centre ? Vec3{p.x, 2 * p.y, p.z} : Vec3{p.x + 0.5f * p.y, p.y, p.z};
     const auto inner = std::count_if((*meshes)[0].edges.begin(), (*meshes)[0].edges.end(),
                                      [](const WingedEdge& e) { return e.triangle[1] != kNone && e.triangle[0] != kNone; });
-    EXPECT_EQ(static_cast<long>(cooked(scene).bends.size()), static_cast<long>(inner));
+    EXPECT_EQ(static_cast<long>(cook(scene, *meshes)->bends.size()), static_cast<long>(inner));
   }
 }
 

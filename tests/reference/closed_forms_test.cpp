@@ -62,7 +62,7 @@ TEST(ClosedForms, a_chain_hangs_in_a_catenary) {
 
 // A beam of n links, clamped at one end, sinks by rho g L^4 / (8 B) at the other while that is small (Euler-Bernoulli). At an inner
 // particle it curves by |p_{i-1} - 2 p_i + p_{i+1}| / l^2 over a length l, so its energy is 1/2 (B / l^3) |...|^2. (Cooked
-// sheets have a rigidity that depends on the direction and free sides that curl: twin_bend_test measures theirs.)
+// sheets are held against a plate in tests/effects/bend/plate_test.cpp.)
 TEST(ClosedForms, a_cantilever_sinks_as_much_as_its_rigidity_says) {
   constexpr std::uint32_t kLinks = 41;
   constexpr double kLink = 0.01, kMass = 1e-4, kRigidity = 1e-3;   // m, kg, N m^2

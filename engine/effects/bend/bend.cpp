@@ -60,7 +60,7 @@ std::vector<std::vector<gpu::uvec2>> bend_matrix(std::span<const std::vector<gpu
       const gpu::Bend& bend = fabric.bends[e];
       const double part = std::bit_cast<float>(share), scale = part == 0 ? 0 : part / (bend.split_weight + bend.compliance * softening);
       for (int j = 0; j < 4; ++j)
-        if (bend.particle[j] != i) row.push_back({bend.particle[j], scale * bend.k[j], may_pin ? std::abs(bend.k[j]) : scale * bend.k[j]});
+        if (bend.particle[j] != i && bend.k[j] != 0) row.push_back({bend.particle[j], scale * bend.k[j], may_pin ? std::abs(bend.k[j]) : scale * bend.k[j]});
     }
     std::sort(row.begin(), row.end(), [](const Entry& a, const Entry& b) { return a.other < b.other; });
     double largest = 0;
@@ -82,7 +82,7 @@ void lay_out(cooking::CookState& state) {
   const bool split = state.scene().solver.averaging == Averaging::mass_split;
   std::vector<std::uint32_t> uses(fabric.positions.size());
   for (const gpu::Bend& bend : fabric.bends)
-    for (const std::uint32_t p : bend.particle) ++uses[p];
+    for (int j = 0; j < 4; ++j) uses[bend.particle[j]] += bend.k[j] != 0;
   std::vector<std::vector<gpu::uvec2>> shares(fabric.positions.size());
   for (std::uint32_t e = 0; e < fabric.bends.size(); ++e) {
     gpu::Bend& bend = fabric.bends[e];
@@ -92,8 +92,9 @@ void lay_out(cooking::CookState& state) {
     bend.split_weight = static_cast<float>(weight);
     for (int j = 0; j < 4; ++j) {
       const std::uint32_t p = bend.particle[j];
+      if (bend.k[j] == 0) continue;   // stencils of three particles
       const float share = bend.k[j] * fabric.positions[p].w / static_cast<float>(split ? 1 : uses[p]);
-      if (share != 0 || (state.may_pin() && bend.k[j] != 0)) shares[p].push_back({e, std::bit_cast<std::uint32_t>(share)});
+      if (share != 0 || state.may_pin()) shares[p].push_back({e, std::bit_cast<std::uint32_t>(share)});
     }
   }
   if (state.scene().solver.iterations > 1) {

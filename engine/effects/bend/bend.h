@@ -1,4 +1,4 @@
-// Bending about a flat shape: isometric stencils (Bergou et al. 2006).
+// Bending about a flat shape: second differences on a lattice of quads, elsewhere isometric stencils (Bergou et al. 2006).
 #pragma once
 
 #include "engine/effects/buffer.h"
@@ -14,7 +14,7 @@ namespace buffers {
 inline constexpr Buffer bend_rows = cooked<gpu::uvec2, &CookedFabric::bend, &PairRows::rows>("bend_rows");
 /// (particle, coefficient as float bits) twice.
 inline constexpr Buffer bend_entries = cooked<gpu::uvec4, &CookedFabric::bend, &PairRows::pairs>("bend_entries");
-/// Stencils of the isometric model, one an inner edge.
+/// Stencils: lines and quads of a lattice, and inner edges where there is none.
 inline constexpr Buffer bends = cooked<gpu::Bend, &CookedFabric::bends>("bends");
 /// xyz multiplier of each stencil, and its last change (kg m).
 inline constexpr Buffer bend_lambda = scratch<gpu::vec4>("bend_lambda", lengths::bends);

@@ -11,9 +11,11 @@
 // the 1/2 B k1^2 of a plate whose rigidity was measured; a third of it makes every such mesh exact, and squares with one
 // diagonal that bend along a side (tests/effects/bend/twin_test.cpp measures it).
 //
+// Where the mesh is a lattice the stencils are others, and have a plate's energy in every direction (lattice.cpp).
+//
 // Limitations: the rest state is flat, even where the mesh is curved (engine/effects/dihedral has curved ones). On meshes that are
-// not isotropic the rigidity depends on the direction: by a factor of 0.75 ... 3 on squares with one diagonal, 1.5 on those with a
-// centre.
+// neither a lattice nor equilateral the rigidity of hinges depends on the direction, and a plate of them has a Poisson's ratio of -1/3:
+// domes are softer and saddles stiffer.
 #include <algorithm>
 #include <cmath>
 
@@ -34,8 +36,10 @@ double cotangent(const Eigen::Vector3d& u, const Eigen::Vector3d& v, bool& clamp
 std::vector<gpu::Bend> bend_stencils(const Mesh& mesh, double rigidity, std::uint32_t& clamped) {
   std::vector<gpu::Bend> bends;
   bends.reserve(mesh.edges.size());
+  const std::vector<bool> lattice = add_lattice_stencils(mesh, rigidity, bends);
   for (const WingedEdge& edge : mesh.edges) {
     if (edge.triangle[0] == kNone || edge.triangle[1] == kNone || edge.across[0] == edge.across[1]) continue;
+    if (lattice[edge.triangle[0]] && lattice[edge.triangle[1]]) continue;
     const std::uint32_t particles[] = {edge.a, edge.b, edge.across[0], edge.across[1]};
     Eigen::Vector3d x[4];
     for (int j = 0; j < 4; ++j) x[j] = vector(mesh.points[particles[j]]);
@@ -43,14 +47,16 @@ std::vector<gpu::Bend> bend_stencils(const Mesh& mesh, double rigidity, std::uin
     const double a0 = cotangent(x[1] - x[0], x[2] - x[0], limited), a1 = cotangent(x[0] - x[1], x[2] - x[1], limited);
     const double b0 = cotangent(x[1] - x[0], x[3] - x[0], limited), b1 = cotangent(x[0] - x[1], x[3] - x[1], limited);
     clamped += limited;
-    const double area = 0.5 * ((x[1] - x[0]).cross(x[2] - x[0]).norm() + (x[1] - x[0]).cross(x[3] - x[0]).norm());
+    const double area0 = 0.5 * (x[1] - x[0]).cross(x[2] - x[0]).norm(), area1 = 0.5 * (x[1] - x[0]).cross(x[3] - x[0]).norm();
+    // Beside a lattice a hinge stands for its other triangle only.
+    const double part = ((lattice[edge.triangle[0]] ? 0 : area0) + (lattice[edge.triangle[1]] ? 0 : area1)) / (area0 + area1);
     gpu::Bend bend{};
     const double k[] = {a1 + b1, a0 + b0, -(a0 + a1), -(b0 + b1)};
     for (int j = 0; j < 4; ++j) {
       bend.particle[j] = particles[j];
       bend.k[j] = static_cast<float>(k[j]);
     }
-    bend.compliance = static_cast<float>(area / rigidity);
+    bend.compliance = static_cast<float>((area0 + area1) / (rigidity * part));
     bends.push_back(bend);
   }
   return bends;

@@ -116,8 +116,10 @@ TEST_F(MotionConstraintCase, every_method_keeps_to_them) {
     if (method == Method::chebyshev) scene.solver.substeps = 2, scene.solver.iterations = 4;
     if (on_springs(method)) scene.cloths[0].fabric.stretch = scene.cloths[0].fabric.shear = 50;
     const auto simulation = must(Simulation::create(device(), scene));
-    run(*simulation, 0.5);
-    EXPECT_NEAR(farthest(*simulation, {}), 0.05, 1e-5) << static_cast<int>(method);
+    // Chebyshev's steps leave it hanging by up to 0.04 mm within the limit at times, so it is the most of half a second that counts.
+    double most = 0;
+    for (run(*simulation, 0.5); simulation->time() < 1; run(*simulation, 0.05)) most = std::max(most, farthest(*simulation, {}));
+    EXPECT_NEAR(most, 0.05, 1e-5) << static_cast<int>(method);
   }
   Scene scene = kept(0.05);
   scene.solver.method = Method::implicit;
