@@ -160,7 +160,8 @@ TEST(Fabric, a_lattice_bends_along_its_lines_and_over_its_quads) {
   for (const long n : {1l, 2l, 7l}) {
     EXPECT_EQ(static_cast<long>(cooked(hung(std::uint32_t(n))).bends.size()), 2 * (n - 1) * (n + 1) + n * n) << n;
     if (n == 1) continue;
-    EXPECT_EQ(static_cast<long>(cooked(hung(std::uint32_t(n), Topology::centre)).bends.size()), 2 * n * n + 2 * (n - 1) * (n - 1) + 2 * n * (n - 1))
+    EXPECT_EQ(static_cast<long>(cooked(hung(std::uint32_t(n), Topology::centre)).bends.size()),
+              2 * n * n + 2 * (n - 1) * (n - 1) + 2 * n * (n - 1))
         << n << ", with centres";
   }
 }

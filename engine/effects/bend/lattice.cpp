@@ -44,7 +44,8 @@ bool right(double angle) { return std::abs(std::cos(angle)) < kLargestCosine; }
 
 // A quad of two triangles that share their longest edge, or one triangle whose longest edge is at the rim.
 struct Quad {
-  std::array<std::uint32_t, 4> corner;     // round it: an end of the diagonal, the first triangle's corner, the other end, the second's or kNone
+  // Round it: an end of the diagonal, the first triangle's corner, the other end, the second's corner or kNone.
+  std::array<std::uint32_t, 4> corner;
   std::array<std::uint32_t, 2> triangle;   // the second may be kNone
   bool half() const { return triangle[1] == kNone; }
   double area = 0;                         // m^2
@@ -66,7 +67,8 @@ struct Line {
 
 class Lattice {
  public:
-  explicit Lattice(const Mesh& mesh) : mesh_(mesh), quad_of_(mesh.triangles.size(), kNone), at_rim_(mesh.points.size()), sides_(mesh.edges.size()) {
+  explicit Lattice(const Mesh& mesh)
+      : mesh_(mesh), quad_of_(mesh.triangles.size(), kNone), at_rim_(mesh.points.size()), sides_(mesh.edges.size()) {
     for (const WingedEdge& edge : mesh.edges)
       if (edge.triangle[0] == kNone || edge.triangle[1] == kNone) at_rim_[edge.a] = at_rim_[edge.b] = true;
     for (const WingedEdge& edge : mesh.edges) add_quad(edge);
@@ -140,7 +142,9 @@ class Lattice {
       quad.area += area(mesh_, mesh_.triangles[t]);
     }
     if (sides == 0) return;
-    if (sides == 2 && (quad.corner[1] == quad.corner[3] || !right(corner_angle(quad, edge.a)) || !right(corner_angle(quad, edge.b)))) return;
+    if (sides == 2 &&
+        (quad.corner[1] == quad.corner[3] || !right(corner_angle(quad, edge.a)) || !right(corner_angle(quad, edge.b))))
+      return;
     for (const std::uint32_t t : quad.triangle)
       if (t != kNone) quad_of_[t] = static_cast<std::uint32_t>(quads_.size());
     quads_.push_back(quad);

@@ -94,7 +94,8 @@ std::pair<double, double> parts_of_a_plates_energy(const Sheet& sheet) {
 
 TEST(Plate, quadratic_heights_have_its_energy_in_every_direction) {
   for (const Sheet& squares : {sheet("diagonal", kSize, 16, 12, Topology::diagonal), sheet("centre", kSize, 16, 12, Topology::centre),
-                               sheet("oblong cells", kSize, 24, 6, Topology::diagonal), sheet("two cells wide", {0.4f, 0.04f}, 20, 2, Topology::diagonal)}) {
+                               sheet("oblong cells", kSize, 24, 6, Topology::diagonal),
+                               sheet("two cells wide", {0.4f, 0.04f}, 20, 2, Topology::diagonal)}) {
     const auto [least, most] = parts_of_a_plates_energy(squares);
     // Points are floats: 2e-8 m of cells of 0.01 m, of second differences of 1e-4 m times the size.
     EXPECT_NEAR(least, 1, 1e-3) << squares.name;
@@ -103,7 +104,8 @@ TEST(Plate, quadratic_heights_have_its_energy_in_every_direction) {
 }
 
 TEST(Plate, where_cells_are_not_quite_square_it_has_nearly_its_energy) {
-  for (const Sheet& shaken : {sheet("diagonal", kSize, 16, 12, Topology::diagonal, 0.07), sheet("centre", kSize, 16, 12, Topology::centre, 0.05)}) {
+  for (const Sheet& shaken : {sheet("diagonal", kSize, 16, 12, Topology::diagonal, 0.07),
+                              sheet("centre", kSize, 16, 12, Topology::centre, 0.05)}) {
     const auto [least, most] = parts_of_a_plates_energy(shaken);
     EXPECT_GT(least, 0.9) << shaken.name;
     EXPECT_LT(most, 1.1) << shaken.name;
