@@ -98,7 +98,7 @@ SpringRows spring_rows(std::span<const ParticleSpring> springs, std::size_t part
 double jacobi_weight(std::span<const ParticleSpring> springs);
 
 /// Bending stencils over points; split_weight is left at 0. `clamped` counts slivers whose cotangents were limited.
-std::vector<gpu::Bend> bend_stencils(const Mesh& mesh, double rigidity, std::uint32_t& clamped);
+std::vector<gpu::Bend> bend_stencils(const Mesh& mesh, double rigidity, bool as_plate, std::uint32_t& clamped);
 /// Adds those of the parts of a mesh that are a lattice of quads: see engine/effects/bend/lattice.cpp. Returns whether a triangle is in one.
 std::vector<bool> add_lattice_stencils(const Mesh& mesh, double rigidity, std::vector<gpu::Bend>& bends);
 

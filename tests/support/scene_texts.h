@@ -52,7 +52,7 @@ inline constexpr const char* kFull = R"({
      "appearance": {"albedo": "weave.png", "normal": "weave.png", "roughness": "weave.jpg", "occlusion": "weave.jpg",
                     "base_colour": [1, 0, 0], "roughness_factor": 0.5, "metallic": 0.25, "repeat": [4, 6], "mesh_materials": true}},
     {"grid": {"size": [2, 3], "cells": [4, 5], "topology": "centre", "upright": true},
-     "fabric": "silk", "bend_rest": "mesh", "tethers": false, "skin": {"takes_targets": true}, "meets": ["curtain"],
+     "fabric": "silk", "bends_as_plate": true, "bend_rest": "mesh", "tethers": false, "skin": {"takes_targets": true}, "meets": ["curtain"],
      "anchors": [{"corners": ["low_high", "high_high"]}]}],
   "colliders": [{"shape": "sphere", "centre": [0, 1, 0], "radius": 0.25, "friction": 0, "colour": [0, 1, 0], "keys": [{"time": 2}]},
                 {"shape": "plane", "centre": [0, -1, 0], "normal": [0, 0, 5]},

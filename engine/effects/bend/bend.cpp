@@ -35,7 +35,7 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   const Cloth& cloth = input.cloth;
   if (!cloth.bending || !(cloth.fabric.bend > 0) || cloth.bend_rest != BendRest::flat) return {};
   std::uint32_t clamped = 0;
-  for (gpu::Bend bend : cooking::bend_stencils(input.mesh, cloth.fabric.bend, clamped)) {
+  for (gpu::Bend bend : cooking::bend_stencils(input.mesh, cloth.fabric.bend, cloth.bends_as_plate, clamped)) {
     bend.compliance /= static_cast<float>(cooking::factor(input.factors.bend, bend.particle[0], bend.particle[1]));
     for (std::uint32_t& p : bend.particle) p = state.particle_of()[p];
     bend.compliance = std::min(bend.compliance, static_cast<float>(cooking::kSoftest));

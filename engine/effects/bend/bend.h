@@ -1,4 +1,4 @@
-// Bending about a flat shape: second differences on a lattice of quads, elsewhere isometric stencils (Bergou et al. 2006).
+// Bending about a flat shape: isometric stencils (Bergou et al. 2006), or a plate's second differences on a lattice of quads.
 #pragma once
 
 #include "engine/effects/buffer.h"

@@ -11,7 +11,7 @@
 // the 1/2 B k1^2 of a plate whose rigidity was measured; a third of it makes every such mesh exact, and squares with one
 // diagonal that bend along a side (tests/effects/bend/twin_test.cpp measures it).
 //
-// Where the mesh is a lattice the stencils are others, and have a plate's energy in every direction (lattice.cpp).
+// Where the mesh is a lattice, and the scene wants a plate, the stencils are others, and have a plate's energy in every direction (lattice.cpp).
 //
 // Limitations: the rest state is flat, even where the mesh is curved (engine/effects/dihedral has curved ones). On meshes that are
 // neither a lattice nor equilateral the rigidity of hinges depends on the direction, and a plate of them has a Poisson's ratio of -1/3:
@@ -33,10 +33,11 @@ double cotangent(const Eigen::Vector3d& u, const Eigen::Vector3d& v, bool& clamp
 
 }  // namespace
 
-std::vector<gpu::Bend> bend_stencils(const Mesh& mesh, double rigidity, std::uint32_t& clamped) {
+std::vector<gpu::Bend> bend_stencils(const Mesh& mesh, double rigidity, bool as_plate, std::uint32_t& clamped) {
   std::vector<gpu::Bend> bends;
   bends.reserve(mesh.edges.size());
-  const std::vector<bool> lattice = add_lattice_stencils(mesh, rigidity, bends);
+  std::vector<bool> lattice(mesh.triangles.size());
+  if (as_plate) lattice = add_lattice_stencils(mesh, rigidity, bends);
   for (const WingedEdge& edge : mesh.edges) {
     if (edge.triangle[0] == kNone || edge.triangle[1] == kNone || edge.across[0] == edge.across[1]) continue;
     if (lattice[edge.triangle[0]] && lattice[edge.triangle[1]]) continue;

@@ -30,6 +30,7 @@ Sheet sheet(std::string name, Vec2 size, std::uint32_t cells_x, std::uint32_t ce
   Sheet made{std::move(name), {}, {}};
   Cloth& cloth = made.scene.cloths.emplace_back();
   cloth.grid = Grid{size, cells_x, cells_y, topology, false};
+  cloth.bends_as_plate = true;
   cloth.fabric.bend = kRigidity;
   cloth.tethers = false;
   cloth.start.imperfection = 0;
