@@ -19,8 +19,6 @@ void connect() {
     if (!Stage::all().empty() && !given.empty() && godot::is(given[0].to_object(), "CollisionShape3D")) Stage::shapes_changed();
   };
   tree.call("connect", "node_added", godot::callable(look));
-  const Variant performance = godot::singleton("Performance");
-  (void)performance;
 }
 
 void initialise(void*, GDExtensionInitializationLevel level) {
@@ -38,8 +36,9 @@ void initialise(void*, GDExtensionInitializationLevel level) {
 }
 
 void deinitialise(void*, GDExtensionInitializationLevel level) {
-  if (level == GDEXTENSION_INITIALIZATION_SCENE) godot::unregister_classes();
-  if (level == GDEXTENSION_INITIALIZATION_CORE) godot::forget_names();
+  if (level != GDEXTENSION_INITIALIZATION_SCENE) return;   // the editor's level comes before
+  godot::unregister_classes();
+  godot::forget_names();
 }
 
 }  // namespace

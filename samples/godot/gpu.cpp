@@ -3,6 +3,8 @@
 
 #include <dlfcn.h>
 
+#include <string_view>
+
 namespace weft_godot {
 namespace {
 
@@ -27,6 +29,25 @@ std::uint32_t memory_type(const Device& device, std::uint32_t among, VkMemoryPro
   return weft::kNone;
 }
 
+// The loader's, without names of objects: a layer gives these functions also where Godot's instance has not enabled VK_EXT_debug_utils, and
+// then complains when they are called.
+PFN_vkGetInstanceProcAddr instance_function = nullptr;
+PFN_vkGetDeviceProcAddr device_function = nullptr;
+
+bool is_left_out(const char* name) { return std::string_view(name).find("DebugUtils") != std::string_view::npos; }
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL find_for_device(VkDevice device, const char* name) {
+  return is_left_out(name) ? nullptr : device_function(device, name);
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL find(VkInstance instance, const char* name) {
+  if (is_left_out(name)) return nullptr;
+  const PFN_vkVoidFunction found = instance_function(instance, name);
+  if (found == nullptr || std::string_view(name) != "vkGetDeviceProcAddr") return found;
+  device_function = reinterpret_cast<PFN_vkGetDeviceProcAddr>(found);
+  return reinterpret_cast<PFN_vkVoidFunction>(find_for_device);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Device>> borrow_device() {
@@ -41,7 +62,9 @@ Result<std::unique_ptr<Device>> borrow_device() {
   // Godot has the loader open already.
   void* loader = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
   if (loader == nullptr) return fail(weft::ErrorKind::other, "the Vulkan loader libvulkan.so.1 cannot be opened: ", dlerror());
-  lent.get_instance_proc_addr = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(loader, "vkGetInstanceProcAddr"));
+  instance_function = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(loader, "vkGetInstanceProcAddr"));
+  if (instance_function == nullptr) return fail(weft::ErrorKind::other, "libvulkan.so.1 has no vkGetInstanceProcAddr");
+  lent.get_instance_proc_addr = find;
   lent.instance = handle<VkInstance>(device, kInstance);
   lent.physical = handle<VkPhysicalDevice>(device, kPhysical);
   lent.device = handle<VkDevice>(device, kDevice);

@@ -99,8 +99,9 @@ Result<void> Recording::write(const weft::Simulation& simulation) const {
     scene.colliders[k].mesh = *name;
   }
   if (auto done = write_text(folder_ / "scene.json", weft::scene_text(scene)); !done) return done;
-  const auto vertices = simulation.read_vertex_positions();
-  if (!vertices) return vertices.why();
+  auto vertices = simulation.read_vertex_positions();
+  if (!vertices) return vertices.take_error();
+  vertices->resize(weft::cloth_vertices(simulation.fabric()));
   return write_text(folder_ / "digest", digest_of(*vertices) + "\n");
 }
 

@@ -21,7 +21,7 @@ class Recording {
   /// Something happened that a scene cannot say.
   void spoil(std::string why);
 
-  /// Writes scene.json, a GLB a mesh, and `digest`, that of the vertices. Errors: what cannot be written.
+  /// Writes scene.json, a GLB a mesh, and `digest`, that of the cloths' vertices. Errors: what cannot be written.
   weft::Result<void> write(const weft::Simulation& simulation) const;
 
  private:
