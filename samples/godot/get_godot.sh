@@ -36,13 +36,25 @@ fetch_godot() {
   for package in "$apt"/cache/archives/*.deb; do dpkg-deb -x "$package" "$root" || return 1; done
   rm -rf "$apt"
   # With its own C library and loader, but this machine's Vulkan loader and drivers.
-  cat > "$folder/godot.part" <<END
+  cat > "$folder/with_its_libraries" <<END
 #!/bin/sh
 libraries='$root/usr/lib/x86_64-linux-gnu'
-exec "\$libraries/ld-linux-x86-64.so.2" --library-path "\$libraries:\$libraries/pulseaudio:/usr/lib/x86_64-linux-gnu" '$root/usr/bin/godot' "\$@"
+exec "\$libraries/ld-linux-x86-64.so.2" --library-path "\$libraries:\$libraries/pulseaudio:/usr/lib/x86_64-linux-gnu" "\$@"
 END
-  chmod +x "$folder/godot.part"
+  cat > "$folder/godot.part" <<END
+#!/bin/sh
+exec '$folder/with_its_libraries' '$root/usr/bin/godot' "\$@"
+END
+  chmod +x "$folder/with_its_libraries" "$folder/godot.part"
   mv "$folder/godot.part" "$folder/godot"
+}
+
+# as_godot GODOT COMMAND...: with the C library that Godot has. The rotation of a collider in a tick is an arc tangent of floats, whose last bit
+# is another in Debian 12's (glibc 2.36) than in forky's.
+as_godot() {
+  local godot=$1
+  shift
+  if [[ $godot == "$(godot_cache)/godot" ]]; then "$(godot_cache)/with_its_libraries" "$@"; else "$@"; fi
 }
 
 find_godot() {

@@ -72,7 +72,10 @@ Key key_of(Vec3 at, const Rotation& rotation, const Key& before) {
   Key key;
   key.translate = at;
   const Eigen::AngleAxisd turn(Eigen::Quaterniond(rotation.w, rotation.x, rotation.y, rotation.z).normalized());
-  if (std::abs(turn.angle()) < 1e-7) return key;   // about no axis: +y by 0 degrees
+  if (std::abs(turn.angle()) < 1e-7) {   // about no axis: +y by 0 degrees, or -y
+    if (key.axis == before.axis && before.degrees != 0) key.axis = {0, -1, 0};
+    return key;
+  }
   key.axis = unit({static_cast<float>(turn.axis().x()), static_cast<float>(turn.axis().y()), static_cast<float>(turn.axis().z())});
   const double degrees = turn.angle() / kDegree;
   for (int k = 0; k < 1000; ++k) {

@@ -49,6 +49,10 @@ Recording::Recording(std::filesystem::path folder, const weft::Simulation& simul
       anchor.keys = keys;
     }
   }
+  // At the start, too, a key is followed by itself.
+  for (weft::Collider& collider : scene_.colliders) append(collider.keys, collider.keys[0], 0), collider.keys.erase(collider.keys.begin());
+  for (weft::Cloth& cloth : scene_.cloths)
+    for (weft::Anchor& anchor : cloth.anchors) append(anchor.keys, anchor.keys[0], 0), anchor.keys.erase(anchor.keys.begin());
   for (const weft::AnchorTarget& held : simulation.fabric().anchors)
     scene_.cloths[held.cloth].anchors[held.entry].vertices.push_back(held.vertex);
   // One whose vertices another has taken over holds nothing, which a scene does not allow.

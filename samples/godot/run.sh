@@ -55,7 +55,8 @@ on_a_screen timeout $(( 120 + frames )) "$godot" --path "$project" --rendering-d
   -- --frames "$frames" --out "$out" 2>&1 | tee "$out/godot.log"
 [[ -e $out/recording/scene.json ]] || { echo "Godot left no recording in $out" >&2; exit 1; }
 
-"$root/build/$preset/bin/weft" run "$out/recording/scene.json" --no-picture --out "$out/alone" >"$out/alone.log"
+echo "Playing the same by weft run"
+as_godot "$godot" "$root/build/$preset/bin/weft" run "$out/recording/scene.json" --no-picture --out "$out/alone" >"$out/alone.log" 2>&1
 in_godot=$(cat "$out/recording/digest") alone=$(python3 "$here/digest.py" "$out/alone/final.ply")
 echo "Pictures: $out/pictures, frame times: $out/frames.csv"
 echo "Vertices in Godot $in_godot, by weft run $alone"
