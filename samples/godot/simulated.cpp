@@ -24,8 +24,9 @@ std::unique_ptr<weft::compute::Device>& device() {
   return borrowed;
 }
 
-// Godot has at most three frames under way; those that are given up wait for a few more.
-constexpr int kWait = 8;
+// What is given up is still Godot's texture until the main thread has given it the next one, and may be drawn with in the frames that are
+// under way, three at most.
+constexpr int kWait = 8, kForgotten = 4;   // frames
 struct GivenUp {
   std::unique_ptr<VertexTexture> texture;
   int frames = kWait;
@@ -70,10 +71,7 @@ struct Simulated::Running {
   ~Running() {
     commands.reset();
     bounds.reset();
-    if (texture) {
-      texture->free_rid();
-      given_up().push_back({std::move(texture)});
-    }
+    if (texture) given_up().push_back({std::move(texture)});
     simulation.reset();
     --simulations;
   }
@@ -259,7 +257,8 @@ Result<std::vector<Vec3>> Simulated::read_vertices(std::uint32_t cloth) {
 
 void destroy_given_up(bool all) {
   if (all && device()) device()->vk().vkQueueWaitIdle(device()->queue());
-  for (GivenUp& waiting : given_up()) --waiting.frames;
+  for (GivenUp& waiting : given_up())
+    if (--waiting.frames == kForgotten) waiting.texture->free_rid();
   while (!given_up().empty() && (all || given_up().front().frames <= 0)) given_up().pop_front();
   if (all) device().reset();
 }

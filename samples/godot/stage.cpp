@@ -56,7 +56,7 @@ void Stage::end_all() {
 
 Stage::~Stage() {
   for (Member& member : members_) member.cloth->stopped();
-  if (texture_.to_object()) texture_.call("set_texture_rd_rid", godot::Rid{});
+  set_texture({});
   if (simulated_) on_render_thread([simulated = simulated_] { simulated->end(); });
 }
 
@@ -82,6 +82,7 @@ void Stage::restart(Cloth& cloth) {
 }
 
 void Stage::give_up(const std::string& sentence) {
+  set_texture({});
   for (Member& member : members_) {
     member.is_shown = false;
     if (member.place) member.cloth->failed(sentence);
@@ -129,6 +130,7 @@ void Stage::make() {
     cloths.push_back(member.cloth);
   }
   if (cloths.empty()) {
+    set_texture({});
     if (simulated_) on_render_thread([simulated = simulated_] { simulated->end(); });
     return;
   }
@@ -217,15 +219,18 @@ void Stage::tick(double seconds) {
   on_render_thread([simulated = simulated_, tick = std::make_shared<Tick>(std::move(tick))] { simulated->tick(*tick); });
 }
 
+void Stage::set_texture(godot::Rid texture) {
+  if (texture.id == texture_rid_.id) return;
+  if (!texture_.to_object()) texture_ = godot::make("Texture2DArrayRD");
+  texture_.call("set_texture_rd_rid", texture);
+  texture_rid_ = texture;
+}
+
 // What the render thread has come to.
 void Stage::look(const Seen& seen) {
   if (!seen.failure.empty()) return give_up(seen.failure);
   if (!seen.is_running) return;
-  if (!texture_.to_object()) texture_ = godot::make("Texture2DArrayRD");
-  if (seen.texture.id != texture_rid_.id) {
-    texture_.call("set_texture_rd_rid", seen.texture);
-    texture_rid_ = seen.texture;
-  }
+  set_texture(seen.texture);
   for (Member& member : members_) {
     if (!member.place) continue;
     if (!member.is_shown) {

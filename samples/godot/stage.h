@@ -53,6 +53,7 @@ class Stage {
   void move_anchors(Tick& tick);
   std::uint32_t free_slot() const;
   void look(const Seen& seen);
+  void set_texture(godot::Rid texture);
   void present();
   void give_up(const std::string& sentence);
 

@@ -2,6 +2,7 @@
 #include "samples/godot/world.h"
 
 #include "samples/godot/fields.h"
+#include "samples/godot/simulated.h"
 
 namespace weft_godot {
 namespace {
@@ -59,7 +60,8 @@ const godot::Class& world_class() {
          {"Solver", "solver_", properties_of("solver_", "solver", solver)},
          {"Contacts", "contacts_", properties_of("contacts_", "contacts", contacts)},
          of_air},
-        {},
+        {{"get_simulation_count", {}, GDEXTENSION_VARIANT_TYPE_INT, "How many simulations there are on the GPU, of all worlds.",
+          [](Instance&, std::span<const Variant>) { return Variant(Simulated::alive()); }}},
         {},
         [](godot::Object self) -> Instance* { return new World(self); }};
   }();
