@@ -1,7 +1,8 @@
 extends Node3D
-## Plays the scene. Started with -- --frames N --out DIR it ends after N frames, and leaves pictures, frame times and a recording there.
+## Plays the scene. Started with -- --frames N --out DIR it ends after N frames, and leaves pictures, frame times and recordings there.
 
-@export var world: WeftWorld
+@export var calm: WeftWorld
+@export var windy: WeftWorld
 
 var out := ""
 var frames := 0
@@ -21,7 +22,8 @@ func _ready() -> void:
 		cloth.failed.connect(func(sentence: String) -> void: push_error("%s: %s" % [cloth.name, sentence]))
 	if out.is_empty():
 		return
-	world.recording = out.path_join("recording")
+	calm.recording = out.path_join("recording/calm")
+	windy.recording = out.path_join("recording/windy")
 	DirAccess.make_dir_recursive_absolute(out.path_join("pictures"))
 
 
