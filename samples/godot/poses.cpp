@@ -42,11 +42,8 @@ Vec3 unit(Vec3 axis) {
   return axis;
 }
 
-// Whether neither making it of length 1 in floats nor in doubles changes it.
-bool is_kept(const Rotation& r) {
-  const float norm = std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w);
-  return r == Rotation{r.x / norm, r.y / norm, r.z / norm, r.w / norm} && r * Rotation{} == r;
-}
+// Whether making it of length 1 changes nothing.
+bool is_kept(const Rotation& r) { return r * Rotation{} == r; }
 
 }  // namespace
 
@@ -76,11 +73,12 @@ Key key_of(Vec3 at, const Rotation& rotation, const Key& before) {
     if (key.axis == before.axis && before.degrees != 0) key.axis = {0, -1, 0};
     return key;
   }
-  key.axis = unit({static_cast<float>(turn.axis().x()), static_cast<float>(turn.axis().y()), static_cast<float>(turn.axis().z())});
+  const Vec3 axis{static_cast<float>(turn.axis().x()), static_cast<float>(turn.axis().y()), static_cast<float>(turn.axis().z())};
   const double degrees = turn.angle() / kDegree;
-  for (int k = 0; k < 1000; ++k) {
-    key.degrees = degrees * (1 + 3e-9 * k);
-    if (is_kept(weft::rotation_about(key.axis, key.degrees))) break;
+  for (int k = 0; k < 2000; ++k) {   // near half a turn the axis has to give way, too
+    key.axis = unit({axis.x, axis.y + float(k / 100) * 6e-8f, axis.z});
+    key.degrees = degrees * (1 + 2e-8 * (k % 100));
+    if (unit(key.axis) == key.axis && is_kept(weft::rotation_about(key.axis, key.degrees))) break;
   }
   if (key.axis == before.axis) key.axis = -1.0f * key.axis, key.degrees = -key.degrees;
   return key;
