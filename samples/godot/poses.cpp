@@ -75,9 +75,11 @@ Key key_of(Vec3 at, const Rotation& rotation, const Key& before) {
   }
   const Vec3 axis{static_cast<float>(turn.axis().x()), static_cast<float>(turn.axis().y()), static_cast<float>(turn.axis().z())};
   const double degrees = turn.angle() / kDegree;
-  for (int k = 0; k < 2000; ++k) {   // near half a turn the axis has to give way, too
-    key.axis = unit({axis.x, axis.y + float(k / 100) * 6e-8f, axis.z});
-    key.degrees = degrees * (1 + 2e-8 * (k % 100));
+  constexpr float kStep = 3e-8f;   // half of the step of floats below 1: near half a turn the axis has to give way, too
+  for (int k = 0; k < 125 * 40; ++k) {
+    const int nudge = k / 40;
+    key.axis = unit({axis.x + kStep * float(nudge % 5), axis.y + kStep * float(nudge / 5 % 5), axis.z + kStep * float(nudge / 25)});
+    key.degrees = degrees * (1 + 2e-8 * (k % 40)) + 1e-5 * nudge;
     if (unit(key.axis) == key.axis && is_kept(weft::rotation_about(key.axis, key.degrees))) break;
   }
   if (key.axis == before.axis) key.axis = -1.0f * key.axis, key.degrees = -key.degrees;
