@@ -21,10 +21,10 @@ class Anchor : public godot::Instance {
 
   std::vector<std::int32_t> vertices;
   std::string map;
-  double top = 0;                 // m
-  weft::Vec3 size;                // m; 0 along an axis: no box
+  double top = 0;    // m
+  weft::Vec3 size;   // m; 0 along an axis: no box
   std::uint32_t every = 1;
-  godot::Variant follow;          // NodePath
+  godot::Variant follow;   // NodePath
   std::string bone;
 
  private:

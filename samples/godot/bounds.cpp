@@ -24,8 +24,7 @@ Result<void> Bounds::make_pipeline() {
   const weft::compute::Functions& vk = device_->vk();
   const VkDevice device = device_->handle();
   VkDescriptorSetLayoutBinding bindings[2]{};
-  for (std::uint32_t k = 0; k < 2; ++k)
-    bindings[k] = {k, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
+  for (std::uint32_t k = 0; k < 2; ++k) bindings[k] = {k, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
   const VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, nullptr, 0, 2, bindings};
   if (vk.vkCreateDescriptorSetLayout(device, &set, nullptr, &set_layout_) != VK_SUCCESS)
     return fail(weft::ErrorKind::memory, "a descriptor set layout cannot be made");
@@ -64,8 +63,8 @@ Result<void> Bounds::make_sets() {
   for (std::size_t k = 0; k < kSets; ++k) {
     const VkDescriptorBufferInfo buffers[2] = {{positions.buffer, positions.offset, VkDeviceSize(positions.count) * positions.stride},
                                                {boxes_[k].buffer, 0, VK_WHOLE_SIZE}};
-    const VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, nullptr, sets_[k], 0, 0, 2, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-                                     nullptr, buffers, nullptr};
+    const VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, nullptr, sets_[k], 0,      0, 2,
+                                     VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,      nullptr, buffers,  nullptr};
     vk.vkUpdateDescriptorSets(device, 1, &write, 0, nullptr);
   }
   return {};
@@ -91,7 +90,8 @@ void Bounds::record(VkCommandBuffer commands, std::size_t place) {
     vk.vkCmdDispatch(commands, 1, 1, 1);
   }
   const VkMemoryBarrier to_host{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, VK_ACCESS_SHADER_WRITE_BIT, VK_ACCESS_HOST_READ_BIT};
-  vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &to_host, 0, nullptr, 0, nullptr);
+  vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &to_host, 0, nullptr, 0,
+                          nullptr);
 }
 
 void Bounds::read(std::size_t place, std::vector<godot::Box>& boxes) const {

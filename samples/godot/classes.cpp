@@ -60,8 +60,7 @@ Info info_of(const Argument& argument) {
 
 GDExtensionObjectPtr create(void* held, GDExtensionBool notify) {
   const Registered& registered = *static_cast<const Registered*>(held);
-  static const auto construct =
-      reinterpret_cast<GDExtensionInterfaceClassdbConstructObject2>(function("classdb_construct_object2"));
+  static const auto construct = reinterpret_cast<GDExtensionInterfaceClassdbConstructObject2>(function("classdb_construct_object2"));
   static const auto set_instance = reinterpret_cast<GDExtensionInterfaceObjectSetInstance>(function("object_set_instance"));
   const Object object = construct(name(registered.described->parent).data());
   Instance* instance = registered.described->create(object);
@@ -167,20 +166,28 @@ void register_properties(Registered& registered) {
   for (const Group& group : described.groups)
     for (const Property& property : group.properties) registered.properties.push_back(&property);
   const auto all = &registered.properties;
-  registered.methods.push_back(std::make_unique<Method>(Method{
-      "get_value", {{"index", GDEXTENSION_VARIANT_TYPE_INT}}, GDEXTENSION_VARIANT_TYPE_NIL, "Used by the properties.",
-      [all](Instance& instance, std::span<const Variant> given) -> Variant {
-        const std::int64_t k = given[0].to_int();
-        return k >= 0 && k < std::int64_t(all->size()) ? (*all)[std::size_t(k)]->get(instance) : Variant();
-      }, true}));
+  registered.methods.push_back(std::make_unique<Method>(Method{"get_value",
+                                                               {{"index", GDEXTENSION_VARIANT_TYPE_INT}},
+                                                               GDEXTENSION_VARIANT_TYPE_NIL,
+                                                               "Used by the properties.",
+                                                               [all](Instance& instance, std::span<const Variant> given) -> Variant {
+                                                                 const std::int64_t k = given[0].to_int();
+                                                                 return k >= 0 && k < std::int64_t(all->size())
+                                                                            ? (*all)[std::size_t(k)]->get(instance)
+                                                                            : Variant();
+                                                               },
+                                                               true}));
   register_method(registered, *registered.methods.back());
-  registered.methods.push_back(std::make_unique<Method>(
-      Method{"set_value", {{"index", GDEXTENSION_VARIANT_TYPE_INT}, {"value", GDEXTENSION_VARIANT_TYPE_NIL}}, GDEXTENSION_VARIANT_TYPE_NIL,
-             "Used by the properties.", [all](Instance& instance, std::span<const Variant> given) -> Variant {
-               const std::int64_t k = given[0].to_int();
-               if (k >= 0 && k < std::int64_t(all->size())) (*all)[std::size_t(k)]->set(instance, given[1]);
-               return {};
-             }}));
+  registered.methods.push_back(
+      std::make_unique<Method>(Method{"set_value",
+                                      {{"index", GDEXTENSION_VARIANT_TYPE_INT}, {"value", GDEXTENSION_VARIANT_TYPE_NIL}},
+                                      GDEXTENSION_VARIANT_TYPE_NIL,
+                                      "Used by the properties.",
+                                      [all](Instance& instance, std::span<const Variant> given) -> Variant {
+                                        const std::int64_t k = given[0].to_int();
+                                        if (k >= 0 && k < std::int64_t(all->size())) (*all)[std::size_t(k)]->set(instance, given[1]);
+                                        return {};
+                                      }}));
   register_method(registered, *registered.methods.back());
 
   static const auto add = reinterpret_cast<GDExtensionInterfaceClassdbRegisterExtensionClassPropertyIndexed>(
@@ -221,16 +228,26 @@ std::string escaped(std::string_view text) {
 
 const char* type_name(Type type) {
   switch (type) {
-    case GDEXTENSION_VARIANT_TYPE_BOOL: return "bool";
-    case GDEXTENSION_VARIANT_TYPE_INT: return "int";
-    case GDEXTENSION_VARIANT_TYPE_FLOAT: return "float";
-    case GDEXTENSION_VARIANT_TYPE_STRING: return "String";
-    case GDEXTENSION_VARIANT_TYPE_VECTOR3: return "Vector3";
-    case GDEXTENSION_VARIANT_TYPE_NODE_PATH: return "NodePath";
-    case GDEXTENSION_VARIANT_TYPE_OBJECT: return "Object";
-    case GDEXTENSION_VARIANT_TYPE_PACKED_INT32_ARRAY: return "PackedInt32Array";
-    case GDEXTENSION_VARIANT_TYPE_PACKED_VECTOR3_ARRAY: return "PackedVector3Array";
-    default: return "Variant";
+    case GDEXTENSION_VARIANT_TYPE_BOOL:
+      return "bool";
+    case GDEXTENSION_VARIANT_TYPE_INT:
+      return "int";
+    case GDEXTENSION_VARIANT_TYPE_FLOAT:
+      return "float";
+    case GDEXTENSION_VARIANT_TYPE_STRING:
+      return "String";
+    case GDEXTENSION_VARIANT_TYPE_VECTOR3:
+      return "Vector3";
+    case GDEXTENSION_VARIANT_TYPE_NODE_PATH:
+      return "NodePath";
+    case GDEXTENSION_VARIANT_TYPE_OBJECT:
+      return "Object";
+    case GDEXTENSION_VARIANT_TYPE_PACKED_INT32_ARRAY:
+      return "PackedInt32Array";
+    case GDEXTENSION_VARIANT_TYPE_PACKED_VECTOR3_ARRAY:
+      return "PackedVector3Array";
+    default:
+      return "Variant";
   }
 }
 

@@ -11,7 +11,16 @@
 namespace godot {
 
 /// What Godot calls PROPERTY_HINT_* and PROPERTY_USAGE_*.
-enum class Hint : std::uint32_t { none = 0, range = 1, choice = 2, layers_3d_physics = 11, file = 13, folder = 14, resource = 17, node = 26 };
+enum class Hint : std::uint32_t {
+  none = 0,
+  range = 1,
+  choice = 2,
+  layers_3d_physics = 11,
+  file = 13,
+  folder = 14,
+  resource = 17,
+  node = 26
+};
 constexpr std::uint32_t kStored = 2, kEdited = 4, kUpdatesAll = 1u << 14;
 
 /// What every object of ours is, behind Godot's.
@@ -42,8 +51,8 @@ struct Property {
   std::string help;
   std::function<Variant(const Instance&)> get;
   std::function<void(Instance&, const Variant&)> set;
-  bool updates_all = false;        // others are shown by its value
-  std::string type_name = {};      // of objects: the class
+  bool updates_all = false;     // others are shown by its value
+  std::string type_name = {};   // of objects: the class
   bool stored = true;
 };
 /// Properties that follow, up to the next group, have this heading; their names are shown without the prefix.

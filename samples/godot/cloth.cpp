@@ -81,8 +81,7 @@ Result<Cloth::Described> Cloth::describe() const {
   const double sine = std::hypot(place->rotation.x, place->rotation.y, place->rotation.z);
   weft::Transform transform;
   transform.translate = place->at;
-  if (sine > 0)
-    transform.axis = float(1 / sine) * weft::Vec3{place->rotation.x, place->rotation.y, place->rotation.z};
+  if (sine > 0) transform.axis = float(1 / sine) * weft::Vec3{place->rotation.x, place->rotation.y, place->rotation.z};
   transform.degrees = 2 * std::atan2(sine, double(place->rotation.w)) * 180 / std::numbers::pi;
   transform.scale = place->scale.x;
   weft::transform_mesh(described.mesh, transform);
@@ -164,7 +163,11 @@ std::vector<weft::Vec3> Cloth::vertices() { return stage_ != nullptr ? stage_->v
 const godot::Class& cloth_class() {
   static const godot::Class described = [] {
     const auto property = [](std::string name, godot::Type type, Hint hint, std::string text, std::string help, auto get, auto set) {
-      return Property{std::move(name), type, hint, std::move(text), std::move(help),
+      return Property{std::move(name),
+                      type,
+                      hint,
+                      std::move(text),
+                      std::move(help),
                       [get](const Instance& at) { return Variant(get(cloth_in(at))); },
                       [set](Instance& at, const Variant& value) {
                         set(cloth_in(at), value);
@@ -174,35 +177,42 @@ const godot::Class& cloth_class() {
     using C = Cloth;
     using CC = const Cloth;
     std::vector<Property> own;
-    own.push_back(property("world", GDEXTENSION_VARIANT_TYPE_OBJECT, Hint::resource, "WeftWorld",
-                           "Solver, contacts and air, which cloths share. Those without one share a world with the defaults.",
-                           [](CC& c) { return c.world; }, [](C& c, const Variant& v) { c.world = v; }));
+    own.push_back(property(
+        "world", GDEXTENSION_VARIANT_TYPE_OBJECT, Hint::resource, "WeftWorld",
+        "Solver, contacts and air, which cloths share. Those without one share a world with the defaults.", [](CC& c) { return c.world; },
+        [](C& c, const Variant& v) { c.world = v; }));
     own.back().type_name = "WeftWorld";
-    own.push_back(property("gltf", GDEXTENSION_VARIANT_TYPE_STRING, Hint::file, "*.glb,*.gltf,*.obj",
-                           "A file to read the cloth's mesh from, in place of the node's: with vertex groups as custom attributes (_NAME). Its material "
-                           "is the node's material override. It must lie on the disk, so that it is not there in an exported package.",
-                           [](CC& c) { return c.gltf; }, [](C& c, const Variant& v) { c.gltf = v.to_string(); }));
-    own.push_back(property("collision_mask", GDEXTENSION_VARIANT_TYPE_INT, Hint::layers_3d_physics, "",
-                           "Layers of the physics bodies that the cloth meets: spheres, capsules, boxes, world boundaries and concave meshes.",
-                           [](CC& c) { return std::int64_t(c.collision_mask); },
-                           [](C& c, const Variant& v) { c.collision_mask = static_cast<std::uint32_t>(v.to_int()); }));
-    own.push_back(property("tethers", GDEXTENSION_VARIANT_TYPE_BOOL, Hint::none, "",
-                           "Keeps every vertex within reach of the anchors, so that large cloth does not sag.", [](CC& c) { return c.tethers; },
-                           [](C& c, const Variant& v) { c.tethers = v.to_bool(); }));
-    own.push_back(property("bending", GDEXTENSION_VARIANT_TYPE_BOOL, Hint::none, "", "Whether the cloth resists bending.",
-                           [](CC& c) { return c.bending; }, [](C& c, const Variant& v) { c.bending = v.to_bool(); }));
-    own.push_back(property("keeps_folds", GDEXTENSION_VARIANT_TYPE_BOOL, Hint::none, "",
-                           "Whether it bends about the shape of its mesh, with its folds, and not about a flat one.",
-                           [](CC& c) { return c.keeps_folds; }, [](C& c, const Variant& v) { c.keeps_folds = v.to_bool(); }));
+    own.push_back(property(
+        "gltf", GDEXTENSION_VARIANT_TYPE_STRING, Hint::file, "*.glb,*.gltf,*.obj",
+        "A file to read the cloth's mesh from, in place of the node's: with vertex groups as custom attributes (_NAME). Its material "
+        "is the node's material override. It must lie on the disk, so that it is not there in an exported package.",
+        [](CC& c) { return c.gltf; }, [](C& c, const Variant& v) { c.gltf = v.to_string(); }));
+    own.push_back(property(
+        "collision_mask", GDEXTENSION_VARIANT_TYPE_INT, Hint::layers_3d_physics, "",
+        "Layers of the physics bodies that the cloth meets: spheres, capsules, boxes, world boundaries and concave meshes.",
+        [](CC& c) { return std::int64_t(c.collision_mask); },
+        [](C& c, const Variant& v) { c.collision_mask = static_cast<std::uint32_t>(v.to_int()); }));
+    own.push_back(property(
+        "tethers", GDEXTENSION_VARIANT_TYPE_BOOL, Hint::none, "",
+        "Keeps every vertex within reach of the anchors, so that large cloth does not sag.", [](CC& c) { return c.tethers; },
+        [](C& c, const Variant& v) { c.tethers = v.to_bool(); }));
+    own.push_back(property(
+        "bending", GDEXTENSION_VARIANT_TYPE_BOOL, Hint::none, "", "Whether the cloth resists bending.", [](CC& c) { return c.bending; },
+        [](C& c, const Variant& v) { c.bending = v.to_bool(); }));
+    own.push_back(property(
+        "keeps_folds", GDEXTENSION_VARIANT_TYPE_BOOL, Hint::none, "",
+        "Whether it bends about the shape of its mesh, with its folds, and not about a flat one.", [](CC& c) { return c.keeps_folds; },
+        [](C& c, const Variant& v) { c.keeps_folds = v.to_bool(); }));
     std::vector<Property> fabric;
-    Property preset = property("fabric_preset", GDEXTENSION_VARIANT_TYPE_INT, Hint::choice, "Silk,Cotton,Denim,Leather,Own figures",
-                               "What the cloth is made of; own figures begin with those of the preset before.", [](CC& c) { return c.preset; },
-                               [](C& c, const Variant& v) {
-                                 const int next = static_cast<int>(std::clamp<std::int64_t>(v.to_int(), 0, kOwn));
-                                 if (next == kOwn && c.preset != kOwn && in_editor()) c.own_fabric = c.fabric();
-                                 c.preset = next;
-                                 c.call("notify_property_list_changed");
-                               });
+    Property preset = property(
+        "fabric_preset", GDEXTENSION_VARIANT_TYPE_INT, Hint::choice, "Silk,Cotton,Denim,Leather,Own figures",
+        "What the cloth is made of; own figures begin with those of the preset before.", [](CC& c) { return c.preset; },
+        [](C& c, const Variant& v) {
+          const int next = static_cast<int>(std::clamp<std::int64_t>(v.to_int(), 0, kOwn));
+          if (next == kOwn && c.preset != kOwn && in_editor()) c.own_fabric = c.fabric();
+          c.preset = next;
+          c.call("notify_property_list_changed");
+        });
     preset.updates_all = true;
     fabric.push_back(preset);
     const std::function<weft::Fabric&(Instance&)> figures = [](Instance& at) -> weft::Fabric& { return cloth_in(at).own_fabric; };
@@ -212,20 +222,34 @@ const godot::Class& cloth_class() {
         "WeftCloth3D",
         "MeshInstance3D",
         "Cloth, simulated by Weft on the GPU on which Godot draws.",
-        "The node's mesh is cloth: it starts where the node is, is held by the WeftAnchor3D nodes below it, and meets the collision shapes of the tree. The "
-        "node's transform says where it starts, and moves anchors that follow nothing else; the cloth itself goes where physics takes it. It stops with the "
-        "tree's pause, slows with Engine.time_scale, and lies between ticks where the project interpolates physics. In the editor it is shown at rest.",
+        "The node's mesh is cloth: it starts where the node is, is held by the WeftAnchor3D nodes below it, and meets the collision shapes "
+        "of the tree. The "
+        "node's transform says where it starts, and moves anchors that follow nothing else; the cloth itself goes where physics takes it. "
+        "It stops with the "
+        "tree's pause, slows with Engine.time_scale, and lies between ticks where the project interpolates physics. In the editor it is "
+        "shown at rest.",
         {{"Cloth", "", own}, {"Fabric", "fabric_", fabric}, {"Maps", "maps_", properties_of("maps_", "maps", maps)}},
-        {{"get_fault", {}, GDEXTENSION_VARIANT_TYPE_STRING, "Why the cloth stands still; empty where it does not.",
+        {{"get_fault",
+          {},
+          GDEXTENSION_VARIANT_TYPE_STRING,
+          "Why the cloth stands still; empty where it does not.",
           [](Instance& at, std::span<const Variant>) { return Variant(cloth_in(at).fault()); }},
-         {"get_warnings", {}, GDEXTENSION_VARIANT_TYPE_PACKED_STRING_ARRAY, "What the tree says of it in the editor.",
+         {"get_warnings",
+          {},
+          GDEXTENSION_VARIANT_TYPE_PACKED_STRING_ARRAY,
+          "What the tree says of it in the editor.",
           [](Instance& at, std::span<const Variant>) {
             const std::vector<std::string> sentences = at.warnings();
             return Variant::packed(std::span(sentences));
           }},
-         {"restart", {}, GDEXTENSION_VARIANT_TYPE_NIL, "Begins anew where the node is, with the properties as they are.",
+         {"restart",
+          {},
+          GDEXTENSION_VARIANT_TYPE_NIL,
+          "Begins anew where the node is, with the properties as they are.",
           [](Instance& at, std::span<const Variant>) { return cloth_in(at).restart(), Variant(); }},
-         {"get_vertices", {}, GDEXTENSION_VARIANT_TYPE_PACKED_VECTOR3_ARRAY,
+         {"get_vertices",
+          {},
+          GDEXTENSION_VARIANT_TYPE_PACKED_VECTOR3_ARRAY,
           "Where the vertices are after the last tick, in the world (m). Waits for the GPU, and copies: for a look, not for every frame.",
           [](Instance& at, std::span<const Variant>) {
             const std::vector<weft::Vec3> vertices = cloth_in(at).vertices();

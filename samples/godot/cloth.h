@@ -43,9 +43,9 @@ class Cloth : public godot::Instance {
   void restart();
   std::vector<weft::Vec3> vertices();
 
-  godot::Variant world;                        // a WeftWorld, or nil
+  godot::Variant world;   // a WeftWorld, or nil
   std::string gltf;
-  int preset = 1;                              // of kPresets
+  int preset = 1;   // of kPresets
   weft::Fabric own_fabric;
   weft::Maps maps;
   bool tethers = true, bending = true, keeps_folds = false;

@@ -58,7 +58,9 @@ bool Shape::measure(const Variant& shape, Vec3 scale, std::string& fault) {
     offset_ = float(even) * plane.d * plane.normal;
     return true;
   }
-  return fault = "cloth does not meet a " + (object ? shape.call("get_class").to_string() : std::string("CollisionShape3D without a shape")), false;
+  return fault =
+             "cloth does not meet a " + (object ? shape.call("get_class").to_string() : std::string("CollisionShape3D without a shape")),
+         false;
 }
 
 std::optional<Shape> Shape::of(Object object, bool resizes, std::string& fault) {
@@ -76,7 +78,8 @@ std::optional<Shape> Shape::of(Object object, bool resizes, std::string& fault) 
   made.collider_.resizes = resizes && made.collider_.shape != ColliderShape::mesh && made.collider_.shape != ColliderShape::plane;
   if (!godot::is(body.to_object(), "CharacterBody3D")) {
     const Variant material = godot::is(body.to_object(), "StaticBody3D") || godot::is(body.to_object(), "RigidBody3D")
-                                 ? body.call("get_physics_material_override") : Variant();
+                                 ? body.call("get_physics_material_override")
+                                 : Variant();
     if (material.to_object()) made.collider_.friction = std::clamp(material.call("get_friction").to_double(), 0.0, 10.0);
   }
   made.is_away_ = true;   // until it was looked at
@@ -133,7 +136,8 @@ std::vector<Shape> shapes_below(const Variant& root, const std::set<std::uint64_
   for (std::int64_t k = 0; k < count; ++k) {
     const Variant node = found.call("get", k);
     std::string fault;
-    if (auto shape = Shape::of(node.to_object(), resized.contains(godot::id_of(node.to_object())), fault)) shapes.push_back(std::move(*shape));
+    if (auto shape = Shape::of(node.to_object(), resized.contains(godot::id_of(node.to_object())), fault))
+      shapes.push_back(std::move(*shape));
     else if (!fault.empty()) faults.push_back("The shape " + node.call("get_path").to_string() + " is left out: " + fault + ".");
   }
   return shapes;

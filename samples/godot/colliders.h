@@ -22,7 +22,7 @@ class Shape {
   /// What has changed since the last call.
   struct Change {
     std::optional<weft::Key> key;
-    bool at_once = false;                      // it was away, or is now
+    bool at_once = false;   // it was away, or is now
     std::optional<weft::ColliderSize> size;
   };
   Change look();
@@ -34,7 +34,7 @@ class Shape {
   std::uint64_t node_ = 0, shape_ = 0;
   weft::Collider collider_;
   std::optional<weft::Mesh> mesh_;
-  weft::Vec3 offset_;                          // of a plane's point, in the shape's axes
+  weft::Vec3 offset_;   // of a plane's point, in the shape's axes
   std::uint32_t layers_ = 0;
   godot::Transform last_;
   weft::Key key_;

@@ -13,7 +13,8 @@ constexpr int kTextureAlbedo = 0, kTextureNormal = 4;   // BaseMaterial3D::Textu
 
 }  // namespace
 
-Drawn::Drawn(godot::Object node, const weft::RenderMesh& mesh, const Variant& texture, std::uint32_t first_vertex, const std::string& folder)
+Drawn::Drawn(godot::Object node, const weft::RenderMesh& mesh, const Variant& texture, std::uint32_t first_vertex,
+             const std::string& folder)
     : node_(godot::id_of(node)), server_(godot::singleton("RenderingServer")) {
   const Variant self(node);
   std::vector<std::uint32_t> surfaces;
@@ -36,7 +37,8 @@ Drawn::~Drawn() {
   if (node.to_object() == nullptr) return;
   const Variant mesh = node.call("get_mesh"), override_of_all = node.call("get_material_override");
   server_.call("instance_set_base", instance_, mesh.to_object() ? mesh.call("get_rid").to_rid() : Rid{});
-  server_.call("instance_geometry_set_material_override", instance_, override_of_all.to_object() ? override_of_all.call("get_rid").to_rid() : Rid{});
+  server_.call("instance_geometry_set_material_override", instance_,
+               override_of_all.to_object() ? override_of_all.call("get_rid").to_rid() : Rid{});
   server_.call("instance_set_custom_aabb", instance_, node.call("get_custom_aabb"));
   if (!node.call("is_inside_tree").to_bool()) return;
   server_.call("instance_set_transform", instance_, node.call("get_global_transform"));

@@ -19,7 +19,8 @@ struct Moment {
 class Drawn {
  public:
   /// Draws `node`, a MeshInstance3D, by a texture. `folder`: where the plug-in's shader is.
-  Drawn(godot::Object node, const weft::RenderMesh& mesh, const godot::Variant& texture, std::uint32_t first_vertex, const std::string& folder);
+  Drawn(godot::Object node, const weft::RenderMesh& mesh, const godot::Variant& texture, std::uint32_t first_vertex,
+        const std::string& folder);
   ~Drawn();   // the node is drawn as Godot draws it again
   Drawn(const Drawn&) = delete;
   Drawn& operator=(const Drawn&) = delete;

@@ -12,7 +12,9 @@ using godot::Variant;
 // Once there is a tree: shapes that come and go, and each frame that is about to be drawn.
 void connect() {
   if (godot::singleton("Engine").call("is_editor_hint").to_bool()) return;
-  godot::singleton("RenderingServer").call("connect", "frame_pre_draw", godot::callable([](std::span<const Variant>) { Stage::before_drawing(); }));
+  godot::singleton("RenderingServer").call("connect", "frame_pre_draw", godot::callable([](std::span<const Variant>) {
+                                             Stage::before_drawing();
+                                           }));
   const Variant tree = godot::singleton("Engine").call("get_main_loop");
   if (!godot::is(tree.to_object(), "SceneTree")) return;
   const auto look = [](std::span<const Variant> given) {
@@ -29,8 +31,8 @@ void initialise(void*, GDExtensionInitializationLevel level) {
   }
   if (level == GDEXTENSION_INITIALIZATION_EDITOR) {
     const std::string help = godot::help_of_classes();
-    if (const auto load = reinterpret_cast<GDExtensionsInterfaceEditorHelpLoadXmlFromUtf8Chars>(
-            godot::function("editor_help_load_xml_from_utf8_chars")))
+    if (const auto load =
+            reinterpret_cast<GDExtensionsInterfaceEditorHelpLoadXmlFromUtf8Chars>(godot::function("editor_help_load_xml_from_utf8_chars")))
       load(help.c_str());
   }
 }

@@ -16,7 +16,8 @@ std::vector<godot::Property> properties_of(const std::string& prefix, const std:
 extern template std::vector<godot::Property> properties_of(const std::string&, const std::string&,
                                                            std::function<weft::Fabric&(godot::Instance&)>, std::vector<std::string>);
 extern template std::vector<godot::Property> properties_of(const std::string&, const std::string&,
-                                                           std::function<weft::SolverSettings&(godot::Instance&)>, std::vector<std::string>);
+                                                           std::function<weft::SolverSettings&(godot::Instance&)>,
+                                                           std::vector<std::string>);
 extern template std::vector<godot::Property> properties_of(const std::string&, const std::string&,
                                                            std::function<weft::Contacts&(godot::Instance&)>, std::vector<std::string>);
 extern template std::vector<godot::Property> properties_of(const std::string&, const std::string&,

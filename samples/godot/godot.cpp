@@ -177,7 +177,8 @@ template <class T>
 Variant Variant::filled(Type type, const char* at, std::span<const T> values) {
   Variant made = empty(type);
   made.call("resize", std::int64_t(values.size()));
-  using At = GDExtensionTypePtr (*)(GDExtensionTypePtr, GDExtensionInt);   // those of numbers return pointers to them, which are passed alike
+  using At =
+      GDExtensionTypePtr (*)(GDExtensionTypePtr, GDExtensionInt);   // those of numbers return pointers to them, which are passed alike
   if (values.empty()) return made;
   void* to = reinterpret_cast<At>(fetch(at))(api.inside(type)(made.held_), 0);
   std::memcpy(to, values.data(), values.size_bytes());

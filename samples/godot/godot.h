@@ -1,7 +1,8 @@
 // Godot as this plug-in sees it: the few dozen functions of its C interface that are needed, a Variant, and calls of methods by name.
 //
 // The C header is what Godot itself writes (--dump-gdextension-interface), at build time. Methods are called by their names, as a script
-// calls them, so that there is no list of hashes that belongs to one version. A call costs about a microsecond: there are some tens a frame.
+// calls them, so that there is no list of hashes that belongs to one version. A call costs about a microsecond: there are some tens a
+// frame.
 #pragma once
 
 #include <gdextension_interface.h>

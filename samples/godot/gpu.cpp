@@ -54,7 +54,8 @@ Result<std::unique_ptr<Device>> borrow_device() {
   const Variant server = godot::singleton("RenderingServer");
   const Variant device = server.call("get_rendering_device");
   if (device.to_object() == nullptr)
-    return fail(weft::ErrorKind::other, "Godot draws without a RenderingDevice (the Compatibility renderer, or headless): Weft needs the renderer "
+    return fail(weft::ErrorKind::other,
+                "Godot draws without a RenderingDevice (the Compatibility renderer, or headless): Weft needs the renderer "
                 "Mobile or Forward+ with Vulkan");
   if (const std::string driver = server.call("get_current_rendering_driver_name").to_string(); driver != "vulkan")
     return fail(weft::ErrorKind::other, "Godot draws with ", driver, ": Weft needs its rendering driver vulkan");
@@ -78,8 +79,8 @@ Result<std::unique_ptr<Device>> borrow_device() {
 Result<ReadBuffer> make_read_buffer(const Device& device, VkDeviceSize bytes) {
   const weft::compute::Functions& vk = device.vk();
   ReadBuffer made;
-  const VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, nullptr, 0, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
-                                VK_SHARING_MODE_EXCLUSIVE, 0, nullptr};
+  const VkBufferCreateInfo info{
+      VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, nullptr, 0, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, VK_SHARING_MODE_EXCLUSIVE, 0, nullptr};
   if (vk.vkCreateBuffer(device.handle(), &info, nullptr, &made.buffer) != VK_SUCCESS)
     return fail(weft::ErrorKind::memory, "a buffer of ", bytes, " bytes cannot be made");
   VkMemoryRequirements needed;
@@ -136,7 +137,8 @@ Result<Commands::Begun> Commands::begin() {
     vk.vkResetFences(device_->handle(), 1, &place.fence);
     place.is_under_way = false;
   }
-  const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT, nullptr};
+  const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
+                                       nullptr};
   if (const VkResult begun = vk.vkBeginCommandBuffer(place.commands, &begin); begun != VK_SUCCESS)
     return fail("a command buffer cannot be begun: ", weft::compute::result_name(begun));
   return Begun{place.commands, next_};

@@ -18,8 +18,8 @@ using weft::Vec4;
 
 // Mesh::ArrayType
 enum Slot { kVertex = 0, kNormal = 1, kTangent = 2, kColour = 3, kUv = 4, kCustom0 = 6, kIndex = 12, kSlots = 13 };
-constexpr std::int64_t kTriangles = 3;               // Mesh::PRIMITIVE_TRIANGLES
-constexpr std::int64_t kOneFloat = 4ll << 13;        // ARRAY_CUSTOM_R_FLOAT in CUSTOM0
+constexpr std::int64_t kTriangles = 3;          // Mesh::PRIMITIVE_TRIANGLES
+constexpr std::int64_t kOneFloat = 4ll << 13;   // ARRAY_CUSTOM_R_FLOAT in CUSTOM0
 
 }  // namespace
 
@@ -36,8 +36,7 @@ Result<Mesh> mesh_of(const Variant& mesh) {
     const auto at = [&](Slot slot) { return arrays.call("get", std::int64_t(slot)); };
     const std::vector<Vec3> positions = at(kVertex).to_vectors3();
     const std::uint32_t first = static_cast<std::uint32_t>(render.positions.size());
-    if (first + positions.size() > weft::kMostVertices)
-      return fail("its mesh has more than ", weft::kMostVertices, " vertices");
+    if (first + positions.size() > weft::kMostVertices) return fail("its mesh has more than ", weft::kMostVertices, " vertices");
     const std::size_t end = first + positions.size();
     render.positions.insert(render.positions.end(), positions.begin(), positions.end());
     // Of lists that only some surfaces have, the others' entries are made by weld_mesh.
@@ -54,7 +53,8 @@ Result<Mesh> mesh_of(const Variant& mesh) {
       indices.resize(positions.size());
       for (std::size_t k = 0; k < indices.size(); ++k) indices[k] = static_cast<std::int32_t>(k);
     }
-    if (indices.size() % 3 != 0) return fail("surface ", s, " of its mesh has ", indices.size(), " indices, which is no whole number of triangles");
+    if (indices.size() % 3 != 0)
+      return fail("surface ", s, " of its mesh has ", indices.size(), " indices, which is no whole number of triangles");
     for (std::size_t k = 0; k < indices.size(); k += 3) {
       const auto corner = [&](std::size_t i) { return first + static_cast<std::uint32_t>(indices[k + i]); };
       render.triangles.push_back({corner(0), corner(2), corner(1)});

@@ -1,8 +1,8 @@
 // A node's pose as Weft's scenes have it: a translation, an axis and an angle.
 //
-// What moves cloth in Godot is also what `weft run` plays from a scene file, bit for bit. A scene turns a collider by a key's quaternion and
-// makes the product with its rotation at rest of length 1. A key from here has a quaternion to which that does nothing; its angle is off by
-// some 1e-8 of itself for that, less than what floats tell apart, and near half a turn by a thousandth of a degree at most.
+// What moves cloth in Godot is also what `weft run` plays from a scene file, bit for bit. A scene turns a collider by a key's quaternion
+// and makes the product with its rotation at rest of length 1. A key from here has a quaternion to which that does nothing; its angle is
+// off by some 1e-8 of itself for that, less than what floats tell apart, and near half a turn by a thousandth of a degree at most.
 #pragma once
 
 #include <optional>

@@ -62,14 +62,15 @@ Recording::Recording(std::filesystem::path folder, const weft::Simulation& simul
   if (std::abs(scene_.solver.rate - std::round(scene_.solver.rate)) > 0) spoil("its solver's rate is no whole number");
 }
 
-void Recording::add(double time, double seconds, const std::vector<std::optional<Key>>& colliders,
-                    const weft::Scene& anchors) {
+void Recording::add(double time, double seconds, const std::vector<std::optional<Key>>& colliders, const weft::Scene& anchors) {
   ++ticks_;
-  if (seconds != 1 / scene_.solver.rate) spoil("a tick lasted another time than 1 / solver_rate: the engine's time scale, or its ticks a second");
+  if (seconds != 1 / scene_.solver.rate)
+    spoil("a tick lasted another time than 1 / solver_rate: the engine's time scale, or its ticks a second");
   for (std::size_t k = 0; k < scene_.colliders.size(); ++k)
     append(scene_.colliders[k].keys, k < colliders.size() && colliders[k] ? *colliders[k] : scene_.colliders[k].keys.back(), time);
   for (std::size_t c = 0; c < scene_.cloths.size(); ++c)
-    for (std::size_t a = 0; a < scene_.cloths[c].anchors.size(); ++a) append(scene_.cloths[c].anchors[a].keys, anchors.cloths[c].anchors[a].keys[0], time);
+    for (std::size_t a = 0; a < scene_.cloths[c].anchors.size(); ++a)
+      append(scene_.cloths[c].anchors[a].keys, anchors.cloths[c].anchors[a].keys[0], time);
 }
 
 void Recording::spoil(std::string why) {

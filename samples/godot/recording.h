@@ -1,7 +1,7 @@
 // What runs in Godot as a scene for `weft run`: meshes, and the way of colliders and anchors, tick by tick.
 //
-// A pose lies between two keys at one time and the next time that a double can have. At a key's own time a scene takes the key as it is where
-// the next key has its axis; from a key to one with another axis it would turn by quaternions, and round.
+// A pose lies between two keys at one time and the next time that a double can have. At a key's own time a scene takes the key as it is
+// where the next key has its axis; from a key to one with another axis it would turn by quaternions, and round.
 #pragma once
 
 #include <filesystem>
@@ -15,9 +15,9 @@ class Recording {
   /// `meshes` as the simulation was made of them.
   Recording(std::filesystem::path folder, const weft::Simulation& simulation, std::vector<weft::Mesh> meshes);
 
-  /// The poses at the end of a tick, at the simulation's time: of a collider without one that of the tick before, of anchors the first keys.
-  void add(double time, double seconds, const std::vector<std::optional<weft::Key>>& colliders,
-           const weft::Scene& anchors);
+  /// The poses at the end of a tick, at the simulation's time: of a collider without one that of the tick before, of anchors the first
+  /// keys.
+  void add(double time, double seconds, const std::vector<std::optional<weft::Key>>& colliders, const weft::Scene& anchors);
   /// Something happened that a scene cannot say.
   void spoil(std::string why);
 

@@ -45,7 +45,8 @@ ColliderPose pose_of(const weft::Collider& collider, const Key& key) {
 std::vector<std::vector<Vec3>> centres_of(const weft::Simulation& simulation) {
   std::vector<std::vector<Vec3>> sums;
   std::vector<std::vector<int>> counts;
-  for (const weft::Cloth& cloth : simulation.scene().cloths) sums.emplace_back(cloth.anchors.size()), counts.emplace_back(cloth.anchors.size());
+  for (const weft::Cloth& cloth : simulation.scene().cloths)
+    sums.emplace_back(cloth.anchors.size()), counts.emplace_back(cloth.anchors.size());
   for (const weft::AnchorTarget& held : simulation.fabric().anchors)
     sums[held.cloth][held.entry] = sums[held.cloth][held.entry] + held.rest, ++counts[held.cloth][held.entry];
   for (std::size_t c = 0; c < sums.size(); ++c)
@@ -62,9 +63,9 @@ struct Simulated::Running {
   std::unique_ptr<Bounds> bounds;
   std::unique_ptr<Commands> commands;   // waits, so it goes first
   std::unique_ptr<Recording> recording;
-  weft::Scene keyed;                    // with a single key each: where anchors are in this tick
-  std::vector<std::vector<Vec3>> centres;   // of each cloth's anchors, in the world
-  std::uint64_t ticks = 1;              // the start is the first
+  weft::Scene keyed;                                          // with a single key each: where anchors are in this tick
+  std::vector<std::vector<Vec3>> centres;                     // of each cloth's anchors, in the world
+  std::uint64_t ticks = 1;                                    // the start is the first
   std::array<std::uint64_t, Commands::kUnderWay> tick_of{};   // each place's
 
   Running() { ++simulations; }
@@ -228,7 +229,8 @@ Result<void> Simulated::try_tick(const Tick& tick) {
 void Simulated::look_at_bounds() {
   std::optional<std::size_t> newest;
   for (std::size_t k = 0; k < Commands::kUnderWay; ++k)
-    if (running_->tick_of[k] > 0 && running_->commands->is_done(k) && (!newest || running_->tick_of[k] > running_->tick_of[*newest])) newest = k;
+    if (running_->tick_of[k] > 0 && running_->commands->is_done(k) && (!newest || running_->tick_of[k] > running_->tick_of[*newest]))
+      newest = k;
   if (!newest) return;
   const std::lock_guard lock(mutex_);
   running_->bounds->read(*newest, seen_.boxes);

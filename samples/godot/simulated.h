@@ -21,21 +21,21 @@ struct Setup {
 /// What happens in a tick of Godot's physics.
 struct Tick {
   double seconds = 0;
-  std::uint32_t slot = 0;                                       // of the texture, for its end
-  std::vector<std::optional<weft::Key>> colliders;              // where they are; none: where they were
-  std::vector<std::uint32_t> placed;                            // those that are there at once, and meet nothing on the way
+  std::uint32_t slot = 0;                            // of the texture, for its end
+  std::vector<std::optional<weft::Key>> colliders;   // where they are; none: where they were
+  std::vector<std::uint32_t> placed;                 // those that are there at once, and meet nothing on the way
   std::vector<std::pair<std::uint32_t, weft::ColliderSize>> resized;
-  std::vector<std::vector<Placed>> anchors;                     // of each cloth: how its anchors have moved since the start
+  std::vector<std::vector<Placed>> anchors;   // of each cloth: how its anchors have moved since the start
   std::optional<weft::Vec3> wind;
 };
 
 /// What the main thread sees of it.
 struct Seen {
   bool is_running = false;
-  std::string failure;                                          // a sentence; it stands still then
+  std::string failure;   // a sentence; it stands still then
   godot::Rid texture;
-  std::vector<std::uint32_t> first_vertices;                    // of each cloth
-  std::vector<godot::Box> boxes;                                // of each cloth, some ticks ago
+  std::vector<std::uint32_t> first_vertices;   // of each cloth
+  std::vector<godot::Box> boxes;               // of each cloth, some ticks ago
   std::uint64_t boxes_of_tick = 0;
 };
 
@@ -59,7 +59,8 @@ class Simulated {
   weft::Result<void> try_tick(const Tick& tick);
   weft::Result<void> move(const Tick& tick);
   weft::Result<void> move_anchors(const Tick& tick);
-  static weft::Result<void> carry(const weft::Simulation& from, weft::Simulation& to, std::span<const std::optional<std::uint32_t>> carried);
+  static weft::Result<void> carry(const weft::Simulation& from, weft::Simulation& to,
+                                  std::span<const std::optional<std::uint32_t>> carried);
   void fail_with(const std::string& sentence);
   void look_at_bounds();
 

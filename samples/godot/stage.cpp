@@ -99,8 +99,7 @@ void Stage::make() {
   scene.air = shared.air;
   scene.gravity = float(shared.gravity_scale) * gravity_of_project();
   wind_ = shared.air ? shared.air->wind : Vec3{};
-  if (!shared.recording.empty())
-    setup.recording = godot::singleton("ProjectSettings").call("globalize_path", shared.recording).to_string();
+  if (!shared.recording.empty()) setup.recording = godot::singleton("ProjectSettings").call("globalize_path", shared.recording).to_string();
 
   std::vector<Cloth*> cloths;
   for (Member& member : members_) {

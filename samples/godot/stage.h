@@ -1,4 +1,5 @@
-// A simulation as the main thread has it: the cloths that share it, the shapes they meet, and what each tick of physics tells the render thread.
+// A simulation as the main thread has it: the cloths that share it, the shapes they meet, and what each tick of physics tells the render
+// thread.
 //
 //   a tick    every node has moved by then (cloths come last): where shapes and anchors are goes to the render thread, which records and
 //             submits a frame of Weft's
@@ -39,11 +40,11 @@ class Stage {
  private:
   struct Member {
     Cloth* cloth;
-    std::optional<std::uint32_t> place;                  // in the simulation that runs
+    std::optional<std::uint32_t> place;                                // in the simulation that runs
     std::vector<std::pair<std::uint64_t, godot::Transform>> anchors;   // node, and the inverse of where what it follows was at the start
-    std::vector<Placed> moved;                           // the last that is known of each
+    std::vector<Placed> moved;                                         // the last that is known of each
     bool is_shown = false;
-    godot::Box box;                                      // of the last look, and its change a tick
+    godot::Box box;   // of the last look, and its change a tick
     weft::Vec3 speed;
     std::uint64_t box_of_tick = 0;
   };
@@ -62,15 +63,15 @@ class Stage {
   std::vector<Shape> shapes_;
   std::set<std::uint64_t> resized_;
   std::shared_ptr<Simulated> simulated_;
-  godot::Variant texture_;                               // Texture2DArrayRD
+  godot::Variant texture_;   // Texture2DArrayRD
   godot::Rid texture_rid_;
   bool is_dirty_ = true;
-  std::int64_t ticked_ = -1;                             // Engine.get_physics_frames()
+  std::int64_t ticked_ = -1;   // Engine.get_physics_frames()
   std::uint64_t ticks_ = 1;
   Moment moment_, drawn_;
-  std::vector<weft::RenderMesh> drawn_meshes_;           // of each cloth of the simulation
+  std::vector<weft::RenderMesh> drawn_meshes_;   // of each cloth of the simulation
   weft::Vec3 wind_;
-  std::set<std::string> told_;                           // faults that were printed
+  std::set<std::string> told_;   // faults that were printed
 };
 
 }  // namespace weft_godot

@@ -9,9 +9,9 @@ using weft::fail;
 using weft::Result;
 
 // Of Godot's RenderingDevice
-constexpr int k2dArray = 5;             // TEXTURE_TYPE_2D_ARRAY
-constexpr int kRgba32f = 108;           // DATA_FORMAT_R32G32B32A32_SFLOAT
-constexpr int kSampledCopied = 1 | 128; // TEXTURE_USAGE_SAMPLING_BIT, TEXTURE_USAGE_CAN_COPY_FROM_BIT
+constexpr int k2dArray = 5;               // TEXTURE_TYPE_2D_ARRAY
+constexpr int kRgba32f = 108;             // DATA_FORMAT_R32G32B32A32_SFLOAT
+constexpr int kSampledCopied = 1 | 128;   // TEXTURE_USAGE_SAMPLING_BIT, TEXTURE_USAGE_CAN_COPY_FROM_BIT
 
 }  // namespace
 
@@ -50,8 +50,8 @@ Result<void> VertexTexture::make_image() {
   vk.vkGetImageMemoryRequirements(device_->handle(), image_, &needed);
   std::uint32_t type = 0;
   const VkPhysicalDeviceMemoryProperties& all = device_->memory();
-  while (type < all.memoryTypeCount && (!(needed.memoryTypeBits >> type & 1) ||
-                                        !(all.memoryTypes[type].propertyFlags & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)))
+  while (type < all.memoryTypeCount &&
+         (!(needed.memoryTypeBits >> type & 1) || !(all.memoryTypes[type].propertyFlags & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)))
     ++type;
   const VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr, needed.size, type};
   if (type == all.memoryTypeCount || vk.vkAllocateMemory(device_->handle(), &allocate, nullptr, &memory_) != VK_SUCCESS ||
@@ -84,7 +84,8 @@ void VertexTexture::barrier(VkCommandBuffer commands, std::uint32_t first, std::
   barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
   barrier.image = image_;
   barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, first, layers};
-  device_->vk().vkCmdPipelineBarrier(commands, before ? kDraws : kCopies, before ? kCopies : kDraws, 0, 0, nullptr, 0, nullptr, 1, &barrier);
+  device_->vk().vkCmdPipelineBarrier(commands, before ? kDraws : kCopies, before ? kCopies : kDraws, 0, 0, nullptr, 0, nullptr, 1,
+                                     &barrier);
 }
 
 // Whole rows, and what is left of the last.
