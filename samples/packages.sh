@@ -11,6 +11,7 @@ packages_to_test=(libgtest-dev libbenchmark-dev vulkan-validationlayers pkg-conf
 # tests/run.sh --interop NAME alone
 packages_for_blender=(blender)
 packages_for_formats=(nodejs npm)
+packages_for_godot=(xvfb xauth)
 packages_for_parallel=(parallel)
 packages_for_slurm=(slurm-wlm munge)
 

@@ -16,12 +16,13 @@ Installs the Debian packages that are missing, builds Weft into build/asan, buil
                need and builds the command line into build/ci
                  blender    the add-on of samples/blender, and PC2, MDD and GLB caches (some 600 MB of packages)
                  formats    GLB and USDA caches by Khronos' validator and tinyusdz, from npm
+                 godot      samples/godot in Godot 4.6, which is fetched into ~/.cache/weft/godot (157 MB) unless GODOT names one
                  parallel   samples/farm/parallel.sh: a sweep in parts by GNU parallel
                  slurm      samples/farm/slurm.sh: a sweep in parts by slurmctld and slurmd; as root
 END
 }
 
-everyone=(blender formats parallel slurm)
+everyone=(blender formats godot parallel slurm)
 interop=false
 case ${1:-} in
   "") ;;

@@ -6,6 +6,11 @@
 #include "engine/solve/state.h"
 
 namespace weft {
+namespace {
+
+constexpr float kUnitRounding = 5e-7f;   // of a length of floats near 1: four of their steps, for four squares and a root
+
+}  // namespace
 
 Result<ColliderPose> Simulation::State::checked_pose(std::uint32_t collider, const ColliderPose& pose) const {
   if (collider >= bodies.poses.size()) return fail("collider ", collider, " is not below the scene's ", bodies.poses.size());
@@ -16,11 +21,12 @@ Result<ColliderPose> Simulation::State::checked_pose(std::uint32_t collider, con
   if (!(norm > 1e-6f)) return fail("the rotation of collider ", collider, " is a quaternion of length ", norm, ", not above 1e-6");
   ColliderPose checked = pose;
   checked.centre = checked.centre - origin;
-  checked.rotation = {r.x / norm, r.y / norm, r.z / norm, r.w / norm};
+  // One of length 1 up to the rounding of floats stays as it is, so that a host can do to the bit what a scene's keys do.
+  if (!(std::abs(norm - 1) < kUnitRounding)) checked.rotation = {r.x / norm, r.y / norm, r.z / norm, r.w / norm};
   if (scene.colliders[collider].shape == ColliderShape::plane) {   // other shapes ignore it
     const float size = length(pose.normal);
     if (!(size > 1e-6f)) return fail("the normal of collider ", collider, " has a length of ", size, ", not above 1e-6");
-    checked.normal = (1 / size) * pose.normal;
+    if (!(std::abs(size - 1) < kUnitRounding)) checked.normal = (1 / size) * pose.normal;
   }
   return checked;
 }

@@ -2,6 +2,7 @@
 // tests/solve/physics_test.cpp.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <set>
@@ -9,6 +10,7 @@
 
 #include "compute/commands.h"
 #include "tests/support/sheets.h"
+#include "tests/support/ways.h"
 
 namespace weft {
 namespace {
@@ -176,6 +178,30 @@ TEST_F(SimulationApi, seconds_that_are_not_a_length_of_time_are_refused_and_chan
   }
   EXPECT_EQ(hash_of(*simulation), before);
   EXPECT_NEAR(simulation->time(), 0.05, 1e-9);
+}
+
+// Two keys in a row have different axes: a scene then takes the rotation between them from their quaternions, as it does for a host.
+TEST_F(SimulationApi, a_host_that_does_what_a_scenes_keys_do_gets_the_same_bits) {
+  Scene keyed = everything(), hosted = everything();
+  keyed.colliders = {plane(-0.8f), sphere({0, -0.4f, 0}, 0.3), {}};
+  keyed.colliders[2].shape = ColliderShape::box;
+  keyed.colliders[2].size = {0.5f, 0.2f, 0.4f};
+  for (Collider& collider : keyed.colliders)
+    for (int k = 0; k <= 60; ++k) {
+      const float s = std::sin(0.1f * float(k)), c = std::cos(0.1f * float(k)), size = std::sqrt(1 + c * c);
+      collider.keys.push_back({k * kFrame, {0, 0.2f * s, 0}, {s / size, c / size, c / size}, 3.7 * k});
+    }
+  hosted.colliders = keyed.colliders;
+  for (const Way way : kWays) {
+    const auto a = must(Simulation::create(device(), keyed)), b = must(Simulation::create(device(), hosted));
+    for (int frame = 0; frame < 30; ++frame) {
+      run_frame(device(), *a, way);
+      const std::vector<ColliderPose> poses(a->colliders().begin(), a->colliders().end());
+      must(b->move_colliders(0, poses));
+      run_frame(device(), *b, way);
+      for (std::size_t k = 0; k < poses.size(); ++k) ASSERT_EQ(b->colliders()[k], poses[k]) << "frame " << frame << ", collider " << k;
+    }
+  }
 }
 
 TEST_F(SimulationApi, bad_input_is_refused_with_a_sentence_that_names_it) {
