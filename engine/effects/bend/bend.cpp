@@ -45,6 +45,9 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   return {};
 }
 
+// A line of a lattice has three; a hinge's last is never 0.
+int particles_of(const gpu::Bend& bend) { return bend.k[3] == 0 ? 3 : 4; }
+
 // Row i of the matrix in bend.comp: M_ij = sum over stencils e of share_i(e) K_j(e) / D_e.
 std::vector<std::vector<gpu::uvec2>> bend_matrix(std::span<const std::vector<gpu::uvec2>> shares, const CookedFabric& fabric,
                                                  double softening, bool may_pin) {
@@ -59,8 +62,8 @@ std::vector<std::vector<gpu::uvec2>> bend_matrix(std::span<const std::vector<gpu
     for (const auto& [e, share] : shares[i]) {
       const gpu::Bend& bend = fabric.bends[e];
       const double part = std::bit_cast<float>(share), scale = part == 0 ? 0 : part / (bend.split_weight + bend.compliance * softening);
-      for (int j = 0; j < 4; ++j)
-        if (bend.particle[j] != i && bend.k[j] != 0) row.push_back({bend.particle[j], scale * bend.k[j], may_pin ? std::abs(bend.k[j]) : scale * bend.k[j]});
+      for (int j = 0; j < particles_of(bend); ++j)
+        if (bend.particle[j] != i) row.push_back({bend.particle[j], scale * bend.k[j], may_pin ? std::abs(bend.k[j]) : scale * bend.k[j]});
     }
     std::sort(row.begin(), row.end(), [](const Entry& a, const Entry& b) { return a.other < b.other; });
     double largest = 0;
@@ -82,7 +85,7 @@ void lay_out(cooking::CookState& state) {
   const bool split = state.scene().solver.averaging == Averaging::mass_split;
   std::vector<std::uint32_t> uses(fabric.positions.size());
   for (const gpu::Bend& bend : fabric.bends)
-    for (int j = 0; j < 4; ++j) uses[bend.particle[j]] += bend.k[j] != 0;
+    for (int j = 0; j < particles_of(bend); ++j) ++uses[bend.particle[j]];
   std::vector<std::vector<gpu::uvec2>> shares(fabric.positions.size());
   for (std::uint32_t e = 0; e < fabric.bends.size(); ++e) {
     gpu::Bend& bend = fabric.bends[e];
@@ -90,11 +93,10 @@ void lay_out(cooking::CookState& state) {
     for (int j = 0; j < 4; ++j)
       weight += double(split ? uses[bend.particle[j]] : 1) * fabric.positions[bend.particle[j]].w * bend.k[j] * bend.k[j];
     bend.split_weight = static_cast<float>(weight);
-    for (int j = 0; j < 4; ++j) {
+    for (int j = 0; j < particles_of(bend); ++j) {
       const std::uint32_t p = bend.particle[j];
-      if (bend.k[j] == 0) continue;   // stencils of three particles
       const float share = bend.k[j] * fabric.positions[p].w / static_cast<float>(split ? 1 : uses[p]);
-      if (share != 0 || state.may_pin()) shares[p].push_back({e, std::bit_cast<std::uint32_t>(share)});
+      if (share != 0 || (state.may_pin() && bend.k[j] != 0)) shares[p].push_back({e, std::bit_cast<std::uint32_t>(share)});
     }
   }
   if (state.scene().solver.iterations > 1) {
