@@ -53,13 +53,15 @@ struct Bend {
   double compliance;   // 1 / (B q)
 };
 
+/// A line of a lattice has three.
+inline std::size_t particles_of(const Bend& bend) { return bend.k[3] == 0 ? 3 : 4; }
+
 /// One iteration. `lambda`: one vector a stencil, renewed.
 inline Points relax_bend(std::span<const Bend> bends, const Points& p, std::span<const double> inverse_masses, std::span<Vector> lambda,
                          double h, double omega, Averaged averaging) {
   Copies copies(inverse_masses, averaging);
   for (const Bend& bend : bends)
-    for (int j = 0; j < 4; ++j)
-      if (bend.k[j] != 0) copies.use(bend.particle[static_cast<std::size_t>(j)]);   // some are of three
+    for (std::size_t j = 0; j < particles_of(bend); ++j) copies.use(bend.particle[j]);
   for (std::size_t e = 0; e < bends.size(); ++e) {
     const Bend& bend = bends[e];
     double weight = 0;
@@ -67,8 +69,7 @@ inline Points relax_bend(std::span<const Bend> bends, const Points& p, std::span
     const Vector l = bend_value(bend.k, {p[bend.particle[0]], p[bend.particle[1]], p[bend.particle[2]], p[bend.particle[3]]});
     const Vector change = change_of_multiplier<Vector>(l, lambda[e], weight / omega, bend.compliance, h);
     lambda[e] += change;
-    for (int j = 0; j < 4; ++j)
-      if (bend.k[j] != 0) copies.push(bend.particle[static_cast<std::size_t>(j)], bend.k[j] * change);
+    for (std::size_t j = 0; j < particles_of(bend); ++j) copies.push(bend.particle[j], bend.k[static_cast<Eigen::Index>(j)] * change);
   }
   return copies.averaged(p);
 }

@@ -45,7 +45,7 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   return {};
 }
 
-// A line of a lattice has three; a hinge's last is never 0.
+// A line of a lattice has three; a hinge has four, but for some on slivers whose last counts nothing.
 int particles_of(const gpu::Bend& bend) { return bend.k[3] == 0 ? 3 : 4; }
 
 // Row i of the matrix in bend.comp: M_ij = sum over stencils e of share_i(e) K_j(e) / D_e.

@@ -11,7 +11,7 @@
 // the 1/2 B k1^2 of a plate whose rigidity was measured; a third of it makes every such mesh exact, and squares with one
 // diagonal that bend along a side (tests/effects/bend/twin_test.cpp measures it).
 //
-// Where the mesh is a lattice, and the scene wants a plate, the stencils are others, and have a plate's energy in every direction (lattice.cpp).
+// Where the mesh is a lattice, and the scene wants a plate, the stencils are others (lattice.cpp).
 //
 // Limitations: the rest state is flat, even where the mesh is curved (engine/effects/dihedral has curved ones). On meshes that are
 // neither a lattice nor equilateral the rigidity of hinges depends on the direction, and a plate of them has a Poisson's ratio of -1/3:
@@ -49,8 +49,10 @@ std::vector<gpu::Bend> bend_stencils(const Mesh& mesh, double rigidity, bool as_
     const double b0 = cotangent(x[1] - x[0], x[3] - x[0], limited), b1 = cotangent(x[0] - x[1], x[3] - x[1], limited);
     clamped += limited;
     const double area0 = 0.5 * (x[1] - x[0]).cross(x[2] - x[0]).norm(), area1 = 0.5 * (x[1] - x[0]).cross(x[3] - x[0]).norm();
-    // Beside a lattice a hinge stands for its other triangle only.
-    const double part = ((lattice[edge.triangle[0]] ? 0 : area0) + (lattice[edge.triangle[1]] ? 0 : area1)) / (area0 + area1);
+    // Beside a lattice a hinge stands for its other triangle only. (Triangles without an area are of no lattice.)
+    double part = 1;
+    if (lattice[edge.triangle[0]]) part = area1 / (area0 + area1);
+    if (lattice[edge.triangle[1]]) part = area0 / (area0 + area1);
     gpu::Bend bend{};
     const double k[] = {a1 + b1, a0 + b0, -(a0 + a1), -(b0 + b1)};
     for (int j = 0; j < 4; ++j) {
