@@ -161,8 +161,8 @@ struct RecordedFrames {
   std::size_t next = 0;                        // the place of the next frame, if it is free
 };
 
-/// What colliders were given, in the order of Bodies::order, then grabs, then mesh colliders; with reactions. All have their size from the start, so that a
-/// frame that is heard of asks for no memory.
+/// What colliders were given, in the order of Bodies::order, then grabs, then mesh colliders; with reactions. All have their size from the
+/// start, so that a frame that is heard of asks for no memory.
 struct ReactionSums {
   std::vector<gpu::Reaction> heard;            // of the frame that Report is of
   std::vector<gpu::Reaction> known, told;      // as far as known; as the host was told

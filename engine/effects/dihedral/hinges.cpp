@@ -4,8 +4,8 @@
 // clothing with folds and wrinkles". The energy of an inner edge (x0, x1), the hinge, with the areas A0, A1 of its triangles is
 //     E = 1/2 B |x1 - x0|^2 / (A0 + A1) (phi - phi_rest)^2,
 // B the flexural rigidity in N m. For small angles it is the energy of the isometric model
-// (engine/effects/bend/stencils.cpp, which bends what is no lattice), whose vector l then has the length |x1 - x0| phi, so that the same B describes the same
-// plate in both.
+// (engine/effects/bend/stencils.cpp), whose vector l then has the length |x1 - x0| phi, so that the same B describes the same plate in
+// both.
 //
 //        2      phi is the angle between the triangles' normals, n0 = (x1 - x0) x (x2 - x0) and n1 = (x3 - x0) x (x1 - x0),
 //       / \     about the edge: 0 where they are flat, near +-pi where they are closed.
