@@ -97,6 +97,14 @@ vec3 unpack(packed_vec3 v) { return vec3(v.x, v.y, v.z); }
 vec4 unpack(packed_vec4 v) { return vec4(v.x, v.y, v.z, v.w); }
 packed_vec3 pack(vec3 v) { return packed_vec3(v.x, v.y, v.z); }
 
+// In place of the built-in, whose products and differences a driver may contract, even where it is precise (NVIDIA's does): then parallel
+// vectors have a product, and a triangle of no area a normal.
+vec3 precise_cross(vec3 a, vec3 b) {
+  precise const vec3 product = a.yzx * b.zxy - a.zxy * b.yzx;
+  return product;
+}
+#define cross precise_cross
+
 #define WEFT_ALIGNED
 #define WEFT_INLINE
 #define WEFT_FLOAT(bits) uintBitsToFloat(bits)
@@ -156,6 +164,7 @@ struct Patch {
   uint first_colour, colours;   // of patch_colour_ends: the entry before its first colour's, and how many follow
 };
 #define WEFT_PATCH 256u
+#define WEFT_PATCH_THREADS 64u   // of the workgroup that solves it, at most; a power of two (turn.glsl)
 
 #define WEFT_STRAND_LINKS 16u   // of a strand, at most (strand.comp)
 #define WEFT_EAGER_LEVELS 1.4f   // relaxation of coarse levels over that of other passes (level.glsl)
@@ -417,6 +426,7 @@ struct Collisions {
 #define WEFT_LEVELS 16
 
 #define WEFT_LONGEST_LIFETIME 10u   // substeps: the longest candidate lifetime
+#define WEFT_NO_DISTANCE 4e-7f   // over the extent of a pair's sides: what is nearer has no direction (contact_prepare.comp)
 #define WEFT_MOST_TURNS 60000u      // of all loops that a thread of a crew makes: the software driver ends them at 65,535 (Needs::crew)
 #define WEFT_LIMIT_PASSES 4u        // of contact_limit: the components of a particle's step_fractions
 

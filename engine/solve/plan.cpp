@@ -116,9 +116,8 @@ Result<PlannedPass> planned(const Part& part, const Needs& needs, compute::Speci
   if (!part.holds_tethers) constants[gpu::constant::tether_pairs].value = 0;
   const auto spirv = specializer.specialize(module, constants);
   if (!spirv) return refuse(spirv.error());
-  // Passes that do the same in another way must get the same bits.
-  if (pass.crowd == Crowd::any) made.spirv.assign(spirv->begin(), spirv->end());
-  else made.spirv = compute::without_contraction(*spirv);
+  // Passes that do the same in another way, or in workgroups of another width, must get the same bits.
+  made.spirv = compute::without_contraction(*spirv);
   const auto touched = compute::reflect(made.spirv);
   if (!touched) return refuse(touched.error());
   if (touched->local_size[0] != width || touched->push_constant_bytes > sizeof(gpu::Push))

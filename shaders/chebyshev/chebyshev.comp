@@ -39,7 +39,7 @@ void update_guard() {
   if ((push.flags & WEFT_LAST_ITERATION) == 0) return;
   const uint cooldown = acceleration[0].cooldown[phase(0)];
   acceleration[0].cooldown[phase(2)] = is_alarming ? recovery : max(cooldown, 1) - 1;
-  acceleration[0].streak[phase(2)] = is_grown ? acceleration[0].streak[phase(0)] + 1 : 0;
+  acceleration[0].streak[phase(2)] = has_grown > 0 ? acceleration[0].streak[phase(0)] + has_grown : 0;
   if (!is_steady) ++counters[0].unaccelerated;
 }
 

@@ -43,9 +43,6 @@ inline Quad places(const Pair& pair, const Points& x) {
   return {x[pair.particle[0]], x[pair.particle[1]], x[pair.particle[2]], x[pair.particle[3]]};
 }
 
-/// Sides closer than this (m) have no normal.
-constexpr double kNoDistance = 1e-9;
-
 /// Whether a kinematic particle of the pair comes nearer by more than the separation, so that other constraints may pull cloth into its way.
 inline bool is_pushed(const Pair& pair, const Vector& normal, const Points& x, const Points& p, std::span<const double> inverse_masses) {
   for (int j = 0; j < 4; ++j) {
@@ -57,9 +54,12 @@ inline bool is_pushed(const Pair& pair, const Vector& normal, const Points& x, c
 
 inline Contact prepare_contact(const Pair& pair, const Points& x, const Points& p, double recover,
                                std::span<const double> inverse_masses) {
-  const Proximity near = closest(places(pair, x), pair.edges ? 2 : 1);
-  if (near.distance < kNoDistance) return {};
-  Contact contact{true, false, offset(near.weights, places(pair, x)) / near.distance, near.weights,
+  const Quad at = places(pair, x);
+  double extent = 0;
+  for (const Vector& corner : at) extent = std::max(extent, (corner - at[0]).cwiseAbs().maxCoeff());
+  const Proximity near = closest(at, pair.edges ? 2 : 1);
+  if (!(near.distance > WEFT_NO_DISTANCE * extent)) return {};
+  Contact contact{true, false, offset(near.weights, at) / near.distance, near.weights,
                   std::min(pair.separation, near.distance + recover)};
   contact.touches = contact.normal.dot(offset(near.weights, places(pair, p))) < contact.separation + 0.1 * pair.separation ||
                     is_pushed(pair, contact.normal, x, p, inverse_masses);

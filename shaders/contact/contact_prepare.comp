@@ -22,8 +22,9 @@ WRITE(vec4, contact_weights)
 #include "contact/contact_list.glsl"
 #include "contact/count.glsl"
 
-// m. Rounding error of an offset between features a few centimetres long: what is shorter has no direction.
-const float kNoDistance = 1e-9;
+// Rounding error of an offset, over the sides' extent: what is shorter has no direction. Weights are quotients, in which drivers may err by
+// two and a half units in the last place.
+const float kNoDistance = WEFT_NO_DISTANCE;
 // m. No two points of a mesh that is finite are further apart.
 const float kNoMesh = 1e9;
 
@@ -65,7 +66,8 @@ void main() {
   const vec4 weights = pair.edges ? closest_of_edges(x[0], x[1], x[2], x[3]) : closest_to_triangle(x[0], x[1], x[2], x[3]);
   const vec3 between = offset(weights, x[0], x[1], x[2], x[3]);
   const float gap = length(between);
-  if (!(gap >= kNoDistance && gap < kNoMesh)) {
+  const vec3 extent = max(abs(x[1]), max(abs(x[2]), abs(x[3])));
+  if (!(gap > kNoDistance * max(extent.x, max(extent.y, extent.z)) && gap < kNoMesh)) {
     contact_normals[i] = vec4(0, 0, 0, -1);
     return;
   }
