@@ -261,7 +261,7 @@ struct SolverSettings {
   double rate = 60;             // Hz: frames a second; a substep lasts 1 / (rate substeps)
   std::uint32_t substeps = 0;   // 0: the default (engine/reference/README.md says why)
   std::uint32_t iterations = 1; // 1 ... 1000
-  Method method = Method::by_default;   // jacobi, and coarse levels where levels_of says so
+  Method method = Method::by_default;   // method_of says which
   std::optional<double> budget_ms = {};   // of a frame; method automatic only
   Linear linear = Linear::cg;   // method implicit only
   Averaging averaging = Averaging::mass_split;
@@ -399,15 +399,17 @@ constexpr bool on_springs(Method method) { return method == Method::implicit || 
 /// engine/scene/method.cpp says why.
 double most_relaxation(const SolverSettings& solver);
 
-/// What the solver's relaxation and Chebyshev's spectral radius are, with defaults filled in.
-double relaxation_of(const SolverSettings& solver);
+/// What the solver's relaxation is, with defaults filled in.
+double relaxation_of(const Scene& scene);
 
-/// The method that solves the scene: by default jacobi.
+/// The method that solves the scene: by default gauss_seidel where the scene has coarse levels and no contacts, jacobi elsewhere.
 Method method_of(const Scene& scene);
 
 /// Whether it has coarse levels. Methods jacobi, strands and gauss_seidel may; unless told otherwise strands does, and the default where tethers
 /// do not hold every cloth to anchors that no keys move.
 bool levels_of(const Scene& scene);
+
+/// The spectral radius that Chebyshev's iteration takes Jacobi's to have, with its default filled in.
 double rho_of(const SolverSettings& solver);
 
 /// Why the scene's relaxation is refused, as what follows "solver.relaxation: "; empty if it is not.

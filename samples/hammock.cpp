@@ -16,6 +16,7 @@ using namespace weft;
 
 constexpr double kRate = 240;   // Hz
 constexpr float kRadius = 0.15f, kMass = 2;   // m, kg
+constexpr float kDrag = 1;   // 1/s: what rolls through folds loses speed
 
 // A solid ball.
 struct Ball {
@@ -24,7 +25,7 @@ struct Ball {
 
   void step(const Reaction& given, Vec3 gravity, float seconds) {
     constexpr float kInertia = 0.4f * kMass * kRadius * kRadius;
-    velocity = velocity + (1 / kMass) * given.impulse + seconds * gravity;
+    velocity = (1 - kDrag * seconds) * (velocity + (1 / kMass) * given.impulse) + seconds * gravity;
     spin = spin + (1 / kInertia) * given.angular_impulse;
     centre = centre + seconds * velocity;
     if (const float turn = seconds * length(spin); turn > 0)
@@ -41,11 +42,12 @@ Scene hammock() {
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{.size = {2, 1}, .cells_x = 48, .cells_y = 24};
   cloth.fabric = *fabric_preset("denim");
-  for (const float side : {-1.0f, 1.0f}) {
-    Anchor& beam = cloth.anchors.emplace_back();
-    beam.box = Anchor::Box{{side - 0.01f, -1, -1}, {side + 0.01f, 1, 1}};
-    beam.keys = {{0, {}, {0, 1, 0}, 0}, {0.5, {-0.15f * side, 0, 0}, {0, 1, 0}, 0}};
-  }
+  for (const float end : {-1.0f, 1.0f})
+    for (const float side : {-1.0f, 1.0f}) {   // by its corners: what hangs from whole ends is a trough, and a ball rolls out of it
+      Anchor& corner = cloth.anchors.emplace_back();
+      corner.box = Anchor::Box{{end - 0.01f, -1, 0.45f * side - 0.07f}, {end + 0.01f, 1, 0.45f * side + 0.07f}};
+      corner.keys = {{0, {}, {0, 1, 0}, 0}, {0.5, {-0.15f * end, 0, 0}, {0, 1, 0}, 0}};
+    }
   Collider& ball = scene.colliders.emplace_back();
   ball.shape = ColliderShape::sphere;
   ball.radius = kRadius;

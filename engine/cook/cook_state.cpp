@@ -20,7 +20,7 @@ namespace cooking {
 
 CookState::CookState(const Scene& scene) : scene_(scene) { fabric_.h = 1 / (scene.solver.rate * substeps_of(scene.solver)); }
 
-double CookState::softening() const { return relaxation_of(scene_.solver) / (fabric_.h * fabric_.h); }
+double CookState::softening() const { return relaxation_of(scene_) / (fabric_.h * fabric_.h); }
 
 std::vector<std::uint32_t> particles_of(const CookedFabric& fabric, const ClothRange& cloth, const Mesh& mesh) {
   std::vector<std::uint32_t> particles(mesh.points.size(), kNone);

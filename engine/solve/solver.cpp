@@ -78,7 +78,7 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
     return fail("a workgroup of ", solver.workgroup_, " threads is larger than the device's ", device.limits().max_workgroup_invocations);
   // There eight threads are one, and wait for nobody at a barrier. But each has no more than 65,535 turns of all its loops together: then
   // they end without a word (llvmpipe's LP_MAX_TGSI_LOOP_ITERATIONS).
-  const std::uint32_t narrow = device.is_software() ? 8 : 64;
+  const std::uint32_t narrow = device.is_software() ? 8 : WEFT_PATCH_THREADS;
   const std::uint32_t alone = device.is_software() ? 8 : std::min(512u, device.limits().max_workgroup_invocations);
   const std::uint32_t crew = device.is_software() ? 128 : alone;
   solver.needs_ = needs_of(subject, solver.workgroup_, !options.gather_storage, narrow, alone, crew);

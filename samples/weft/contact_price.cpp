@@ -23,7 +23,12 @@ struct Side {
   }
 };
 
+// Both by the method that the scene has with contacts: by default it has another without.
 Result<Side> side_of(const compute::Device& device, Scene scene, bool contacts) {
+  scene.contacts.enabled = true;
+  const bool levels = levels_of(scene);
+  scene.solver.method = method_of(scene);
+  scene.solver.levels = levels;
   scene.contacts.enabled = contacts;
   auto created = Simulation::create(device, scene, SimulationOptions{});
   if (!created) return created.take_error();

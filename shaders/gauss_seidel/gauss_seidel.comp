@@ -3,7 +3,8 @@
 // A workgroup takes a patch of particles into its own memory and projects the links among them, colour after colour: no two
 // links of a colour share a particle. Patches of a dispatch share none either (engine/effects/gauss_seidel/patches.cpp).
 //
-// A link moves both of its ends by opposite impulses along itself, so that linear and angular momentum are conserved up to rounding.
+// A link moves both of its ends by opposite impulses along itself, so that linear momentum is conserved up to rounding; angular momentum,
+// too, by turn.glsl.
 // Colouring particles instead, each moved while its neighbours stand still, does not conserve momentum: a free, unevenly stretched sheet
 // drifted by 7 cm in a second. Every sweep takes the colours in the same order: with one sweep a substep, alternating the order (symmetric
 // Gauss-Seidel) changes the map from substep to substep, and shook a hung sheet to a strain of a quarter.
@@ -11,6 +12,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 
+GATHER(positions)
 GATHER_WRITE(predicted)
 READ(Patch, patches)
 READ(uint, patch_members)
@@ -19,7 +21,10 @@ GATHER_UINT2(patch_links)
 READ_WRITE(float, patch_lambda)
 READ_WRITE(Counters, counters)
 
-shared vec4 members[WEFT_PATCH];   // xyz: where they are now (m), w: inverse mass (1/kg)
+// Of the patch's particles. A place is rounded as a float of its size is; how far a particle has gone is small, and rounded the less. Links add to
+// that alone, so that a place is rounded once for all of them: rounded by each, the centre of mass walked.
+shared vec4 begins[WEFT_PATCH];   // xyz: where it was when the dispatch began (m), w: inverse mass (1/kg)
+shared vec3 gone[WEFT_PATCH];     // how far it has gone since (m)
 
 // The change of a link's multiplier, which is renewed.
 float change_of(PatchLink link, float len, float weight, inout float lambda) {
@@ -32,8 +37,9 @@ float change_of(PatchLink link, float len, float weight, inout float lambda) {
 
 void project(uint k) {
   const PatchLink link = unpack_patch_link(FETCH_UINT2(patch_links, k));
-  vec4 p = members[link.a], q = members[link.b];
-  vec3 d = p.xyz - q.xyz;
+  const vec4 p = begins[link.a], q = begins[link.b];
+  const vec3 p_gone = gone[link.a], q_gone = gone[link.b];
+  vec3 d = (p.xyz - q.xyz) + (p_gone - q_gone);
   const float squared = dot(d, d);
   const bool together = squared < 1e-20;
   float lambda = 0;
@@ -46,24 +52,40 @@ void project(uint k) {
   if (squared < 1e20) {
     const float len = together ? 1e-10 : sqrt(squared);
     const vec3 impulse = (change_of(link, len, p.w + q.w, lambda) / len) * d;
-    members[link.a].xyz = p.xyz + p.w * impulse;
-    members[link.b].xyz = q.xyz - q.w * impulse;
+    gone[link.a] = p_gone + p.w * impulse;
+    gone[link.b] = q_gone - q.w * impulse;
   }
   if (is_iterated) patch_lambda[k] = lambda;
 }
 
+#include "gauss_seidel/turn.glsl"
+
+uint particle_of(Patch whole, uint m) { return patch_members[whole.first_member + m]; }
+
 void main() {
+  const uint here = gl_LocalInvocationID.x;
   const Patch whole = patches[push.first + gl_WorkGroupID.x];
-  for (uint m = gl_LocalInvocationID.x; m < whole.members; m += workgroup)
-    members[m] = FETCH(predicted, patch_members[whole.first_member + m]);
+  for (uint m = here; m < whole.members; m += workgroup) {
+    begins[m] = FETCH(predicted, particle_of(whole, m));
+    gone[m] = vec3(0);
+  }
   uint begin = patch_colour_ends[whole.first_colour];
   for (uint colour = 1; colour <= whole.colours; ++colour) {
     const uint end = patch_colour_ends[whole.first_colour + colour];
     barrier();
-    for (uint k = begin + gl_LocalInvocationID.x; k < end; k += workgroup) project(k);
+    for (uint k = begin + here; k < end; k += workgroup) project(k);
     begin = end;
   }
   barrier();
-  for (uint m = gl_LocalInvocationID.x; m < whole.members; m += workgroup)
-    predicted[patch_members[whole.first_member + m]] = members[m];
+  TurnSums sums = TurnSums(vec4(0), vec3(0), vec3(0), vec3(0));
+  const vec3 origin = FETCH(positions, particle_of(whole, 0)).xyz;   // finite, as predictions may not be
+  for (uint m = here; m < whole.members; m += workgroup)
+    add(sums, FETCH(positions, particle_of(whole, m)).xyz - origin, begins[m].w, gone[m]);
+  sum_turns(here, sums);
+  const Turn turn = turn_of_patch();
+  for (uint m = here; m < whole.members; m += workgroup) {
+    const uint i = particle_of(whole, m);
+    const vec3 turned = cross(turn.angle, FETCH(positions, i).xyz - origin - turn.centre);
+    predicted[i].xyz = begins[m].xyz + (gone[m] + turned);
+  }
 }

@@ -216,7 +216,7 @@ BendSheet bend_sheet(Averaging averaging) {
         const double mean = averaging == Averaging::mass_split ? 1 : uses[p];
         sheet.from_stencils[p][bend.particle[j]] +=
             double(bend.k[i]) * sheet.fabric.positions[p].w / mean * bend.k[j] /
-            (bend.split_weight + relaxation_of(scene.solver) * bend.compliance / (sheet.fabric.h * sheet.fabric.h));
+            (bend.split_weight + relaxation_of(scene) * bend.compliance / (sheet.fabric.h * sheet.fabric.h));
       }
   return sheet;
 }
@@ -325,7 +325,7 @@ TEST(Fabric, a_link_answers_with_its_gain_in_one_iteration_and_with_its_complian
   for (const StretchLink& link : fabric.links) {
     const double weight = double(fabric.split_weights[link.a]) + fabric.split_weights[link.b];
     // 7 bits of mantissa, rounded: 2^-8.
-    EXPECT_NEAR(link.gain * (weight + relaxation_of(scene.solver) * link.compliance / (fabric.h * fabric.h)), 1, 0.004);
+    EXPECT_NEAR(link.gain * (weight + relaxation_of(scene) * link.compliance / (fabric.h * fabric.h)), 1, 0.004);
   }
   scene.solver.iterations = 2;
   const CookedFabric iterated = cooked(scene);

@@ -102,7 +102,7 @@ Strip hang(const compute::Device& device, std::uint32_t iterations) {
   const CookedFabric& fabric = simulation->fabric();
   for (const StretchLink& link : fabric.links) {
     const double weight = double(fabric.split_weights[link.a]) + fabric.split_weights[link.b];
-    hung.softness = std::max(hung.softness, weight / relaxation_of(scene.solver) * fabric.h * fabric.h / link.compliance);
+    hung.softness = std::max(hung.softness, weight / relaxation_of(scene) * fabric.h * fabric.h / link.compliance);
   }
   return hung;
 }

@@ -66,7 +66,7 @@ TEST_F(Programs, hammock_swings_a_ball_which_comes_to_rest_and_weighs_on_it_what
   EXPECT_GT(fastest, 0.5) << said();
   EXPECT_LT(speed, 0.05) << said();
   EXPECT_NEAR(force, 2 * 9.81, 0.01 * 2 * 9.81) << said();
-  EXPECT_GT(height, -0.6) << said();   // beams at 0, 0.3 m closer than the cloth between them is long: it sags by half a metre at most
+  EXPECT_GT(height, -0.6) << said();   // corners at 0, 0.3 m closer than the cloth between them is long: it sags by half a metre at most
   EXPECT_LT(height, -0.2) << said();
 }
 

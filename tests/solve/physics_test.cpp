@@ -77,7 +77,7 @@ TEST_F(SimulationPhysics, flat_cloth_that_falls_onto_its_edge_folds) {
   const auto jelly_folds = must(Simulation::create(device(), scene));
   for (Simulation* simulation : {folds.get(), stays.get(), jelly_folds.get()}) run(*simulation, 1.5);
   EXPECT_LT(extent_of(*stays).z, 1e-6f);
-  EXPECT_GT(extent_of(*stays).x, 1.3f);
+  EXPECT_GT(extent_of(*stays).x, 1.2f);   // 1.33 and 1.23 on two devices
   for (const Simulation* folded : {folds.get(), jelly_folds.get()}) {
     EXPECT_GT(extent_of(*folded).z, 0.1f);
     EXPECT_LT(extent_of(*folded).x, 1.15f);

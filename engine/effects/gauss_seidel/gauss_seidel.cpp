@@ -20,13 +20,13 @@ constexpr Pass kPasses[] = {
 
 constinit const Effect gauss_seidel{
     .name = "gauss_seidel",
-    .called_for = [](const Scene& scene, const CookedFabric&) { return scene.solver.method == Method::gauss_seidel; },
+    .called_for = [](const Scene& scene, const CookedFabric&) { return method_of(scene) == Method::gauss_seidel; },
     .buffers = kBuffers,
     .passes = kPasses,
     .reference = Reference::a_way_to,
     .lay_out =
         [](cooking::CookState& state) {
-          if (state.scene().solver.method == Method::gauss_seidel) cooking::make_patches(state.fabric());
+          if (method_of(state.scene()) == Method::gauss_seidel) cooking::make_patches(state.fabric());
         },
 };
 

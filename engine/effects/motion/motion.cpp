@@ -32,7 +32,7 @@ Contents uniforms(const Cooked& s) {
   motion.h = static_cast<float>(h);
   motion.inverse_h = static_cast<float>(1 / h);
   motion.inverse_h2 = static_cast<float>(1 / (h * h));
-  motion.relaxation = static_cast<float>(solver.method == Method::implicit ? s.fabric.jacobi_weight : relaxation_of(solver));
+  motion.relaxation = static_cast<float>(solver.method == Method::implicit ? s.fabric.jacobi_weight : relaxation_of(s.scene));
   motion.gravity = {s.scene.gravity.x, s.scene.gravity.y, s.scene.gravity.z};
   return made(std::vector{motion});
 }

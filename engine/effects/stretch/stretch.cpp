@@ -62,7 +62,7 @@ void lay_out(cooking::CookState& state) {
   for (const StretchLink& link : fabric.links)
     if (!link.in_strand) ++uses[link.a], ++uses[link.b];
   const bool split = solver.averaging == Averaging::mass_split, iterated = solver.iterations > 1;
-  const bool alone = solver.method == Method::gauss_seidel || on_springs(solver.method);   // no masses are split
+  const bool alone = method_of(state.scene()) == Method::gauss_seidel || on_springs(solver.method);   // no masses are split
   fabric.split_weights.clear();
   fabric.iterate_weights.clear();
   for (std::size_t i = 0; i < uses.size(); ++i)

@@ -80,9 +80,18 @@ TEST(Patches, their_rounds_are_few) {
   EXPECT_EQ(lists_of(patched(Topology::diagonal, 14, {}, true)).rounds.size(), 1u) << "225 particles are one patch";
 }
 
+// Which is the default for cloth that has coarse levels and no contacts.
 TEST(Patches, only_gauss_seidel_has_them) {
   Scene scene;
   scene.cloths.emplace_back().grid = Grid{};
+  EXPECT_FALSE(lists_of(cooked(scene)).patches.empty());
+  scene.contacts.enabled = true;
+  EXPECT_TRUE(lists_of(cooked(scene)).patches.empty());
+  scene.contacts.enabled = false;
+  scene.solver.levels = false;
+  EXPECT_TRUE(lists_of(cooked(scene)).patches.empty());
+  scene.solver.levels = {};
+  scene.solver.method = Method::jacobi;
   EXPECT_TRUE(lists_of(cooked(scene)).patches.empty());
 }
 
