@@ -33,16 +33,28 @@ vec3 step_of(uint k) {
   const bool first = (push.flags & WEFT_FIRST_ITERATION) != 0;
   const float omega = min(kEager * motion.relaxation, WEFT_MOST_EAGER);
   vec3 sum = vec3(0);
-  for (uint l = node.first_link; l < node.first_link + node.links; ++l) {
-    const LevelLink link = unpack_level_link(FETCH(level_links, l));
-    const vec4 other_carried = CARRIED(link.other, unpack_level_node(FETCH(level_nodes, link.other)));
-    const vec3 gone = carried.xyz - other_carried.xyz, d = middle - MIDDLE(link.other).xyz + gone;
-    const vec3 pull = centre - CENTRE(link.other).xyz + gone;
-    const float len = sqrt(dot(d, d) + 1e-20), alpha = link.compliance * motion.inverse_h2;
-    const float lambda = is_iterated && !first ? level_lambda[l] : 0;
-    const float change = min(omega * (kSlack * link.rest - len - alpha * lambda) / max(carried.w + other_carried.w + omega * alpha, 1e-20), -lambda);
-    if (is_iterated) level_lambda[l] = lambda + change;
-    sum += change / sqrt(dot(pull, pull) + 1e-20) * pull;
+  const uint end = node.first_link + node.links;
+  for (uint begin = node.first_link; begin < end; begin += kLinksAtOnce) {   // as in centre.glsl
+    LevelLink links[kLinksAtOnce];
+    vec3 centres[kLinksAtOnce], middles[kLinksAtOnce];
+    vec4 others_carried[kLinksAtOnce];
+    for (uint j = 0; j < kLinksAtOnce; ++j) links[j] = unpack_level_link(FETCH(level_links, min(begin + j, end - 1)));
+    for (uint j = 0; j < kLinksAtOnce; ++j) {
+      const uint other = links[j].other;
+      centres[j] = CENTRE(other).xyz;
+      middles[j] = MIDDLE(other).xyz;
+      others_carried[j] = CARRIED(other, unpack_level_node(FETCH(level_nodes, other)));
+    }
+    for (uint j = 0; j < kLinksAtOnce; ++j) {
+      const uint l = begin + j;
+      if (l >= end) break;
+      const vec3 gone = carried.xyz - others_carried[j].xyz, d = middle - middles[j] + gone, pull = centre - centres[j] + gone;
+      const float len = sqrt(dot(d, d) + 1e-20), alpha = links[j].compliance * motion.inverse_h2;
+      const float lambda = is_iterated && !first ? level_lambda[l] : 0, weight = carried.w + others_carried[j].w + omega * alpha;
+      const float change = min(omega * (kSlack * links[j].rest - len - alpha * lambda) / max(weight, 1e-20), -lambda);
+      if (is_iterated) level_lambda[l] = lambda + change;
+      sum += change / sqrt(dot(pull, pull) + 1e-20) * pull;
+    }
   }
   const vec3 gone = carried.xyz + node.inverse_mass * sum;
   return dot(gone, gone) < 1e20 ? gone : vec3(0);   // a neighbour that is not finite must not spoil this node

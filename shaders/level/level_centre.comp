@@ -6,6 +6,7 @@
 GATHER(predicted)
 WRITE(vec4, level_centres)
 WRITE(vec4, level_middles)
+const uint kAtOnce = 1;
 #define CENTRE_OF(i) FETCH(predicted, i)
 #define MIDDLE_OF(i) FETCH(predicted, i)
 #include "level/centre.glsl"

@@ -6,6 +6,7 @@
 // An earlier dispatch has written the finer level's.
 GATHER_WRITE(level_centres)
 GATHER_WRITE(level_middles)
+const uint kAtOnce = 1;
 #define CENTRE_OF(k) FETCH(level_centres, k)
 #define MIDDLE_OF(k) FETCH(level_middles, k)
 #include "level/centre.glsl"

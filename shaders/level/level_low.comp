@@ -9,6 +9,7 @@ SHARE(vec4, level_centres)
 SHARE(vec4, level_middles)
 SHARE(vec4, level_carried)
 SHARE(vec4, level_steps)
+const uint kAtOnce = 8, kLinksAtOnce = 4;
 #define CENTRE_OF(k) level_centres[k]
 #define MIDDLE_OF(k) level_middles[k]
 #include "level/centre.glsl"

@@ -8,6 +8,7 @@ GATHER(level_centres)
 GATHER(level_middles)
 GATHER_WRITE(level_steps)
 // Earlier dispatches have written these.
+const uint kLinksAtOnce = 1;
 #define CENTRE(k) FETCH(level_centres, k)
 #define MIDDLE(k) FETCH(level_middles, k)
 #define STEP(k) FETCH(level_steps, k)
