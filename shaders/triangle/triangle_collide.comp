@@ -27,14 +27,14 @@ READ_WRITE(ivec4, collision_sums)
 #include "triangle/gap.glsl"
 
 // Of what a gap is short when a substep begins, so much is made up for in it. All at once it would turn into speed, and cloth that lies
-// over an edge would shiver, at 4 cm/s.
+// over an edge would shiver, at 4 cm/s. Of a box that grows all: what is left over adds up, substep after substep.
 const float kRecovered = 0.5;
 
-// Where the triangle is (b), seen from the side on which it was (a), and the gap that is wanted.
-Gap gap_from_its_side(Body body, mat3 a, mat3 b, float separation, out float wanted) {
+// Where the triangle is (b), seen from the side on which it was (a), and the gap that is wanted: `recovered` of what it was short of.
+Gap gap_from_its_side(Body body, mat3 a, mat3 b, float separation, float recovered, out float wanted) {
   const Gap now = gap_of(body, b);
   Gap before = gap_of(body, a);
-  wanted = min(separation, mix(before.size, separation, kRecovered));
+  wanted = min(separation, mix(before.size, separation, recovered));
   before.size = dot(before.normal, point_at(b, before.weights)) - support_of(body, before.normal);
   return dot(now.normal, before.normal) >= 0 ? now : before;
 }
@@ -67,15 +67,17 @@ bool is_held_inside(Body body, bool is_anchor, vec3 p, float separation) { retur
 
 void collide(Body body, uvec3 corner, mat3 x, mat3 p, bvec3 is_anchor, float separation) {
   mat3 a = mat3(at_start(body.pose, x[0]), at_start(body.pose, x[1]), at_start(body.pose, x[2]));
+  float recovered = kRecovered;
   if (resizes && body.radius == 0) {   // as in out_of_box
     const vec3 growth = growth_of(planes + body.number - 1, push.fraction_from, push.fraction_to);
+    if (growth != vec3(1)) recovered = 1;
     a = mat3(growth * a[0], growth * a[1], growth * a[2]);
   }
   const mat3 b = mat3(at_end(body.pose, p[0]), at_end(body.pose, p[1]), at_end(body.pose, p[2]));
   for (int k = 0; k < 3; ++k)
     if (is_held_inside(body, is_anchor[k], b[k], separation)) return;
   float wanted;
-  const Gap gap = gap_from_its_side(body, a, b, separation, wanted);
+  const Gap gap = gap_from_its_side(body, a, b, separation, recovered, wanted);
   const float missing = wanted - gap.size;
   if (!(missing > 0 && missing < 1e10)) return;
   const vec3 share = gap.weights / dot(gap.weights, gap.weights);

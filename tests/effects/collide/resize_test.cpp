@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "engine/effects/collide/collide.h"
 #include "shaders/collide/collide.ref.h"
@@ -91,7 +92,7 @@ TEST_F(Resize, a_body_that_grows_lifts_the_sheet_over_it_no_faster_than_its_surf
       }
       // Fine cloth that is dragged round the edges of a box lags behind them: a limitation (engine/README.md, "Sizes").
       const bool box = shape == ColliderShape::box;
-      EXPECT_LT(deep, box ? 0.012 : 0.001);
+      EXPECT_LT(deep, box ? 0.004 : 0.001);
       if (cells == 24) { EXPECT_GT(most, 0.1); }   // of coarse cells few corners touch it
       EXPECT_LT(most, box ? 1 : 0.5) << "of a surface that moves at 0.2 m/s, edges and corners of a box at 0.35; hanging cloth swings besides";
       EXPECT_EQ(simulation->collider_sizes()[0].radius, shape == ColliderShape::box ? 0.1 : 0.2);
@@ -113,6 +114,8 @@ TEST_F(Resize, growth_within_a_frame_goes_through_no_sheet_and_gives_its_own_spe
   for (const ColliderShape shape : {ColliderShape::sphere, ColliderShape::capsule, ColliderShape::box}) {
     SCOPED_TRACE(static_cast<int>(shape));
     Scene scene = sheet(10);
+    scene.solver.method = Method::jacobi;   // cloth that gives way: what does not hands speed on to its corners, which whip
+    scene.solver.levels = true;
     scene.gravity = {0, 0, 0};
     scene.colliders = {resizable(shape, {0.03f, -0.12f, 0.03f})};
     const auto simulation = must(Simulation::create(device(), scene));
@@ -121,7 +124,7 @@ TEST_F(Resize, growth_within_a_frame_goes_through_no_sheet_and_gives_its_own_spe
     EXPECT_LT(deepest(*simulation, 0), 0.02) << "of triangles, of whose depth a substep makes up half";
     for (int k = 0; k < 3; ++k) must(simulation->advance(kFrame));
     EXPECT_LT(deepest(*simulation, 0), 0.004);
-    const double surface = 0.2 / kFrame;   // m/s
+    const double surface = (shape == ColliderShape::box ? std::numbers::sqrt3 : 1) * 0.2 / kFrame;   // m/s; of a box the corners
     EXPECT_LT(top_speed(*simulation), 1.25 * surface);
     double lowest = INFINITY;
     for (const gpu::vec4& x : must(simulation->read_positions())) lowest = std::min(lowest, double(x.y));

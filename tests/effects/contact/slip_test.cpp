@@ -39,8 +39,9 @@ void add_ellipsoid(std::ostream& obj, int& count, Vec3 centre, Vec3 radii, int r
 }
 
 // A sheet of 1 m above a head of 0.2 m, whose two ears lean the way in which the sheet's hem is pulled, so that nothing but the engine
-// could keep it from slipping off: at 3 m/s, after it has been laid over the head. Nothing rubs.
-Scene pulled_off_a_head(const test::Folder& folder) {
+// could keep it from slipping off: at 3 m/s, after it has been laid over the head. Nothing rubs. By strands on coarse levels: by
+// Jacobi it is chance whether cloth that stretches so much hooks.
+Scene pulled_off_a_head(const test::Folder& folder, std::uint32_t cells) {
   std::ostringstream obj;
   int count = 0;
   add_ellipsoid(obj, count, {0, 0.25f, 0}, {0.2f, 0.2f, 0.2f}, 16, 24, 0);
@@ -49,7 +50,7 @@ Scene pulled_off_a_head(const test::Folder& folder) {
   Scene scene;
   scene.folder = folder / "";
   Cloth& cloth = scene.cloths.emplace_back();
-  cloth.grid = Grid{{1, 1}, 30, 30, Topology::diagonal, false};
+  cloth.grid = Grid{{1, 1}, cells, cells, Topology::diagonal, false};
   cloth.transform.translate = {0, 0.63f, 0};
   cloth.fabric.friction = 0;
   Anchor& hem = cloth.anchors.emplace_back();
@@ -63,23 +64,27 @@ Scene pulled_off_a_head(const test::Folder& folder) {
   head.friction = 0;
   scene.colliders.push_back(plane(0));
   scene.contacts.enabled = true;
+  scene.solver.method = Method::strands;
   return scene;
 }
 
 // Before tethers left it to what leads around, it hooked, for ever: 258 % in the mean.
 TEST_F(Slip, a_sheet_slips_off_a_head_with_ears_and_crosses_neither_it_nor_itself) {
   const test::Folder folder;
-  const auto simulation = must(Simulation::create(device(), pulled_off_a_head(folder)));
-  run(*simulation, 2.5);
-  EXPECT_LT(strain_of(*simulation).mean, 0.05);
-  float last = INFINITY;
-  std::vector<Vec3> places;
-  for (const gpu::vec4& p : must(simulation->read_positions())) places.push_back({p.x, p.y, p.z});
-  const CookedFabric& fabric = simulation->fabric();
-  for (const Vec3 p : std::span(places).first(cloth_particles(fabric))) last = std::min(last, p.x);
-  EXPECT_GT(last, 0.3f) << "all of it is past the head";
-  EXPECT_EQ(count_crossings(places, fabric.triangles, fabric.cloth_triangles), 0u);
-  EXPECT_EQ(simulation->counts().non_finite, 0u);
+  for (const std::uint32_t cells : {30u, 31u}) {
+    SCOPED_TRACE(std::to_string(cells) + " cells");
+    const auto simulation = must(Simulation::create(device(), pulled_off_a_head(folder, cells)));
+    run(*simulation, 2.5);
+    EXPECT_LT(strain_of(*simulation).mean, 0.02);
+    float last = INFINITY;
+    std::vector<Vec3> places;
+    for (const gpu::vec4& p : must(simulation->read_positions())) places.push_back({p.x, p.y, p.z});
+    const CookedFabric& fabric = simulation->fabric();
+    for (const Vec3 p : std::span(places).first(cloth_particles(fabric))) last = std::min(last, p.x);
+    EXPECT_GT(last, 0.3f) << "all of it is past the head";
+    EXPECT_EQ(count_crossings(places, fabric.triangles, fabric.cloth_triangles), 0u);
+    EXPECT_EQ(simulation->counts().non_finite, 0u);
+  }
 }
 
 }  // namespace

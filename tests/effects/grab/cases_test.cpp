@@ -80,6 +80,7 @@ TEST_F(GrabCase, the_force_is_limited) {
 
 TEST_F(GrabCase, what_is_let_go_flies_on_with_its_velocity) {
   Scene scene = grabbable(6);
+  scene.cloths[0].grid->topology = Topology::centre;   // diagonals lead it aside
   scene.gravity = {};
   const auto simulation = must(Simulation::create(device(), scene));
   const Grabbed grabbed = must(simulation->grab_near({0, 0, 0}));
