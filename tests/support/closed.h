@@ -1,6 +1,7 @@
 // Closed meshes for the tests of what is inside them.
 #pragma once
 
+#include <cmath>
 #include <map>
 
 #include "engine/simulation.h"
@@ -31,6 +32,29 @@ inline Mesh ball(double radius, int cuts, Vec3 centre = {}) {
   RenderMesh render;
   for (const Vec3& p : points) render.positions.push_back(static_cast<float>(radius) * p + centre);
   render.triangles = triangles;
+  return must(weld_mesh(std::move(render)));
+}
+
+/// The sphere of degrees of latitude and longitude that engines make: `segments` thin triangles about either pole.
+inline Mesh globe(double radius, std::uint32_t segments, std::uint32_t rings) {
+  RenderMesh render;
+  const auto at = [&](std::uint32_t ring, std::uint32_t segment) {   // 0: the north pole
+    const double down = M_PI * ring / rings, around = 2 * M_PI * segment / segments;
+    const double x = std::sin(down) * std::cos(around), z = std::sin(down) * std::sin(around);
+    return Vec3{static_cast<float>(radius * x), static_cast<float>(radius * std::cos(down)), static_cast<float>(radius * z)};
+  };
+  render.positions = {at(0, 0), at(rings, 0)};
+  for (std::uint32_t ring = 1; ring < rings; ++ring)
+    for (std::uint32_t segment = 0; segment < segments; ++segment) render.positions.push_back(at(ring, segment));
+  const auto number = [&](std::uint32_t ring, std::uint32_t segment) {
+    return ring == 0 ? 0 : ring == rings ? 1 : 2 + (ring - 1) * segments + segment % segments;
+  };
+  for (std::uint32_t ring = 0; ring < rings; ++ring)
+    for (std::uint32_t segment = 0; segment < segments; ++segment) {
+      const std::uint32_t a = number(ring, segment), b = number(ring, segment + 1), c = number(ring + 1, segment), d = number(ring + 1, segment + 1);
+      if (ring > 0) render.triangles.push_back({a, b, c});
+      if (ring + 1 < rings) render.triangles.push_back({b, d, c});
+    }
   return must(weld_mesh(std::move(render)));
 }
 

@@ -131,10 +131,11 @@ void only(std::uint32_t point, std::vector<Gathered>& gathers) {
 
 }  // namespace
 
-Weighed weigh(const Coarse& level, std::span<const Share> shares, std::span<const double> masses, std::span<const Mean> in_points,
+Weighed weigh(const Coarse& level, std::span<const Share> shares, const Weights& points, std::span<const Mean> in_points,
               bool even_held, Middles middles) {
   const std::size_t nodes = level.points.size();
-  Weighed made{std::vector<double>(nodes), std::vector<std::vector<Gathered>>(nodes), {}};
+  const std::vector<double>& masses = points.masses;
+  Weighed made{std::vector<double>(nodes), std::vector<bool>(nodes), std::vector<std::vector<Gathered>>(nodes), {}};
   std::vector<double> near(nodes);   // sums of the middles' weights
   for (std::uint32_t p = 0; p < shares.size(); ++p)
     for (int k = 0; k < 3; ++k) {
@@ -148,8 +149,10 @@ Weighed weigh(const Coarse& level, std::span<const Share> shares, std::span<cons
   for (std::uint32_t k = 0; k < nodes; ++k) {
     double& mass = made.masses[k];
     const std::uint32_t itself = level.points[k];
-    if (masses[itself] == 0 || !(mass > 0 && near[k] > 0)) {   // held, or, by parts below 0, of no weight
+    const bool is_held = points.is_held(itself);
+    if (is_held || !(mass > 0 && near[k] > 0)) {   // by parts below 0 it may be of no weight
       mass = 0;
+      made.weightless[k] = !is_held;
       if (even_held) only(itself, made.gathers[k]);
       else made.gathers[k] = {{itself, 1, 1}};
     }

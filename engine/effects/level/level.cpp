@@ -73,6 +73,8 @@ struct Ends {
 
 // Relative, of a link's length.
 constexpr double kSlack = 1e-5;
+// m, of a link: no cloth is as large.
+constexpr double kNeverTaut = 1e9;
 
 double inverse_modulus(const cooking::Stiffness& stiffness, double along) {
   const double askew = along * (1 - along);
@@ -113,12 +115,16 @@ Ends links_of(const Level& level, const cooking::Stiffness& stiffness, std::size
   const double part = kPart / static_cast<double>(levels);
   for (std::size_t l = 0; l < k.size(); ++l) {
     const auto& [a, b, rest, along] = level.coarse.links[l];
+    // What weighs nothing goes nowhere, and would pull its neighbours there: a free cloth must not pull itself along. Lists are as long
+    // whoever is held, so its links stay and are never taut.
+    const bool is_slack = level.weighed.weightless[a] || level.weighed.weightless[b];
+    const double length = is_slack ? kNeverTaut : rest * (1 + kSlack);
     // No area, no cloth.
     const double stiff = part * k[l] * cooking::in_series(level.factors, a, b);
     const double compliance = stiff > 0 ? std::min(1 / stiff, cooking::kSoftest) : cooking::kSoftest;
     for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
       ends.of_node[from].push_back(
-          gpu::pack_level_link({first + to, static_cast<float>(rest * (1 + kSlack)), static_cast<float>(compliance)}));
+          gpu::pack_level_link({first + to, static_cast<float>(length), static_cast<float>(compliance)}));
   }
   return ends;
 }
@@ -176,7 +182,7 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
     const auto& c = surface.flat[t].corners;
     for (const std::uint32_t p : surface.triangles[t]) areas[p] += 0.5 * c[1].x() * c[2].y() / 3;
   }
-  std::vector<double> masses = masses_of(state.fabric(), cloth.particle_of);
+  cooking::Weights weights{masses_of(state.fabric(), cloth.particle_of), {}};
   std::vector<cooking::Mean> in_points;
   std::vector<float> factors = input.factors.stretch;
   while (ranks.size() > kFewest) {
@@ -194,9 +200,9 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
     };
     at_nodes(ranks);
     if (!uvs.empty()) at_nodes(uvs);
-    level.weighed = cooking::weigh(level.coarse, as_packed(level.coarse.shares), masses, in_points, state.may_pin());
+    level.weighed = cooking::weigh(level.coarse, as_packed(level.coarse.shares), weights, in_points, state.may_pin());
     cooking::measure_between_middles(level.coarse, level.weighed.in_nodes);
-    masses = level.weighed.masses;
+    weights = {level.weighed.masses, level.weighed.weightless};
     in_points = level.weighed.in_nodes;
     areas = level.areas;
     surface = level.coarse.surface;
@@ -302,10 +308,10 @@ void hold(cooking::CookState& state, std::span<const Mesh>) {
   CookedFabric& fabric = state.fabric();
   auto& all = fabric.own.of<AllLevels>();
   for (ClothLevels& cloth : all.cloths) {
-    std::vector<double> masses = masses_of(fabric, cloth.particle_of);
+    cooking::Weights weights{masses_of(fabric, cloth.particle_of), {}};
     for (Level& level : cloth.levels) {
-      level.weighed = cooking::weigh(level.coarse, as_packed(level.coarse.shares), masses, {}, true, cooking::Middles::unknown);
-      masses = level.weighed.masses;
+      level.weighed = cooking::weigh(level.coarse, as_packed(level.coarse.shares), weights, {}, true, cooking::Middles::unknown);
+      weights = {level.weighed.masses, level.weighed.weightless};
     }
   }
   fabric.own.of<LevelLists>() = {};
