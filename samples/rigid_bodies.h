@@ -1,9 +1,9 @@
-// Rigid bodies stepped by Bullet (Coumans, bulletphysics.org), coupled with cloth both ways: a collider of Weft's follows a body, and the body
-// takes what cloth gave this collider.
+// Rigid bodies stepped by Bullet (Coumans, bulletphysics.org), coupled with cloth both ways: a collider of Weft's follows a body, and the
+// body takes what cloth gave this collider.
 //
-// Neither library knows the other. In a frame Weft goes first, with the collider on its way to where the body is (pose_of). What the cloth gave
-// it then changes the body's velocity (take; btRigidBody::applyImpulse for what pulls at a place of it), and Bullet moves the body by that, by
-// gravity and by its own contacts (step). Both use metres, kilograms and seconds; Bullet's numbers are floats in Debian's library.
+// Neither library knows the other. In a frame Weft goes first, with the collider on its way to where the body is (pose_of). What the cloth
+// gave it then changes the body's velocity (take; btRigidBody::applyImpulse for what pulls at a place of it), and Bullet moves the body by
+// that, by gravity and by its own contacts (step). Both use metres, kilograms and seconds; Bullet's numbers are floats in Debian's library.
 #pragma once
 
 #include <memory>

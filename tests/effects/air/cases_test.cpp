@@ -195,9 +195,10 @@ TEST_F(AirCase, a_wind_that_cannot_be_is_refused) {
   EXPECT_NE(refused.error().find("the scene has no air"), std::string::npos) << refused.error();
 }
 
-// f L / U: of the strongest frequency in how a flag of 1 m moves aside at its free end, over five seconds of a steady wind (m/s). The diagonals of
-// its cells rise along the wind where it blows along x, and fall where it blows the other way (`along` is -1).
-double flapping_of(const compute::Device& device, double wind, std::uint32_t cells, float along = 1, Topology topology = Topology::diagonal) {
+// f L / U: of the strongest frequency in how a flag of 1 m moves aside at its free end, over five seconds of a steady wind (m/s). The
+// diagonals of its cells rise along the wind where it blows along x, and fall where it blows the other way (`along` is -1).
+double flapping_of(const compute::Device& device, double wind, std::uint32_t cells, float along = 1,
+                   Topology topology = Topology::diagonal) {
   constexpr double kFrame = 1.0 / 120, kTurn = 2 * std::numbers::pi;
   Scene scene = sheet(cells);
   Cloth& flag = scene.cloths[0];
@@ -228,9 +229,9 @@ double flapping_of(const compute::Device& device, double wind, std::uint32_t cel
   return found / wind;
 }
 
-// Raynaud and Mulleners (arXiv 2602.06237, 2026) measured 48 flags in a wind tunnel: the waves are 1.87 times as long as the flag, and run along
-// it about as fast as the wind blows. So f L / U is about 1 / 1.87; a fifth is allowed either way, and where it blows hard two fifths above.
-// Of flags whose diagonals fall along the wind, or whose cells have centres, it is recorded and not asked for: they flap faster.
+// Raynaud and Mulleners (arXiv 2602.06237, 2026) measured 48 flags in a wind tunnel: the waves are 1.87 times as long as the flag, and run
+// along it about as fast as the wind blows. So f L / U is about 1 / 1.87; a fifth is allowed either way, and where it blows hard two fifths
+// above. Of flags whose diagonals fall along the wind, or whose cells have centres, it is recorded and not asked for: they flap faster.
 TEST_F(AirCase, a_flag_flaps_as_often_as_flags_do_however_fine_it_is) {
   for (const double wind : {3.0, 8.0, 15.0})
     for (const std::uint32_t cells : {20u, 32u}) {
