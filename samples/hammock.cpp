@@ -1,14 +1,14 @@
-// A ball falls into a hammock, swings it and comes to rest: a rigid body that the program itself steps, coupled with cloth both ways.
+// A ball falls into a hammock, swings it and comes to rest: a rigid body that Bullet steps, coupled with cloth both ways.
 //
-// Every frame the ball is a collider on its way to where its velocity takes it, and gets back what the cloth was given there: impulse and
+// Every frame the ball is a collider on its way to where Bullet has moved it, and gets back what the cloth was given there: impulse and
 // angular impulse, momentum for momentum (Simulation::take_reactions). Frames are short, 240 a second, because the ball learns of the
 // cloth's answer a frame late.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <numbers>
 
 #include "engine/simulation.h"
+#include "samples/rigid_bodies.h"
 
 namespace {
 
@@ -16,22 +16,8 @@ using namespace weft;
 
 constexpr double kRate = 240;   // Hz
 constexpr float kRadius = 0.15f, kMass = 2;   // m, kg
+constexpr Vec3 kStart{0.15f, 0.6f, 0.05f};   // m
 constexpr float kDrag = 1;   // 1/s: what rolls through folds loses speed
-
-// A solid ball.
-struct Ball {
-  Vec3 centre{0.15f, 0.6f, 0.05f}, velocity, spin;   // m, m/s, rad/s
-  Rotation rotation;
-
-  void step(const Reaction& given, Vec3 gravity, float seconds) {
-    constexpr float kInertia = 0.4f * kMass * kRadius * kRadius;
-    velocity = (1 - kDrag * seconds) * (velocity + (1 / kMass) * given.impulse) + seconds * gravity;
-    spin = spin + (1 / kInertia) * given.angular_impulse;
-    centre = centre + seconds * velocity;
-    if (const float turn = seconds * length(spin); turn > 0)
-      rotation = rotation_about((seconds / turn) * spin, turn * 180 / std::numbers::pi) * rotation;
-  }
-};
 
 // Two metres of denim between two beams, which come closer in the first half second so that it sags.
 Scene hammock() {
@@ -51,7 +37,7 @@ Scene hammock() {
   Collider& ball = scene.colliders.emplace_back();
   ball.shape = ColliderShape::sphere;
   ball.radius = kRadius;
-  ball.centre = Ball().centre;
+  ball.centre = kStart;
   return scene;
 }
 
@@ -67,19 +53,22 @@ int main(int count, char** arguments) {
   const auto cloth = Simulation::create(**device, scene);
   if (!cloth) return complain(cloth.error());
 
-  Ball ball;
+  RigidBodies bodies(scene.gravity);
+  btRigidBody& ball = bodies.add(std::make_unique<btSphereShape>(kRadius), kMass, kStart);
+  ball.setDamping(1 - std::exp(-kDrag), 0);   // to Bullet the part of its speed that a body loses in a second
   std::printf("%6s %9s %9s %9s %9s\n", "s", "height m", "aside m", "m/s", "N");
   for (int second = 1; second <= seconds; ++second) {
     float up = 0;   // N s that the cloth gave in this second
     for (int frame = 0; frame < static_cast<int>(kRate); ++frame) {
-      if (const auto moved = (*cloth)->move_collider(0, {.centre = ball.centre, .rotation = ball.rotation}); !moved)
-        return complain(moved.error());
+      if (const auto moved = (*cloth)->move_collider(0, pose_of(ball)); !moved) return complain(moved.error());
       if (const auto advance = (*cloth)->advance(1 / kRate); !advance) return complain(advance.error());
       const Reaction given = (*cloth)->take_reactions()[0];
       up += given.impulse.y;
-      ball.step(given, scene.gravity, static_cast<float>(1 / kRate));
+      take(ball, given);
+      bodies.step(1 / kRate);
     }
-    std::printf("%6d %9.3f %9.3f %9.3f %9.2f\n", second, ball.centre.y, std::hypot(ball.centre.x, ball.centre.z), length(ball.velocity), up);
+    const Vec3 centre = pose_of(ball).centre;
+    std::printf("%6d %9.3f %9.3f %9.3f %9.2f\n", second, centre.y, std::hypot(centre.x, centre.z), ball.getLinearVelocity().length(), up);
   }
   std::printf("the ball weighs %.2f N, and the cloth has %zu particles\n", -kMass * scene.gravity.y, (*cloth)->fabric().positions.size());
   return EXIT_SUCCESS;

@@ -1,11 +1,12 @@
 # What Weft needs from Debian 12, and how to get it; sourced by samples/run.sh and tests/run.sh.
 
 # libglfw3-dev, libimgui-dev: for `weft view` alone; without them everything else is built.
+# libbullet-dev: for the samples hammock and tow alone; without it everything else is built.
 # libdraco-dev, libmeshoptimizer-dev: for glTFs that they have compressed; without them such a file is refused, and everything else is built.
 # zlib1g-dev: for PNGs; and Debian's libassimp-dev links to it without depending on it.
 packages_to_run=(build-essential cmake ninja-build libvulkan-dev mesa-vulkan-drivers glslang-tools spirv-tools
   libeigen3-dev libassimp-dev zlib1g-dev nlohmann-json3-dev libcli11-dev libstb-dev python3
-  libglfw3-dev libimgui-dev libdraco-dev libmeshoptimizer-dev)
+  libglfw3-dev libimgui-dev libbullet-dev libdraco-dev libmeshoptimizer-dev)
 # xvfb, xdotool, x11-apps, libx11-dev: a screen that nobody sees, for the viewer's window.
 packages_to_test=(libgtest-dev libbenchmark-dev vulkan-validationlayers pkg-config python3-numpy xvfb xdotool x11-apps libx11-dev)
 # tests/run.sh --interop NAME alone

@@ -1,10 +1,9 @@
-// A box on the floor, pulled by a sheet: cloth attached to a rigid body that the program itself steps.
+// A box on the floor, pulled by a sheet: cloth attached to a rigid body that Bullet steps.
 //
 // Two corners of the sheet are grabbed at two corners of the box. Every frame the program moves these grabs to where the box has them and
 // gives the box what they were pulled by (Simulation::take_pulls), each impulse where it acts. The far edge of the sheet walks away. Frames
 // are short, 240 a second, because the box learns of the cloth's pull a frame late: that takes damping from the hooks, which have some to
 // spare.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -12,6 +11,7 @@
 #include <numbers>
 
 #include "engine/simulation.h"
+#include "samples/rigid_bodies.h"
 
 namespace {
 
@@ -19,35 +19,8 @@ using namespace weft;
 
 constexpr double kRate = 240;   // Hz
 constexpr Vec3 kHalf{0.15f, 0.1f, 0.2f};   // m: half the box's sides
-constexpr float kMass = 1, kFriction = 0.3f;   // kg; of the floor
-
-// A box that slides on the floor and turns about the vertical, with Coulomb friction.
-struct Box {
-  Vec3 centre{0, kHalf.y, 0}, velocity;   // m, m/s
-  float angle = 0, spin = 0;              // rad, rad/s
-
-  Vec3 arm(Vec3 own) const {   // from the centre to a place of its own
-    const float c = std::cos(angle), s = std::sin(angle);
-    return {c * own.x + s * own.z, own.y, c * own.z - s * own.x};
-  }
-
-  void push(Vec3 impulse, Vec3 arm) {
-    constexpr float kInertia = kMass / 3 * (kHalf.x * kHalf.x + kHalf.z * kHalf.z);
-    velocity = velocity + (1 / kMass) * Vec3{impulse.x, 0, impulse.z};
-    spin += cross(arm, impulse).y / kInertia;
-  }
-
-  void step(float seconds) {
-    constexpr float kArm = 0.15f;   // m: of the friction that resists turning
-    const float speed = length(velocity), rubs = kFriction * 9.81f * seconds;
-    velocity = std::max(0.0f, 1 - rubs / std::max(speed, 1e-6f)) * velocity;
-    spin -= std::clamp(spin, -rubs / kArm, rubs / kArm);
-    centre = centre + seconds * velocity;
-    angle += seconds * spin;
-  }
-
-  ColliderPose pose() const { return {.centre = centre, .rotation = rotation_about({0, 1, 0}, angle * 180 / std::numbers::pi)}; }
-};
+constexpr Vec3 kStart{0, kHalf.y, 0};   // m
+constexpr float kMass = 1, kFriction = 0.3f;   // kg; of the box on the floor
 
 constexpr std::array kHooks = {Vec3{kHalf.x + 0.01f, 0, -kHalf.z}, Vec3{kHalf.x + 0.01f, 0, kHalf.z}};   // on the box, in its own axes
 
@@ -67,7 +40,7 @@ Scene towed() {
   bar.keys = {{0.5, {}, {0, 1, 0}, 0}, {4.5, {2, 0, 0}, {0, 1, 0}, 0}};
   Collider& box = scene.colliders.emplace_back();
   box.shape = ColliderShape::box;
-  box.centre = Box().centre;
+  box.centre = kStart;
   box.size = 2 * kHalf;
   scene.colliders.emplace_back();   // the floor
   return scene;
@@ -85,31 +58,42 @@ int main(int count, char** arguments) {
   const auto cloth = Simulation::create(**device, scene);
   if (!cloth) return complain(cloth.error());
 
-  Box box;
+  RigidBodies bodies(scene.gravity);
+  btRigidBody& floor = bodies.add(std::make_unique<btBoxShape>(btVector3(20, 1, 20)), 0, {0, -1, 0});
+  btRigidBody& box = bodies.add(std::make_unique<btBoxShape>(to_bullet(kHalf)), kMass, kStart);
+  floor.setFriction(1);   // Bullet multiplies the two
+  box.setFriction(kFriction);
+  const auto arm = [&](Vec3 own) { return box.getWorldTransform().getBasis() * to_bullet(own); };   // from the centre to a place of its own
+
   std::array<std::uint32_t, kHooks.size()> grabs;
   for (std::size_t k = 0; k < kHooks.size(); ++k) {
-    const auto held = (*cloth)->grab_near(box.centre + kHooks[k], {.stiffness = 1000, .damping = 20, .force = 1000});
+    const auto held = (*cloth)->grab_near(kStart + kHooks[k], {.stiffness = 1000, .damping = 20, .force = 1000});
     if (!held) return complain(held.error());
     grabs[k] = held->grab;
   }
-  std::printf("%6s %9s %9s %9s %9s\n", "s", "x m", "m/s", "degrees", "N");
+  std::printf("%6s %9s %9s %9s %9s %9s\n", "s", "x m", "m/s", "degrees", "N", "up N");
   for (int second = 1; second <= seconds; ++second) {
-    float pulled = 0;   // N s in this second
+    Vec3 taken;   // N s in this second
     for (int frame = 0; frame < static_cast<int>(kRate); ++frame) {
-      for (std::size_t k = 0; k < kHooks.size(); ++k)
-        if (const auto moved = (*cloth)->move_grab(grabs[k], box.centre + box.arm(kHooks[k])); !moved) return complain(moved.error());
-      if (const auto moved = (*cloth)->move_collider(0, box.pose()); !moved) return complain(moved.error());
+      for (std::size_t k = 0; k < kHooks.size(); ++k) {
+        const Vec3 hook = from_bullet(box.getCenterOfMassPosition() + arm(kHooks[k]));
+        if (const auto moved = (*cloth)->move_grab(grabs[k], hook); !moved) return complain(moved.error());
+      }
+      if (const auto moved = (*cloth)->move_collider(0, pose_of(box)); !moved) return complain(moved.error());
       if (const auto advance = (*cloth)->advance(1 / kRate); !advance) return complain(advance.error());
       const auto pulls = (*cloth)->take_pulls();
       for (std::size_t k = 0; k < kHooks.size(); ++k) {
-        box.push(pulls[grabs[k]].impulse, box.arm(kHooks[k]));
-        pulled += pulls[grabs[k]].impulse.x;
+        box.applyImpulse(to_bullet(pulls[grabs[k]].impulse), arm(kHooks[k]));
+        taken = taken + pulls[grabs[k]].impulse;
       }
       const Reaction given = (*cloth)->take_reactions()[0];   // where the sheet lies on the box
-      box.push(given.impulse, {});
-      box.step(static_cast<float>(1 / kRate));
+      take(box, given);
+      taken = taken + given.impulse;
+      bodies.step(1 / kRate);
     }
-    std::printf("%6d %9.3f %9.3f %9.2f %9.3f\n", second, box.centre.x, length(box.velocity), box.angle * 180 / std::numbers::pi, pulled);
+    const btVector3 front = box.getWorldTransform().getBasis().getColumn(0);
+    std::printf("%6d %9.3f %9.3f %9.2f %9.3f %9.3f\n", second, box.getCenterOfMassPosition().x(), box.getLinearVelocity().length(),
+                std::atan2(-front.z(), front.x()) * 180 / std::numbers::pi_v<float>, taken.x, taken.y);
   }
   std::printf("friction holds the box with up to %.3f N, and the cloth has %zu particles\n", kFriction * kMass * 9.81,
               (*cloth)->fabric().positions.size());
