@@ -1,4 +1,5 @@
 // Where Godot begins and ends with the plug-in.
+#include "samples/godot/air.h"
 #include "samples/godot/anchor.h"
 #include "samples/godot/cloth.h"
 #include "samples/godot/stage.h"
@@ -25,7 +26,9 @@ void connect() {
 
 void initialise(void*, GDExtensionInitializationLevel level) {
   if (level == GDEXTENSION_INITIALIZATION_SCENE) {
+    godot::register_class(gust_class());
     godot::register_class(world_class());
+    godot::register_class(air_field_class());
     godot::register_class(anchor_class());
     godot::register_class(cloth_class());
   }
