@@ -19,6 +19,7 @@ source_of_checks=$folder/checks_source
 mkdir -p "$source_of_checks/addons"
 cp -r tests/interop/godot/. "$source_of_checks/"
 cp -r samples/godot/project/addons/weft "$source_of_checks/addons/"
+cp assets/generated/cape.glb "$source_of_checks/"
 project=$folder/checks
 prepare_project "$source_of_checks" "$project" "$root/build/ci/samples/godot/libweft_godot.so"
 timeout 300 "$godot" --headless --path "$project" --import >"$folder/import.log" 2>&1 || broken "the import of the checks ends with $?"
@@ -36,13 +37,17 @@ said() { grep -a "Validation\( Error\|Warning\)\|SYNC-HAZARD" "$1" | grep -ao "\
 # Godot has messages of its own, which a scene without Weft shows.
 play "$folder/plain.log" --quit-after 10 res://plain.tscn || broken "the scene without Weft ends with $?"
 grep -aq 'Insert instance layer "VK_LAYER_KHRONOS_validation"' "$folder/plain.log" || broken "there is no validation layer"
-result=0
-play "$folder/checks.log" res://checks.tscn || result=$?
-grep -a "BROKEN\|^checked\|ten loads" "$folder/checks.log" || true
-(( result == 0 )) || broken "the checks end with $result"
-(( $(grep -ac "^checked" "$folder/checks.log") == 8 )) || broken "not all checks were made"
-if grep -aq "^ERROR: " "$folder/checks.log"; then broken "Godot says:" "$(grep -a "^ERROR: " "$folder/checks.log" | sort | uniq -c)"; fi
-ours=$(comm -13 <(said "$folder/plain.log") <(said "$folder/checks.log"))
+for scene in checks effects; do
+  result=0
+  play "$folder/$scene.log" "res://$scene.tscn" || result=$?
+  grep -a "BROKEN\|^checked\|ten loads" "$folder/$scene.log" || true
+  (( result == 0 )) || broken "the $scene end with $result"
+  wanted=$(sed -n '/return \[/,/\]/p' "tests/interop/godot/$scene.gd" | grep -o "[a-z_]\+[],]" | wc -l)
+  (( $(grep -ac "^checked" "$folder/$scene.log") == wanted )) || broken "not all $wanted $scene were checked"
+  if grep -aq "^ERROR: " "$folder/$scene.log"; then broken "Godot says:" "$(grep -a "^ERROR: " "$folder/$scene.log" | sort | uniq -c)"; fi
+done
+cat "$folder/checks.log" "$folder/effects.log" >"$folder/both.log"
+ours=$(comm -13 <(said "$folder/plain.log") <(said "$folder/both.log"))
 [[ -z $ours ]] || broken "validation says with Weft, and does not without:" "$ours"
 
 # Without a device there is a sentence, and a cloth that stands still.
