@@ -52,8 +52,8 @@ bool Cloth::shows(std::string_view property) const {
     return !shown && property.starts_with(prefix) && property != always;
   };
   return !is_hidden("fabric_", "fabric_preset", preset == kOwn) && !is_hidden("motion_", "motion_enabled", has_motion) &&
-         !is_hidden("pressure_", "pressure_enabled", has_gas) && !is_hidden("tear_", "tear_enabled", has_tear) &&
-         !is_hidden("mesh", "", gltf_.empty());
+         !is_hidden("inertia_", "inertia_enabled", has_inertia) && !is_hidden("pressure_", "pressure_enabled", has_gas) &&
+         !is_hidden("tear_", "tear_enabled", has_tear) && !is_hidden("mesh", "", gltf_.empty());
 }
 
 bool Cloth::saves(std::string_view property) const { return property != "mesh" || gltf_.empty(); }
@@ -117,9 +117,10 @@ Result<Cloth::Described> Cloth::describe(std::optional<godot::Transform> start) 
   if (has_gas) cloth.pressure = gas;
   if (has_tear) cloth.tear = tear;
   if (has_motion) cloth.motion_constraints = motion;
-  const bool goes_with_skin = has_motion || std::ranges::any_of(described.anchors, &Anchor::with_skin);
+  if (has_inertia) cloth.inertia = inertia, cloth.inertia->joint = Skin::kOfNode;
+  const bool goes_with_skin = has_motion || has_inertia || std::ranges::any_of(described.anchors, &Anchor::with_skin);
   if (goes_with_skin) {
-    described.skin = Skin::bind(self(), at, described.mesh, described.fault);
+    described.skin = Skin::bind(self(), at, has_inertia, described.mesh, described.fault);
     cloth.skin = weft::Skinning{};
   } else {
     described.mesh.skin.reset();

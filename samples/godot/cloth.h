@@ -68,9 +68,10 @@ class Cloth : public godot::Instance {
   weft::Maps maps;
   bool tethers = true, bending = true, keeps_folds = false;
   std::uint32_t collision_mask = 1;
-  bool has_motion = false, has_gas = false, has_tear = false;
+  bool has_motion = false, has_inertia = false, has_gas = false, has_tear = false;
   weft::MotionConstraints motion;
   double motion_scale = 1;   // of max distances
+  weft::Inertia inertia;     // in the node's frame
   weft::Gas gas;
   double gas_amount = 1;   // of what `gas` says
   weft::Tear tear;

@@ -210,6 +210,12 @@ const godot::Class& cloth_class() {
                       "What max distances are multiplied by; may change while it plays, as may the stiffness.",
                       [](C& c) -> double& { return c.motion_scale; })},
               properties_of("motion_", "motion_constraints", motion));
+    const std::function<weft::Inertia&(Instance&)> inertia = [](Instance& at) -> weft::Inertia& { return cloth_in(at).inertia; };
+    const std::vector<Property> of_inertia = group(
+        {flag("inertia_enabled",
+              "Says how much the cloth feels of its node's motion, a character's, say: 1 all of it, 0 nothing, as if the node stood still.",
+              &C::has_inertia)},
+        properties_of("inertia_", "inertia", inertia, {"joint"}));
     const std::vector<Property> of_gas =
         group({flag("pressure_enabled", "Whether there is a gas in the cloth, whose mesh must be closed.", &C::has_gas),
                number("pressure_amount", "0,1000,0.001",
@@ -235,6 +241,7 @@ const godot::Class& cloth_class() {
                          {"Fabric", "fabric_", fabric},
                          {"Maps", "maps_", properties_of("maps_", "maps", maps)},
                          {"Motion Constraints", "motion_", of_motion},
+                         {"Inertia", "inertia_", of_inertia},
                          {"Pressure", "pressure_", of_gas},
                          {"Tearing", "tear_", of_tear},
                          {"Grip", "grip_", of_grip}},

@@ -204,6 +204,7 @@ std::vector<Property> properties_of(const std::string& prefix, const std::string
 WEFT_GODOT_FIELDS(weft::Fabric);
 WEFT_GODOT_FIELDS(weft::Maps);
 WEFT_GODOT_FIELDS(weft::MotionConstraints);
+WEFT_GODOT_FIELDS(weft::Inertia);
 WEFT_GODOT_FIELDS(weft::Gas);
 WEFT_GODOT_FIELDS(weft::Tear);
 WEFT_GODOT_FIELDS(weft::SolverSettings);

@@ -19,6 +19,7 @@ std::vector<godot::Property> properties_of(const std::string& prefix, const std:
 extern WEFT_GODOT_FIELDS(weft::Fabric);
 extern WEFT_GODOT_FIELDS(weft::Maps);
 extern WEFT_GODOT_FIELDS(weft::MotionConstraints);
+extern WEFT_GODOT_FIELDS(weft::Inertia);
 extern WEFT_GODOT_FIELDS(weft::Gas);
 extern WEFT_GODOT_FIELDS(weft::Tear);
 extern WEFT_GODOT_FIELDS(weft::SolverSettings);

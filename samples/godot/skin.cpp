@@ -46,10 +46,12 @@ void name_joints(weft::Skin& skin, const Variant& binds, const Variant& skeleton
   }
 }
 
+constexpr std::int64_t kCarrier = -1, kNode = -2;
+
 weft::Skin rigid(std::size_t points) {
   weft::Skin skin;
   skin.joints.resize(1);
-  skin.joints[0].name = "node";
+  skin.joints[0].name = Skin::kOfNode;
   skin.joints_of.assign(points, {0, 0, 0, 0});
   skin.weights.assign(points, {1, 0, 0, 0});
   return skin;
@@ -57,9 +59,10 @@ weft::Skin rigid(std::size_t points) {
 
 }  // namespace
 
-Skin Skin::bind(godot::Object object, const godot::Transform& start, weft::Mesh& mesh, std::string& fault) {
+Skin Skin::bind(godot::Object object, const godot::Transform& start, bool with_node, weft::Mesh& mesh, std::string& fault) {
   const Variant node(object), skeleton = skeleton_of(node);
   Skin bound;
+  bound.node_ = godot::id_of(object);
   const bool has_joints = mesh.skin && !mesh.skin->joints.empty();
   if (has_joints && !skeleton.to_object())
     fault = "Its mesh has joints, but its skeleton is no Skeleton3D of the scene: all of it goes with the node.";
@@ -67,7 +70,7 @@ Skin Skin::bind(godot::Object object, const godot::Transform& start, weft::Mesh&
     mesh.skin = rigid(mesh.points.size());
     mesh.skin->place = affine(start);
     bound.carrier_ = godot::id_of(object);
-    bound.bones_ = {-1};
+    bound.bones_ = {kCarrier};
   } else {
     bound.carrier_ = godot::id_of(skeleton.to_object());
     if (mesh.skin->nodes.empty()) {
@@ -78,6 +81,10 @@ Skin Skin::bind(godot::Object object, const godot::Transform& start, weft::Mesh&
     for (std::size_t k = 0; k < bound.bones_.size(); ++k)
       if (bound.bones_[k] < 0)
         fault = "Its joint \"" + mesh.skin->joints[k].name + "\" is no bone of the skeleton: it goes with the skeleton's node.";
+    if (with_node) {
+      mesh.skin->joints.push_back({.name = kOfNode, .node = 0, .inverse_bind = {}});
+      bound.bones_.push_back(kNode);
+    }
   }
   // From here on the mesh's space is the world's, and each joint has a node of its own there.
   weft::Skin& skin = *mesh.skin;
@@ -98,9 +105,13 @@ const std::vector<Placed>& Skin::look() {
   const Variant carrier(godot::object_of(carrier_));
   if (!carrier.to_object() || !carrier.call("is_inside_tree").to_bool()) return bones_at_;
   const godot::Transform at = carrier.call("get_global_transform").to_transform();
-  for (std::size_t k = 0; k < bones_.size(); ++k)
-    if (const auto now = placed(bones_[k] < 0 ? at : at * carrier.call("get_bone_global_pose", bones_[k]).to_transform()))
-      bones_at_[k] = *now;
+  for (std::size_t k = 0; k < bones_.size(); ++k) {
+    godot::Transform there = at;
+    if (bones_[k] >= 0) there = at * carrier.call("get_bone_global_pose", bones_[k]).to_transform();
+    const Variant node(bones_[k] == kNode ? godot::object_of(node_) : nullptr);
+    if (node.to_object()) there = node.call("get_global_transform").to_transform();
+    if (const auto now = placed(there)) bones_at_[k] = *now;
+  }
   return bones_at_;
 }
 

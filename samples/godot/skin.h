@@ -12,17 +12,20 @@ namespace weft_godot {
 
 class Skin {
  public:
+  /// The joint that goes with the cloth's own node.
+  static constexpr const char* kOfNode = "node of the cloth";
+
   /// Gives `mesh`, which is in the world already, a skin whose joints are bones of the Skeleton3D that the MeshInstance3D names, by the
-  /// names of its file's joints or by the node's Skin; or a single joint that goes with the node. `start`: where the node has the mesh at
-  /// rest. `fault` receives what is not as it should be, and is then left out.
-  static Skin bind(godot::Object node, const godot::Transform& start, weft::Mesh& mesh, std::string& fault);
+  /// names of its file's joints or by the node's Skin; or a single joint that goes with the node. `with_node`: there is such a joint in
+  /// any case. `start`: where the node has the mesh at rest. `fault` receives what is not as it should be, and is then left out.
+  static Skin bind(godot::Object node, const godot::Transform& start, bool with_node, weft::Mesh& mesh, std::string& fault);
 
   /// Where bones are, now. What is gone, mirrored or of no size stays where it was.
   const std::vector<Placed>& look();
 
  private:
-  std::uint64_t carrier_ = 0;         // a Skeleton3D, or the cloth's node
-  std::vector<std::int64_t> bones_;   // of each joint; -1: the carrier itself
+  std::uint64_t node_ = 0, carrier_ = 0;   // the cloth's; a Skeleton3D, or the cloth's
+  std::vector<std::int64_t> bones_;        // of each joint; -1: the carrier itself, -2: the cloth's node
   std::vector<Placed> bones_at_;
 };
 

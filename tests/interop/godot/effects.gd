@@ -3,8 +3,8 @@ extends "res://promises.gd"
 
 
 func promises() -> Array[Callable]:
-	return [goes_with_its_skin, goes_with_its_node_without_a_skin, goes_on_where_its_node_has_gone, is_pinned_and_released, is_grabbed_and_let_go,
-			blows_in_gusts_and_fields, holds_a_gas, tears_and_is_cut, shows_a_file_at_rest]
+	return [goes_with_its_skin, wears_an_imported_mesh, goes_with_its_node_without_a_skin, feels_as_much_as_it_is_told,
+			goes_on_where_its_node_has_gone, is_pinned_and_released, is_grabbed_and_let_go, blows_in_gusts_and_fields, holds_a_gas, tears_and_is_cut, shows_a_file_at_rest]
 
 
 # No air, so that what falls does, and room for hands.
@@ -74,9 +74,11 @@ func goes_with_its_skin() -> void:
 	bones.set_bone_pose_rotation(1, Quaternion(Vector3.RIGHT, PI / 2))
 	await ticks(30)
 	var wanted := bones.to_global(bones.get_bone_global_pose(1) * Vector3(0.25, 0, 0.25))   # vertex 26, 0.25 from the bone at rest
-	expect(near.get_vertices()[26].distance_to(wanted) < 0.025, "a vertex is at %s, and its bone takes it to %s" % [near.get_vertices()[26], wanted])
+	var there := near.get_vertices()[26]
+	expect(there.distance_to(wanted) < 0.025, "a vertex is at %s, and its bone takes it to %s" % [there, wanted])
 	wanted = bones.to_global(bones.get_bone_global_pose(1) * Vector3(0.25, 0, 0))
-	expect(held.get_vertices()[24].distance_to(wanted) < 1e-4, "an anchor is at %s, and the skin takes it to %s" % [held.get_vertices()[24], wanted])
+	there = held.get_vertices()[24]
+	expect(there.distance_to(wanted) < 1e-4, "an anchor is at %s, and the skin takes it to %s" % [there, wanted])
 	expect(near.get_fault() == "" and near.get_warnings().is_empty(), "a skinned cloth has faults: %s" % near.get_warnings())
 	near.motion_scale = 20.0
 	await ticks(40)
@@ -84,6 +86,35 @@ func goes_with_its_skin() -> void:
 	near.skeleton = NodePath("../nowhere")
 	expect(not near.get_warnings().is_empty(), "joints without a skeleton have no warning")
 	await gone([bones])
+
+
+# What Godot imports and what Weft reads of the same file are carried alike.
+func wears_an_imported_mesh() -> void:
+	var imported: Node3D = load("res://cape.glb").instantiate()
+	var from: MeshInstance3D = imported.find_children("*", "MeshInstance3D")[0]
+	var bones: Skeleton3D = imported.find_children("*", "Skeleton3D")[0]
+	var worn := cloth(from.mesh)
+	worn.skin = from.skin
+	var read := cloth(null)
+	read.gltf = "res://cape.glb"
+	for each in [worn, read]:
+		each.skeleton = NodePath("..")
+		each.world = still()
+		each.motion_enabled = true
+		each.motion_max_distance = 0.0
+		bones.add_child(each)
+	add_child(imported)
+	imported.position = Vector3(2, 0, 1)
+	await ticks(5)
+	var before := middle(worn)
+	bones.set_bone_pose_rotation(bones.find_bone("chest"), Quaternion(Vector3.RIGHT, 0.6))
+	await ticks(5)
+	expect(worn.get_fault() == "" and read.get_fault() == "", worn.get_fault() + read.get_fault())
+	expect(worn.get_warnings().is_empty(), "an imported mesh has warnings: %s" % worn.get_warnings())
+	expect(middle(worn).distance_to(before) > 0.05, "a bone that turns leaves cloth at %s" % middle(worn))
+	expect(middle(worn).distance_to(middle(read)) < 0.005, "imported it is at %s, read at %s" % [middle(worn), middle(read)])
+	expect(absf(lowest(worn) - lowest(read)) < 0.002, "imported it reaches down to %f, read to %f" % [lowest(worn), lowest(read)])
+	await gone([imported])
 
 
 func goes_with_its_node_without_a_skin() -> void:
@@ -101,6 +132,33 @@ func goes_with_its_node_without_a_skin() -> void:
 	await ticks(2)
 	expect(middle(near).distance_to(near.position) < 0.03, "its node is at %s, and it is at %s" % [near.position, middle(near)])
 	await gone([near])
+
+
+# Two sheets hang from nodes that start off at 3 m/s; one feels nothing of it.
+func feels_as_much_as_it_is_told() -> void:
+	var nodes := []
+	for felt in [1.0, 0.0]:
+		var hung := cloth(sheet(), Vector3(0, 2, 4 * felt))
+		hung.world = still()
+		hung.inertia_enabled = true
+		hung.inertia_linear = felt
+		hung.mesh.orientation = PlaneMesh.FACE_X
+		hung.add_child(anchor([0, 10]))
+		nodes.append(hung)
+		add_child(hung)
+	await ticks(5)
+	var swung := [0.0, 0.0]
+	for k in 20:
+		for n in 2:
+			nodes[n].position.x += 0.05
+		await ticks(1)
+		for n in 2:
+			swung[n] = maxf(swung[n], absf(nodes[n].position.x - middle(nodes[n]).x))
+	for node in nodes:
+		expect(node.get_fault() == "", node.get_fault())
+	expect(swung[0] > 0.2, "a sheet that feels its node start off swings by %f only" % swung[0])
+	expect(swung[1] < 0.06, "a sheet that feels nothing swings by %f" % swung[1])
+	await gone(nodes)
 
 
 # When something comes and all is made anew, a cloth whose node has moved goes on from where it is.
@@ -145,7 +203,8 @@ func is_pinned_and_released() -> void:
 	other.world = falling.world
 	add_child(other)
 	await ticks(10)
-	expect(falling.get_vertices()[10].distance_to(Vector3(-0.5, 0.95, 0.5)) < 1e-3, "a cloth that comes undoes pins: %s" % falling.get_vertices()[10])
+	corner = falling.get_vertices()[10]
+	expect(corner.distance_to(Vector3(-0.5, 0.95, 0.5)) < 1e-3, "a cloth that comes undoes pins: %s" % corner)
 	falling.release([0, 10])
 	await ticks(30)
 	expect(falling.get_vertices()[10].y < 0.5, "what was released does not fall: %s" % falling.get_vertices()[10])

@@ -10,6 +10,7 @@ func promises() -> Array[Callable]:
 
 
 func _ready() -> void:
+	print("promised: ", promises().size())
 	for check in promises():
 		await check.call()
 		print("checked: ", check.get_method())
