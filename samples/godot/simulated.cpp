@@ -98,6 +98,12 @@ void Simulated::fail_with(const std::string& sentence) {
 }
 
 void Simulated::make(Setup setup) {
+  {
+    const std::lock_guard lock(mutex_);
+    seen_.setup = setup.number;
+    seen_.is_running = false;
+    seen_.failure.clear();
+  }
   if (auto made = try_make(setup); !made) fail_with(made.error());
 }
 
@@ -147,6 +153,7 @@ Result<void> Simulated::try_make(Setup& setup) {
   {
     const std::lock_guard lock(mutex_);
     seen_ = {};
+    seen_.setup = setup.number;
     seen_.is_running = true;
     seen_.texture = running_->texture->rid();
     for (const weft::ClothRange& cloth : running_->simulation->fabric().cloths) seen_.first_vertices.push_back(cloth.first_vertex);

@@ -13,6 +13,7 @@ namespace weft_godot {
 
 /// What a simulation is made of. A collider's and an anchor's first key says where it is at the start.
 struct Setup {
+  std::uint64_t number = 0;   // of those that the stage has made, from 1 on
   weft::Scene scene;
   std::vector<weft::Mesh> meshes;
   std::vector<std::optional<std::uint32_t>> carried;   // of each cloth: which of the last simulation's it was, whose state it keeps
@@ -46,6 +47,7 @@ struct Tick {
 
 /// What the main thread sees of it.
 struct Seen {
+  std::uint64_t setup = 0;   // which it was made of
   bool is_running = false;
   std::string failure;   // a sentence; it stands still then
   godot::Rid texture;

@@ -90,6 +90,7 @@ void Stage::restart(Cloth& cloth) {
 }
 
 void Stage::give_up(const std::string& sentence) {
+  hands_.clear();
   set_texture({});
   for (Member& member : members_) {
     member.is_shown = false;
@@ -145,6 +146,7 @@ void Stage::make() {
     cloths.push_back(member.cloth);
   }
   if (cloths.empty()) {
+    hands_.clear();
     set_texture({});
     if (simulated_) on_render_thread([simulated = simulated_] { simulated->end(); });
     return;
@@ -156,6 +158,7 @@ void Stage::make() {
   ticks_ = 1;
   torn_in_tick_ = 0;
   if (!simulated_) simulated_ = std::make_shared<Simulated>();
+  setup.number = ++setups_;
   auto given = std::make_shared<Setup>(std::move(setup));
   drawn_meshes_.clear();
   for (std::size_t k = 0; k < cloths.size(); ++k) drawn_meshes_.push_back(given->meshes[k].render);
@@ -265,7 +268,7 @@ void Stage::tick(double seconds) {
   if (!simulated_) return;
   const Seen seen = simulated_->seen();
   look(seen);
-  if (!seen.is_running) return;
+  if (seen.setup != setups_ || !seen.is_running) return;
   Tick tick;
   tick.seconds = seconds;
   move_shapes(tick);
@@ -286,6 +289,7 @@ void Stage::set_texture(godot::Rid texture) {
 
 // What the render thread has come to.
 void Stage::look(const Seen& seen) {
+  if (seen.setup != setups_) return;   // the last but one
   if (!seen.failure.empty()) return give_up(seen.failure);
   if (!seen.is_running) return;
   set_texture(seen.texture);

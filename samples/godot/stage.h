@@ -87,7 +87,7 @@ class Stage {
   godot::Rid texture_rid_;
   bool is_dirty_ = true;
   std::int64_t ticked_ = -1;   // Engine.get_physics_frames()
-  std::uint64_t ticks_ = 1;
+  std::uint64_t ticks_ = 1, setups_ = 0;
   Moment moment_, drawn_;
   std::vector<weft::RenderMesh> drawn_meshes_;   // of each cloth of the simulation
   std::uint64_t torn_in_tick_ = 0;

@@ -4,7 +4,8 @@ extends "res://promises.gd"
 
 func promises() -> Array[Callable]:
 	return [goes_with_its_skin, wears_an_imported_mesh, goes_with_its_node_without_a_skin, feels_as_much_as_it_is_told,
-			goes_on_where_its_node_has_gone, is_pinned_and_released, is_grabbed_and_let_go, blows_in_gusts_and_fields, holds_a_gas, tears_and_is_cut, shows_a_file_at_rest]
+			goes_on_where_its_node_has_gone, is_pinned_and_released, is_grabbed_and_let_go, blows_in_gusts_and_fields, holds_a_gas,
+			tears_and_is_cut, shows_a_file_at_rest]
 
 
 # No air, so that what falls does, and room for hands.
