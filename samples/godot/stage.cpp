@@ -25,6 +25,8 @@ Vec3 gravity_of_project() {
   return float(strength) * settings.call("get_setting", "physics/3d/default_gravity_vector", Vec3{0, -1, 0}).to_vector3();
 }
 
+constexpr std::size_t kMostFields = 16;   // of a scene's air (engine/scene.h)
+
 float longest(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
 }  // namespace
@@ -202,6 +204,11 @@ void Stage::add_fields(weft::Scene& scene) {
   if (!scene.air) return;
   for (const AirField* field : AirField::all()) {
     if (field->world_id() != godot::id_of(world_.to_object())) continue;
+    if (fields_.size() == kMostFields) {
+      const std::string fault = "the air of a world has 16 fields at most: " + field->call("get_path").to_string() + " is left out.";
+      if (told_.insert(fault).second) godot::print_warning("Weft: " + fault);
+      continue;
+    }
     fields_.emplace_back(godot::id_of(field->self()), field->described());
     scene.air->fields.push_back(fields_.back().second);
   }

@@ -295,6 +295,14 @@ func blows_in_gusts_and_fields() -> void:
 	fan.queue_free()
 	await ticks(3)
 	expect(nodes[3].get_fault() == "", "without its jet a cloth stands still: %s" % nodes[3].get_fault())
+	for k in 17:   # one more than there may be
+		fan = WeftAirField3D.new()
+		fan.velocity = Vector3(0, 1, 0)
+		fan.world = nodes[3].world
+		nodes.append(fan)
+		add_child(fan)
+	await ticks(3)
+	expect(nodes[3].get_fault() == "", "17 fields stop a cloth: %s" % nodes[3].get_fault())
 	await gone(nodes)
 
 
