@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Godot, on a screen that nobody sees: the sample project with its recordings, and what the node promises, under validation. godot.sh WEFT FOLDER
+# Godot, on a screen that nobody sees: the sample project and another with their recordings, and what the nodes promise, under validation.
+# godot.sh WEFT FOLDER
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 folder=$2
@@ -51,6 +52,15 @@ for scene in checks effects motion; do
   ours=$(comm -13 <(said "$folder/plain_$renderer.log") <(said "$folder/$scene.log"))
   [[ -z $ours ]] || broken "validation says with Weft, and does not without:" "$ours"
 done
+
+# Everything that a recording can have is for weft run the same, to the bit.
+on_a_screen timeout 300 "$godot" --path "$project" --rendering-driver vulkan --rendering-method mobile --audio-driver Dummy --fixed-fps 60 \
+  --disable-vsync res://recorded.tscn -- "$folder/recorded" >"$folder/recorded.log" 2>&1 || broken "the recording ends with $?" "$(tail -n 5 "$folder/recorded.log")"
+as_godot "$godot" "$1" run "$folder/recorded/scene.json" --no-picture --out "$folder/alone" >"$folder/alone.log" 2>&1 || broken "weft run ends with $?"
+in_godot=$(cat "$folder/recorded/digest") alone=$(python3 samples/godot/digest.py "$folder/alone/final.ply")
+echo "Skin, inertia, maps, gas, tears, gusts and fields: in Godot $in_godot, by weft run $alone"
+[[ $in_godot == "$alone" ]] || broken "they are not the same bits"
+if grep -q "Not exactly" "$folder/recorded/scene.json"; then broken "the recording says: $(grep -o "Not exactly[^\"]*" "$folder/recorded/scene.json")"; fi
 
 # Without a device there is a sentence, and a cloth that stands still.
 timeout 300 "$godot" --headless --path "$project" --quit-after 30 res://small.tscn >"$folder/headless.log" 2>&1 || broken "without a device Godot ends with $?"
