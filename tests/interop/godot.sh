@@ -49,6 +49,7 @@ for scene in checks effects motion; do
   (( result == 0 )) || broken "the $scene end with $result"
   grep -aq "^promised: $(grep -ac "^checked" "$folder/$scene.log")$" "$folder/$scene.log" || broken "not all $scene were made"
   if grep -aq "^ERROR: " "$folder/$scene.log"; then broken "Godot says:" "$(grep -a "^ERROR: " "$folder/$scene.log" | sort | uniq -c)"; fi
+  grep -aq 'Inserted device layer "VK_LAYER_WEFT_queue_lock"' "$folder/$scene.log" || broken "Godot's queue has no lock"
   ours=$(comm -13 <(said "$folder/plain_$renderer.log") <(said "$folder/$scene.log"))
   [[ -z $ours ]] || broken "validation says with Weft, and does not without:" "$ours"
 done

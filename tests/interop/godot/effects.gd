@@ -5,7 +5,7 @@ extends "res://promises.gd"
 func promises() -> Array[Callable]:
 	return [goes_with_its_skin, wears_an_imported_mesh, goes_with_its_node_without_a_skin, feels_as_much_as_it_is_told,
 			goes_on_where_its_node_has_gone, is_pinned_and_released, is_grabbed_and_let_go, blows_in_gusts_and_fields, holds_a_gas,
-			tears_and_is_cut, shows_a_file_at_rest]
+			tears_and_is_cut, shows_a_file_at_rest, loads_in_the_background]
 
 
 # No air, so that what falls does, and room for hands.
@@ -412,3 +412,26 @@ func shows_a_file_at_rest() -> void:
 	cape.gltf = "res://project.godot"
 	expect(cape.mesh == null and not cape.get_warnings().is_empty(), "a file that is no mesh has no warning")
 	cape.free()
+
+
+# On a device with a single queue Godot's loader threads and Weft submit to the same one. Validation says if two do so at a time.
+func loads_in_the_background() -> void:
+	const COUNT := 32
+	for k in COUNT:
+		var picture := Image.create(1024, 1024, false, Image.FORMAT_RGBA8)
+		picture.fill(Color(k / float(COUNT), 0, 0))
+		ResourceSaver.save(ImageTexture.create_from_image(picture), "user://picture_%d.res" % k)
+	var held := cloth(sheet(31))
+	held.add_child(anchor([0]))
+	add_child(held)
+	await ticks(5)
+	for k in COUNT:
+		ResourceLoader.load_threaded_request("user://picture_%d.res" % k, "", true, ResourceLoader.CACHE_MODE_IGNORE)
+	for k in COUNT:
+		var file := "user://picture_%d.res" % k
+		while ResourceLoader.load_threaded_get_status(file) == ResourceLoader.THREAD_LOAD_IN_PROGRESS:
+			await ticks(1)
+		expect(ResourceLoader.load_threaded_get(file) is Texture2D, "%s is not loaded" % file)
+		DirAccess.remove_absolute(file)
+	expect(held.get_fault() == "", held.get_fault())
+	await gone([held])
