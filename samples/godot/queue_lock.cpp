@@ -13,6 +13,7 @@
 #include <shared_mutex>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 namespace weft_godot {
 namespace {
@@ -20,13 +21,22 @@ namespace {
 constexpr const char* kLayer = "VK_LAYER_WEFT_queue_lock";
 
 // What lies below, of each instance and device. The loader writes the same first word into a handle and into all that comes of it.
+// Functions are fetched when it is made: later the loader answers with its own, which begin at the top again.
 struct NextInstance {
   VkInstance instance;
   PFN_vkGetInstanceProcAddr find;
+  PFN_vkDestroyInstance destroy;
 };
 struct NextDevice {
   VkDevice device;
   PFN_vkGetDeviceProcAddr find;
+  PFN_vkDestroyDevice destroy;
+  PFN_vkDeviceWaitIdle wait_idle;
+  PFN_vkQueueSubmit submit;
+  PFN_vkQueueSubmit2 submit2, submit2_khr;
+  PFN_vkQueueBindSparse bind_sparse;
+  PFN_vkQueuePresentKHR present;
+  PFN_vkQueueWaitIdle queue_wait_idle;
 };
 using Key = const void*;
 Key key_of(const void* handle) { return *static_cast<const void* const*>(handle); }
@@ -56,41 +66,38 @@ Locks& locks() {
   return all;
 }
 
-template <class Function>
-Function below(const void* handle, const char* name) {
+// Of a device or a queue.
+NextDevice below(const void* handle) {
   const std::shared_lock lock(chains().mutex);
-  const NextDevice& next = chains().devices.at(key_of(handle));
-  return reinterpret_cast<Function>(next.find(next.device, name));
+  return chains().devices.at(key_of(handle));
 }
 
 template <class Function, class... Arguments>
-VkResult alone_on(VkQueue queue, const char* name, Arguments... arguments) {
-  const auto call = below<Function>(queue, name);
+VkResult alone_on(VkQueue queue, Function NextDevice::*call, Arguments... arguments) {
+  const NextDevice next = below(queue);
   const std::shared_lock none_has_all(locks().devices);
   const std::lock_guard lock(locks().of(queue));
-  return call(queue, arguments...);
+  return (next.*call)(queue, arguments...);
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* submits, VkFence fence) {
-  return alone_on<PFN_vkQueueSubmit>(queue, "vkQueueSubmit", count, submits, fence);
+  return alone_on(queue, &NextDevice::submit, count, submits, fence);
 }
 VKAPI_ATTR VkResult VKAPI_CALL submit2(VkQueue queue, std::uint32_t count, const VkSubmitInfo2* submits, VkFence fence) {
-  return alone_on<PFN_vkQueueSubmit2>(queue, "vkQueueSubmit2", count, submits, fence);
+  return alone_on(queue, &NextDevice::submit2, count, submits, fence);
 }
 VKAPI_ATTR VkResult VKAPI_CALL submit2_khr(VkQueue queue, std::uint32_t count, const VkSubmitInfo2* submits, VkFence fence) {
-  return alone_on<PFN_vkQueueSubmit2>(queue, "vkQueueSubmit2KHR", count, submits, fence);
+  return alone_on(queue, &NextDevice::submit2_khr, count, submits, fence);
 }
 VKAPI_ATTR VkResult VKAPI_CALL bind_sparse(VkQueue queue, std::uint32_t count, const VkBindSparseInfo* binds, VkFence fence) {
-  return alone_on<PFN_vkQueueBindSparse>(queue, "vkQueueBindSparse", count, binds, fence);
+  return alone_on(queue, &NextDevice::bind_sparse, count, binds, fence);
 }
-VKAPI_ATTR VkResult VKAPI_CALL present(VkQueue queue, const VkPresentInfoKHR* info) {
-  return alone_on<PFN_vkQueuePresentKHR>(queue, "vkQueuePresentKHR", info);
-}
-VKAPI_ATTR VkResult VKAPI_CALL wait_idle(VkQueue queue) { return alone_on<PFN_vkQueueWaitIdle>(queue, "vkQueueWaitIdle"); }
+VKAPI_ATTR VkResult VKAPI_CALL present(VkQueue queue, const VkPresentInfoKHR* info) { return alone_on(queue, &NextDevice::present, info); }
+VKAPI_ATTR VkResult VKAPI_CALL wait_idle(VkQueue queue) { return alone_on(queue, &NextDevice::queue_wait_idle); }
 VKAPI_ATTR VkResult VKAPI_CALL device_wait_idle(VkDevice device) {
-  const auto call = below<PFN_vkDeviceWaitIdle>(device, "vkDeviceWaitIdle");
+  const NextDevice next = below(device);
   const std::lock_guard all(locks().devices);
-  return call(device);
+  return next.wait_idle(device);
 }
 
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL find_of_instance(VkInstance instance, const char* name);
@@ -115,7 +122,7 @@ VKAPI_ATTR VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo* info,
   const VkResult result = create(info, allocator, made);
   if (result != VK_SUCCESS) return result;
   const std::lock_guard lock(chains().mutex);
-  chains().instances[key_of(*made)] = {*made, find};
+  chains().instances[key_of(*made)] = {*made, find, reinterpret_cast<PFN_vkDestroyInstance>(find(*made, "vkDestroyInstance"))};
   return result;
 }
 
@@ -135,16 +142,29 @@ VKAPI_ATTR VkResult VKAPI_CALL create_device(VkPhysicalDevice physical, const Vk
   if (create == nullptr) return VK_ERROR_INITIALIZATION_FAILED;
   const VkResult result = create(physical, info, allocator, made);
   if (result != VK_SUCCESS) return result;
+  NextDevice next{};
+  next.device = *made;
+  next.find = find_of_it;
+  const auto take = [&](auto& function, const char* name) {
+    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(find_of_it(*made, name));
+  };
+  take(next.destroy, "vkDestroyDevice");
+  take(next.wait_idle, "vkDeviceWaitIdle");
+  take(next.submit, "vkQueueSubmit");
+  take(next.submit2, "vkQueueSubmit2");
+  take(next.submit2_khr, "vkQueueSubmit2KHR");
+  take(next.bind_sparse, "vkQueueBindSparse");
+  take(next.present, "vkQueuePresentKHR");
+  take(next.queue_wait_idle, "vkQueueWaitIdle");
   const std::lock_guard lock(chains().mutex);
-  chains().devices[key_of(*made)] = {*made, find_of_it};
+  chains().devices[key_of(*made)] = next;
   return result;
 }
 
 VKAPI_ATTR void VKAPI_CALL destroy_device(VkDevice device, const VkAllocationCallbacks* allocator) {
   if (device == VK_NULL_HANDLE) return;
   const Key key = key_of(device);
-  const auto destroy = below<PFN_vkDestroyDevice>(device, "vkDestroyDevice");
-  destroy(device, allocator);
+  below(device).destroy(device, allocator);
   const std::lock_guard lock(chains().mutex);
   chains().devices.erase(key);
 }
@@ -155,7 +175,7 @@ VKAPI_ATTR void VKAPI_CALL destroy_instance(VkInstance instance, const VkAllocat
   PFN_vkDestroyInstance destroy = nullptr;
   {
     const std::lock_guard lock(chains().mutex);
-    destroy = reinterpret_cast<PFN_vkDestroyInstance>(chains().instances.at(key).find(instance, "vkDestroyInstance"));
+    destroy = chains().instances.at(key).destroy;
     chains().instances.erase(key);
   }
   destroy(instance, allocator);
@@ -184,8 +204,9 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL find_of_device(VkDevice device, const c
   PFN_vkVoidFunction found = nullptr;
   {
     const std::shared_lock lock(chains().mutex);
-    const NextDevice& next = chains().devices.at(key_of(device));
-    found = next.find(next.device, name);
+    const auto next = chains().devices.find(key_of(device));
+    if (next == chains().devices.end()) return nullptr;
+    found = next->second.find(next->second.device, name);
   }
   const PFN_vkVoidFunction own = of_device(name);
   return own != nullptr && found != nullptr ? own : found;
@@ -201,8 +222,9 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL find_of_instance(VkInstance instance, c
   PFN_vkVoidFunction found = nullptr;
   {
     const std::shared_lock lock(chains().mutex);
-    const NextInstance& next = chains().instances.at(key_of(instance));
-    found = next.find(next.instance, called);
+    const auto next = chains().instances.find(key_of(instance));
+    if (next == chains().instances.end()) return nullptr;
+    found = next->second.find(next->second.instance, called);
   }
   const PFN_vkVoidFunction own = of_device(name);
   return own != nullptr && found != nullptr ? own : found;

@@ -23,6 +23,13 @@ Variant skeleton_of(const Variant& node) {
   return godot::is(found.to_object(), "Skeleton3D") ? found : Variant();
 }
 
+// Godot's importer makes other names where one has a colon or a slash, which its paths of properties have: "mixamorig:Hips".
+std::int64_t bone_of(const Variant& skeleton, std::string name) {
+  for (char& c : name)
+    if (c == ':' || c == '/') c = '_';
+  return skeleton.call("find_bone", name).to_int();
+}
+
 // Joints of a mesh of Godot's are binds of a Skin, or bones where there is none.
 void name_joints(weft::Skin& skin, const Variant& binds, const Variant& skeleton, std::vector<std::int64_t>& bones) {
   const std::int64_t all = skeleton.call("get_bone_count").to_int();
@@ -76,7 +83,7 @@ Skin Skin::bind(godot::Object object, const godot::Transform& start, bool with_n
     if (mesh.skin->nodes.empty()) {
       name_joints(*mesh.skin, node.call("get_skin"), skeleton, bound.bones_);
     } else {   // a file's
-      for (const weft::Skin::Joint& joint : mesh.skin->joints) bound.bones_.push_back(skeleton.call("find_bone", joint.name).to_int());
+      for (const weft::Skin::Joint& joint : mesh.skin->joints) bound.bones_.push_back(bone_of(skeleton, joint.name));
     }
     for (std::size_t k = 0; k < bound.bones_.size(); ++k)
       if (bound.bones_[k] < 0)

@@ -115,6 +115,14 @@ func wears_an_imported_mesh() -> void:
 	expect(middle(worn).distance_to(before) > 0.05, "a bone that turns leaves cloth at %s" % middle(worn))
 	expect(middle(worn).distance_to(middle(read)) < 0.005, "imported it is at %s, read at %s" % [middle(worn), middle(read)])
 	expect(absf(lowest(worn) - lowest(read)) < 0.002, "imported it reaches down to %f, read to %f" % [lowest(worn), lowest(read)])
+	# A file's joint with a colon is a bone with none.
+	var bytes := FileAccess.get_file_as_bytes("res://cape.glb")
+	var at := bytes.hex_encode().find("chest".to_ascii_buffer().hex_encode()) / 2
+	bytes[at + 1] = ":".unicode_at(0)
+	FileAccess.open("user://colon.glb", FileAccess.WRITE).store_buffer(bytes)
+	bones.set_bone_name(bones.find_bone("chest"), "c_est")
+	read.gltf = "user://colon.glb"
+	expect(read.get_warnings().is_empty(), "a joint with a colon has warnings: %s" % read.get_warnings())
 	await gone([imported])
 
 
