@@ -119,6 +119,10 @@ const godot::Class& anchor_class() {
     following.push_back(property(
         "bone", GDEXTENSION_VARIANT_TYPE_STRING, Hint::none, "", "The bone's name, where a Skeleton3D is followed.",
         [](CA& a) { return Variant(a.bone); }, [](A& a, const Variant& v) { a.bone = v.to_string(); }));
+    following.push_back(property(
+        "with_skin", GDEXTENSION_VARIANT_TYPE_BOOL, Hint::none, "",
+        "The vertices go where the cloth's skin takes them, each by its own bones, and follow nothing else.",
+        [](CA& a) { return Variant(a.with_skin); }, [](A& a, const Variant& v) { a.with_skin = v.to_bool(); }));
     return godot::Class{"WeftAnchor3D",
                         "Node3D",
                         "Holds vertices of the WeftCloth3D above it.",

@@ -26,6 +26,7 @@ class Anchor : public godot::Instance {
   std::uint32_t every = 1;
   godot::Variant follow;   // NodePath
   std::string bone;
+  bool with_skin = false;   // instead: where the cloth's skin takes them
 
  private:
   godot::Variant followed_node() const;

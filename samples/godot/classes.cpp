@@ -103,6 +103,7 @@ GDExtensionClassCallVirtual virtual_of(void*, GDExtensionConstStringNamePtr want
 GDExtensionBool validate(GDExtensionClassInstancePtr held, GDExtensionPropertyInfo* property) {
   Variant asked = Variant::of(GDEXTENSION_VARIANT_TYPE_STRING_NAME, property->name);
   if (!static_cast<Instance*>(held)->shows(asked.to_string())) property->usage &= ~kEdited;
+  if (!static_cast<Instance*>(held)->saves(asked.to_string())) property->usage &= ~kStored;
   return true;
 }
 
@@ -118,7 +119,15 @@ void call_method(void* held, GDExtensionClassInstancePtr instance, const GDExten
     return;
   }
   std::vector<Variant> values;
-  for (GDExtensionInt k = 0; k < count; ++k) values.emplace_back(arguments[k]);
+  for (GDExtensionInt k = 0; k < count; ++k) {
+    const Type type = method.arguments[static_cast<std::size_t>(k)].type;
+    values.push_back(Variant(arguments[k]).as(type));   // a script may give an Array of numbers
+    if (type == GDEXTENSION_VARIANT_TYPE_NIL || values.back().type() == type) continue;
+    error->error = GDEXTENSION_CALL_ERROR_INVALID_ARGUMENT;
+    error->argument = static_cast<std::int32_t>(k);
+    error->expected = static_cast<std::int32_t>(type);
+    return;
+  }
   Variant given = method.run(*static_cast<Instance*>(instance), values);
   static const auto copy = reinterpret_cast<GDExtensionInterfaceVariantNewCopy>(function("variant_new_copy"));
   copy(result, given.data());
@@ -242,6 +251,10 @@ const char* type_name(Type type) {
       return "NodePath";
     case GDEXTENSION_VARIANT_TYPE_OBJECT:
       return "Object";
+    case GDEXTENSION_VARIANT_TYPE_DICTIONARY:
+      return "Dictionary";
+    case GDEXTENSION_VARIANT_TYPE_ARRAY:
+      return "Array";
     case GDEXTENSION_VARIANT_TYPE_PACKED_INT32_ARRAY:
       return "PackedInt32Array";
     case GDEXTENSION_VARIANT_TYPE_PACKED_VECTOR3_ARRAY:

@@ -19,6 +19,7 @@ enum class Hint : std::uint32_t {
   file = 13,
   folder = 14,
   resource = 17,
+  types = 23,   // of an array's elements
   node = 26
 };
 constexpr std::uint32_t kStored = 2, kEdited = 4, kUpdatesAll = 1u << 14;
@@ -38,6 +39,8 @@ class Instance {
   virtual std::vector<std::string> warnings() { return {}; }
   /// Whether a property is shown now.
   virtual bool shows(std::string_view) const { return true; }
+  /// Whether a property of a parent's is saved now.
+  virtual bool saves(std::string_view) const { return true; }
 
  private:
   Object self_;

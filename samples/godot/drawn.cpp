@@ -40,8 +40,18 @@ Drawn::~Drawn() {
   server_.call("instance_geometry_set_material_override", instance_,
                override_of_all.to_object() ? override_of_all.call("get_rid").to_rid() : Rid{});
   server_.call("instance_set_custom_aabb", instance_, node.call("get_custom_aabb"));
+  node.call("set_skeleton_path",
+            node.call("get_skeleton_path"));   // it is attached again
   if (!node.call("is_inside_tree").to_bool()) return;
   server_.call("instance_set_transform", instance_, node.call("get_global_transform"));
+}
+
+void Drawn::reshape(const weft::RenderMesh& mesh) {
+  std::vector<std::uint32_t> surfaces;
+  mesh_ = drawn_mesh(mesh, surfaces);
+  server_.call("instance_set_base", instance_, mesh_.call("get_rid"));
+  for (std::size_t k = 0; k < materials_.size(); ++k)
+    server_.call("instance_set_surface_override_material", instance_, int(k), materials_[k].call("get_rid"));
 }
 
 // A standard material's colours and textures go into ours; a shader of the user's own gets what it needs to fetch vertices.

@@ -25,6 +25,8 @@ class Drawn {
   Drawn(const Drawn&) = delete;
   Drawn& operator=(const Drawn&) = delete;
 
+  /// Its triangles have other vertices.
+  void reshape(const weft::RenderMesh& mesh);
   /// Before a frame is drawn. `box`: around the cloth, in the world.
   void present(const Moment& moment, const godot::Box& box) const;
 

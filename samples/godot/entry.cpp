@@ -1,6 +1,8 @@
 // Where Godot begins and ends with the plug-in.
+#include "samples/godot/air.h"
 #include "samples/godot/anchor.h"
 #include "samples/godot/cloth.h"
+#include "samples/godot/queue_lock.h"
 #include "samples/godot/stage.h"
 #include "samples/godot/world.h"
 
@@ -11,6 +13,7 @@ using godot::Variant;
 
 // Once there is a tree: shapes that come and go, and each frame that is about to be drawn.
 void connect() {
+  forget_queue_lock();
   if (godot::singleton("Engine").call("is_editor_hint").to_bool()) return;
   godot::singleton("RenderingServer").call("connect", "frame_pre_draw", godot::callable([](std::span<const Variant>) {
                                              Stage::before_drawing();
@@ -25,7 +28,9 @@ void connect() {
 
 void initialise(void*, GDExtensionInitializationLevel level) {
   if (level == GDEXTENSION_INITIALIZATION_SCENE) {
+    godot::register_class(gust_class());
     godot::register_class(world_class());
+    godot::register_class(air_field_class());
     godot::register_class(anchor_class());
     godot::register_class(cloth_class());
   }
@@ -39,6 +44,7 @@ void initialise(void*, GDExtensionInitializationLevel level) {
 
 void deinitialise(void*, GDExtensionInitializationLevel level) {
   if (level != GDEXTENSION_INITIALIZATION_SCENE) return;   // the editor's level comes before
+  weft_godot::forget_queue_lock();
   godot::unregister_classes();
   godot::forget_names();
 }
@@ -50,6 +56,7 @@ extern "C" __attribute__((visibility("default"))) GDExtensionBool weft_godot_ini
                                                                                   GDExtensionClassLibraryPtr library,
                                                                                   GDExtensionInitialization* initialization) {
   if (!godot::load(get, library)) return false;
+  weft_godot::name_queue_lock();   // before there is an instance of Vulkan
   const auto callbacks = reinterpret_cast<GDExtensionInterfaceRegisterMainLoopCallbacks>(godot::function("register_main_loop_callbacks"));
   if (callbacks == nullptr) return false;
   static const GDExtensionMainLoopCallbacks kCallbacks{weft_godot::connect, weft_godot::Stage::end_all, nullptr};

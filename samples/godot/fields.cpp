@@ -79,8 +79,8 @@ struct List {
   void optional_flag(std::string_view key, std::optional<bool>&) { add(key, kWhole, Hint::choice, "default,off,on"); }
   void number(std::string_view key, double&, const Range& range) { add(key, kNumber, Hint::range, slider(range, false)); }
   void optional_number(std::string_view key, std::optional<double>& value, const Range& range) {
-    double none = 0;
-    if (range.above && range.low == 0) number(key, none, {0, range.high, false, range.below, range.unit});   // 0: none
+    double none = 0;   // which 0 stands for
+    if (range.low > 0 || (range.low == 0 && range.above)) number(key, none, {0, range.high, false, range.below, range.unit});
     (void)value;
   }
   void stiffness(std::string_view key, double& value, const Range& range) { number(key, value, range); }
@@ -201,15 +201,16 @@ std::vector<Property> properties_of(const std::string& prefix, const std::string
   return properties;
 }
 
-template std::vector<Property> properties_of(const std::string&, const std::string&, std::function<weft::Fabric&(godot::Instance&)>,
-                                             std::vector<std::string>);
-template std::vector<Property> properties_of(const std::string&, const std::string&, std::function<weft::SolverSettings&(godot::Instance&)>,
-                                             std::vector<std::string>);
-template std::vector<Property> properties_of(const std::string&, const std::string&, std::function<weft::Contacts&(godot::Instance&)>,
-                                             std::vector<std::string>);
-template std::vector<Property> properties_of(const std::string&, const std::string&, std::function<weft::Maps&(godot::Instance&)>,
-                                             std::vector<std::string>);
-template std::vector<Property> properties_of(const std::string&, const std::string&, std::function<weft::Air&(godot::Instance&)>,
-                                             std::vector<std::string>);
+WEFT_GODOT_FIELDS(weft::Fabric);
+WEFT_GODOT_FIELDS(weft::Maps);
+WEFT_GODOT_FIELDS(weft::MotionConstraints);
+WEFT_GODOT_FIELDS(weft::Inertia);
+WEFT_GODOT_FIELDS(weft::Gas);
+WEFT_GODOT_FIELDS(weft::Tear);
+WEFT_GODOT_FIELDS(weft::SolverSettings);
+WEFT_GODOT_FIELDS(weft::Contacts);
+WEFT_GODOT_FIELDS(weft::Air);
+WEFT_GODOT_FIELDS(weft::Air::Gust);
+WEFT_GODOT_FIELDS(weft::Air::Field);
 
 }  // namespace weft_godot

@@ -13,16 +13,19 @@ template <class T>
 std::vector<godot::Property> properties_of(const std::string& prefix, const std::string& schema, std::function<T&(godot::Instance&)> at,
                                            std::vector<std::string> without = {});
 
-extern template std::vector<godot::Property> properties_of(const std::string&, const std::string&,
-                                                           std::function<weft::Fabric&(godot::Instance&)>, std::vector<std::string>);
-extern template std::vector<godot::Property> properties_of(const std::string&, const std::string&,
-                                                           std::function<weft::SolverSettings&(godot::Instance&)>,
-                                                           std::vector<std::string>);
-extern template std::vector<godot::Property> properties_of(const std::string&, const std::string&,
-                                                           std::function<weft::Contacts&(godot::Instance&)>, std::vector<std::string>);
-extern template std::vector<godot::Property> properties_of(const std::string&, const std::string&,
-                                                           std::function<weft::Maps&(godot::Instance&)>, std::vector<std::string>);
-extern template std::vector<godot::Property> properties_of(const std::string&, const std::string&,
-                                                           std::function<weft::Air&(godot::Instance&)>, std::vector<std::string>);
+#define WEFT_GODOT_FIELDS(T)                                                                                                       \
+  template std::vector<godot::Property> properties_of(const std::string&, const std::string&, std::function<T&(godot::Instance&)>, \
+                                                      std::vector<std::string>)
+extern WEFT_GODOT_FIELDS(weft::Fabric);
+extern WEFT_GODOT_FIELDS(weft::Maps);
+extern WEFT_GODOT_FIELDS(weft::MotionConstraints);
+extern WEFT_GODOT_FIELDS(weft::Inertia);
+extern WEFT_GODOT_FIELDS(weft::Gas);
+extern WEFT_GODOT_FIELDS(weft::Tear);
+extern WEFT_GODOT_FIELDS(weft::SolverSettings);
+extern WEFT_GODOT_FIELDS(weft::Contacts);
+extern WEFT_GODOT_FIELDS(weft::Air);
+extern WEFT_GODOT_FIELDS(weft::Air::Gust);
+extern WEFT_GODOT_FIELDS(weft::Air::Field);
 
 }  // namespace weft_godot

@@ -207,6 +207,14 @@ Variant Variant::packed(std::span<const std::string> values) {
 }
 
 Type Variant::type() const { return api.type(held_); }
+Variant Variant::as(Type wanted) const {
+  if (wanted == GDEXTENSION_VARIANT_TYPE_NIL || wanted == type()) return *this;
+  Variant made;
+  const void* from[] = {held_};
+  GDExtensionCallError error{};
+  api.construct(wanted, made.held_, from, 1, &error);
+  return error.error == GDEXTENSION_CALL_OK ? made : Variant();
+}
 bool Variant::to_bool() const {
   GDExtensionBool value = 0;
   into(GDEXTENSION_VARIANT_TYPE_BOOL, &value);

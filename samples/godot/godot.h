@@ -107,6 +107,8 @@ class Variant {
   static Variant packed(std::span<const std::string> values);
 
   Type type() const;
+  /// As Godot converts it to another type; nil where it does not. Itself where it is of that type, or the type is nil.
+  Variant as(Type wanted) const;
   explicit operator bool() const { return to_bool(); }
   bool to_bool() const;
   std::int64_t to_int() const;

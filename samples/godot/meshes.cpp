@@ -17,9 +17,57 @@ using weft::Vec3;
 using weft::Vec4;
 
 // Mesh::ArrayType
-enum Slot { kVertex = 0, kNormal = 1, kTangent = 2, kColour = 3, kUv = 4, kCustom0 = 6, kIndex = 12, kSlots = 13 };
+enum Slot {
+  kVertex = 0,
+  kNormal = 1,
+  kTangent = 2,
+  kColour = 3,
+  kUv = 4,
+  kCustom0 = 6,
+  kBones = 10,
+  kWeights = 11,
+  kIndex = 12,
+  kSlots = 13
+};
 constexpr std::int64_t kTriangles = 3;          // Mesh::PRIMITIVE_TRIANGLES
 constexpr std::int64_t kOneFloat = 4ll << 13;   // ARRAY_CUSTOM_R_FLOAT in CUSTOM0
+
+// Joints of vertices, four or eight each, of which the four with the largest weights count.
+struct Joints {
+  std::vector<std::array<std::uint16_t, weft::Skin::kInfluences>> of;
+  std::vector<std::array<float, weft::Skin::kInfluences>> weights;
+  std::size_t count = 0;   // of joints, as far as vertices name them
+
+  void add(std::size_t vertices, const std::vector<std::int32_t>& bones, const std::vector<float>& given) {
+    const std::size_t each = vertices > 0 ? bones.size() / vertices : 0;
+    for (std::size_t v = 0; v < vertices; ++v) {
+      std::vector<std::pair<float, std::uint16_t>> all;
+      for (std::size_t k = v * each; k < (v + 1) * each && k < given.size(); ++k)
+        if (given[k] > 0 && bones[k] >= 0 && bones[k] < 65535) all.emplace_back(given[k], static_cast<std::uint16_t>(bones[k]));
+      std::ranges::stable_sort(all, std::greater(), [](const auto& one) { return one.first; });
+      all.resize(std::min(all.size(), weft::Skin::kInfluences));
+      double sum = 0;
+      for (const auto& [weight, joint] : all) sum += double(weight);
+      auto& joints = of.emplace_back();
+      auto& parts = weights.emplace_back();
+      if (all.empty()) parts[0] = 1;   // with the first
+      for (std::size_t k = 0; k < all.size(); ++k) {
+        joints[k] = all[k].second;
+        parts[k] = static_cast<float>(double(all[k].first) / sum);
+        count = std::max<std::size_t>(count, all[k].second + 1);
+      }
+    }
+  }
+};
+
+// What was said of vertices as the mesh has them, of its points: of several that became one the first says.
+template <class T>
+std::vector<T> of_points(const Mesh& mesh, const std::vector<T>& of_vertices) {
+  std::vector<T> values(mesh.points.size());
+  for (std::size_t v = mesh.point_of_source.size(); v-- > 0;)
+    if (const std::uint32_t point = mesh.point_of_source[v]; point != weft::kNone) values[point] = of_vertices[v];
+  return values;
+}
 
 }  // namespace
 
@@ -28,6 +76,7 @@ Result<Mesh> mesh_of(const Variant& mesh) {
   RenderMesh render;
   std::vector<Vec4> colours;
   bool has_colours = false;
+  Joints joints;
   const std::int64_t surfaces = mesh.call("get_surface_count").to_int();
   for (std::int64_t s = 0; s < surfaces; ++s) {
     if (godot::is(mesh.to_object(), "ArrayMesh") && mesh.call("surface_get_primitive_type", s).to_int() != kTriangles)
@@ -48,6 +97,7 @@ Result<Mesh> mesh_of(const Variant& mesh) {
     if (render.uvs.size() != end) render.uvs.resize(end, {NAN, NAN});
     for (const godot::Colour& c : at(kColour).to_colours()) colours.push_back({c.r, c.g, c.b, c.a}), has_colours = true;
     colours.resize(end, {1, 1, 1, 1});
+    joints.add(positions.size(), at(kBones).to_ints(), at(kWeights).to_floats());
     std::vector<std::int32_t> indices = at(kIndex).to_ints();
     if (indices.empty()) {
       indices.resize(positions.size());
@@ -66,11 +116,14 @@ Result<Mesh> mesh_of(const Variant& mesh) {
   materials->count = static_cast<std::size_t>(surfaces);
   render.materials = std::move(materials);
   auto welded = weft::weld_mesh(std::move(render));
-  if (!welded || !has_colours) return welded;
-  std::vector<Vec4>& of_points = welded->attributes["COLOR_0"];
-  of_points.resize(welded->points.size());
-  for (std::size_t v = welded->point_of_source.size(); v-- > 0;)   // of vertices that became one point the first says
-    if (const std::uint32_t point = welded->point_of_source[v]; point != weft::kNone) of_points[point] = colours[v];
+  if (!welded) return welded;
+  if (has_colours) welded->attributes["COLOR_0"] = of_points(*welded, colours);
+  if (joints.count > 0) {
+    welded->skin.emplace();
+    welded->skin->joints.resize(joints.count);
+    welded->skin->joints_of = of_points(*welded, joints.of);
+    welded->skin->weights = of_points(*welded, joints.weights);
+  }
   return welded;
 }
 

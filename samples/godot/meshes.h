@@ -9,7 +9,8 @@
 namespace weft_godot {
 
 /// From a Mesh resource, in its own axes. Vertices count through all of its surfaces, one after another (Mesh::point_of_source). Vertex
-/// colours are the attribute COLOR_0. Errors: no mesh, a surface that is not of triangles, what weld_mesh refuses.
+/// colours are the attribute COLOR_0. Of a mesh with bones the skin has weights and joints without nodes, for Skin::bind. Errors: no mesh,
+/// a surface that is not of triangles, what weld_mesh refuses.
 weft::Result<weft::Mesh> mesh_of(const godot::Variant& mesh);
 /// From triangles' corners (ConcavePolygonShape3D), scaled.
 weft::Result<weft::Mesh> mesh_of_faces(std::span<const weft::Vec3> corners, weft::Vec3 scale);

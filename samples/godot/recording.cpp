@@ -6,7 +6,9 @@
 #include <fstream>
 #include <limits>
 
-#include "engine/export.h"
+#include "samples/godot/simulated.h"
+#include "samples/godot/skin.h"
+#include "samples/godot/skinned_glb.h"
 
 namespace weft_godot {
 namespace {
@@ -20,6 +22,12 @@ void append(std::vector<Key>& keys, Key key, double time) {
   keys.push_back(key);
   key.time = std::nextafter(time, std::numeric_limits<double>::infinity());
   keys.push_back(key);
+}
+
+// The last float that is not after a time: a key there holds at that time, whatever time is rounded to.
+float not_after(double time) {
+  const auto near = static_cast<float>(time);
+  return double(near) <= time ? near : std::nextafter(near, 0.0f);
 }
 
 // A file that is whole or not there.
@@ -41,8 +49,14 @@ Recording::Recording(std::filesystem::path folder, const weft::Simulation& simul
   scene_.name = "godot";
   scene_.description = "What ran in Godot, tick by tick.";
   for (weft::Cloth& cloth : scene_.cloths) {   // chosen vertices by their numbers in what is written
-    if (!(cloth.maps == weft::Maps{})) spoil("a cloth has maps, which are not written");
-    cloth.maps = {};
+    if (!weft::painted_maps(cloth).empty()) {
+      spoil("a cloth has painted maps, which are not written");
+      cloth.maps = {};
+      if (cloth.motion_constraints)
+        cloth.motion_constraints->max_distance_map = cloth.motion_constraints->stiffness_map = cloth.motion_constraints->backstop_map = "";
+      if (cloth.tear) cloth.tear->map = "";
+    }
+    if (cloth.skin) cloth.skin = weft::Skinning{.animation = "pose", .loops = false};
     for (weft::Anchor& anchor : cloth.anchors) {
       const std::vector<Key> keys = anchor.keys;
       anchor = {};
@@ -52,7 +66,8 @@ Recording::Recording(std::filesystem::path folder, const weft::Simulation& simul
   // At the start, too, a key is followed by itself.
   for (weft::Collider& collider : scene_.colliders) append(collider.keys, collider.keys[0], 0), collider.keys.erase(collider.keys.begin());
   for (weft::Cloth& cloth : scene_.cloths)
-    for (weft::Anchor& anchor : cloth.anchors) append(anchor.keys, anchor.keys[0], 0), anchor.keys.erase(anchor.keys.begin());
+    for (weft::Anchor& anchor : cloth.anchors)   // without any it goes with a skin
+      if (!anchor.keys.empty()) append(anchor.keys, anchor.keys[0], 0), anchor.keys.erase(anchor.keys.begin());
   for (const weft::AnchorTarget& held : simulation.fabric().anchors)
     scene_.cloths[held.cloth].anchors[held.entry].vertices.push_back(held.vertex);
   // One whose vertices another has taken over holds nothing, which a scene does not allow.
@@ -62,15 +77,19 @@ Recording::Recording(std::filesystem::path folder, const weft::Simulation& simul
   if (std::abs(scene_.solver.rate - std::round(scene_.solver.rate)) > 0) spoil("its solver's rate is no whole number");
 }
 
-void Recording::add(double time, double seconds, const std::vector<std::optional<Key>>& colliders, const weft::Scene& anchors) {
+void Recording::add(double time, const Tick& tick, const weft::Scene& anchors) {
   ++ticks_;
-  if (seconds != 1 / scene_.solver.rate)
+  if (tick.seconds != 1 / scene_.solver.rate)
     spoil("a tick lasted another time than 1 / solver_rate: the engine's time scale, or its ticks a second");
+  const std::vector<std::optional<Key>>& colliders = tick.colliders;
   for (std::size_t k = 0; k < scene_.colliders.size(); ++k)
     append(scene_.colliders[k].keys, k < colliders.size() && colliders[k] ? *colliders[k] : scene_.colliders[k].keys.back(), time);
-  for (std::size_t c = 0; c < scene_.cloths.size(); ++c)
+  for (std::size_t c = 0; c < scene_.cloths.size(); ++c) {
     for (std::size_t a = 0; a < scene_.cloths[c].anchors.size(); ++a)
-      append(scene_.cloths[c].anchors[a].keys, anchors.cloths[c].anchors[a].keys[0], time);
+      if (const std::vector<Key>& keys = anchors.cloths[c].anchors[a].keys; !keys.empty())
+        append(scene_.cloths[c].anchors[a].keys, keys[0], time);
+    if (c < tick.cloths.size() && !tick.cloths[c].bones.empty()) add_keys(*meshes_[c].skin, not_after(time), tick.cloths[c].bones);
+  }
 }
 
 void Recording::spoil(std::string why) {
@@ -86,10 +105,7 @@ Result<void> Recording::write(const weft::Simulation& simulation) const {
   scene.folder = folder_;
   if (!spoilt_.empty()) scene.description += " Not exactly: " + spoilt_ + ".";
   const auto write_mesh = [&](const weft::Mesh& mesh, const std::string& name) -> Result<std::string> {
-    weft::RenderMesh plain = mesh.render;   // as one primitive: by materials its triangles would have another order
-    plain.material_of.clear();
-    plain.materials.reset();
-    if (auto done = weft::write_glb(folder_ / name, plain); !done) return done.take_error();
+    if (auto done = write_skinned_glb(folder_ / name, mesh); !done) return done.take_error();
     return name;
   };
   std::size_t m = 0;

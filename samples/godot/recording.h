@@ -10,14 +10,16 @@
 
 namespace weft_godot {
 
+struct Tick;
+
 class Recording {
  public:
   /// `meshes` as the simulation was made of them.
   Recording(std::filesystem::path folder, const weft::Simulation& simulation, std::vector<weft::Mesh> meshes);
 
   /// The poses at the end of a tick, at the simulation's time: of a collider without one that of the tick before, of anchors the first
-  /// keys.
-  void add(double time, double seconds, const std::vector<std::optional<weft::Key>>& colliders, const weft::Scene& anchors);
+  /// keys, of skins where bones are.
+  void add(double time, const Tick& tick, const weft::Scene& anchors);
   /// Something happened that a scene cannot say.
   void spoil(std::string why);
 

@@ -44,7 +44,7 @@ out=$(cd "$out" && pwd)
 project=$out/project
 prepare_project "$here/project" "$project" "$root/build/$preset/samples/godot/libweft_godot.so"
 mkdir -p "$project/meshes"
-for mesh in body cape; do cp "$root/assets/generated/$mesh.glb" "$project/meshes/"; done
+for mesh in body cape skirt; do cp "$root/assets/generated/$mesh.glb" "$project/meshes/"; done
 echo "Importing the project"
 timeout 300 "$godot" --headless --path "$project" --import >"$out/import.log" 2>&1 || { tail -n 20 "$out/import.log" >&2; exit 1; }
 if $edit; then exec "$godot" --path "$project" --editor; fi

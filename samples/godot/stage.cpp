@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "samples/godot/air.h"
+
 namespace weft_godot {
 namespace {
 
@@ -23,6 +25,8 @@ Vec3 gravity_of_project() {
   return float(strength) * settings.call("get_setting", "physics/3d/default_gravity_vector", Vec3{0, -1, 0}).to_vector3();
 }
 
+constexpr std::size_t kMostFields = 16;   // of a scene's air (engine/scene.h)
+
 float longest(Vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
 }  // namespace
@@ -41,6 +45,11 @@ Stage& Stage::of(const Variant& world) {
 
 void Stage::shapes_changed() {
   for (const auto& stage : all()) stage->is_dirty_ = true;
+}
+
+void Stage::air_changed(std::uint64_t world) {
+  for (const auto& stage : all())
+    if (godot::id_of(stage->world_.to_object()) == world) stage->is_dirty_ = true;
 }
 
 void Stage::before_drawing() {
@@ -70,6 +79,7 @@ void Stage::add(Cloth& cloth) {
 void Stage::remove(Cloth& cloth) {
   cloth.stopped();
   std::erase_if(members_, [&](const Member& member) { return member.cloth == &cloth; });
+  std::erase_if(hands_, [&](const auto& hand) { return hand.first == &cloth; });
   is_dirty_ = true;
   if (!members_.empty()) return;
   std::erase_if(all(), [this](const auto& stage) { return stage.get() == this; });   // this is gone now
@@ -82,6 +92,7 @@ void Stage::restart(Cloth& cloth) {
 }
 
 void Stage::give_up(const std::string& sentence) {
+  hands_.clear();
   set_texture({});
   for (Member& member : members_) {
     member.is_shown = false;
@@ -97,6 +108,8 @@ void Stage::make() {
   scene.solver = shared.solver;
   scene.contacts = shared.contacts;
   scene.air = shared.air;
+  scene.pins = shared.pins;
+  scene.grabs = shared.grabs;
   scene.gravity = float(shared.gravity_scale) * gravity_of_project();
   wind_ = shared.air ? shared.air->wind : Vec3{};
   if (!shared.recording.empty()) setup.recording = godot::singleton("ProjectSettings").call("globalize_path", shared.recording).to_string();
@@ -106,7 +119,10 @@ void Stage::make() {
     const std::optional<std::uint32_t> before = member.place;
     member.place.reset();
     member.is_shown = false;
-    auto described = member.cloth->describe();
+    auto described = member.cloth->describe(before ? std::optional(member.start) : std::nullopt);
+    // A cloth that goes on keeps its state, what its anchors hold, and what these have moved since it began.
+    const bool goes_on = before && described && described->anchors.size() == member.anchors.size();
+    if (goes_on) described->cloth.anchors = member.choices;
     weft::Result<void> good = described ? Cloth::check_alone(*described, shared) : weft::Result<void>(weft::Error{described.error()});
     if (!good) {
       member.cloth->failed(good.error());
@@ -119,8 +135,11 @@ void Stage::make() {
       const auto back = at ? inverse(*at) : std::nullopt;
       anchors.emplace_back(godot::id_of(anchor->self()), back.value_or(godot::Transform{}));
     }
-    // A cloth that goes on keeps its state, and what its anchors have moved since it began.
-    if (!before || anchors.size() != member.anchors.size()) member.anchors = anchors, member.moved.assign(anchors.size(), {});
+    if (!goes_on) member.anchors = anchors, member.moved.assign(anchors.size(), {}), member.choices = described->cloth.anchors;
+    member.start = described->start;
+    member.skin = std::move(described->skin);
+    member.gas = 1;
+    if (const auto& constraints = described->cloth.motion_constraints) member.motion = {1, constraints->stiffness};
     member.place = static_cast<std::uint32_t>(cloths.size());
     member.box_of_tick = 0;
     setup.carried.push_back(before);
@@ -129,15 +148,19 @@ void Stage::make() {
     cloths.push_back(member.cloth);
   }
   if (cloths.empty()) {
+    hands_.clear();
     set_texture({});
     if (simulated_) on_render_thread([simulated = simulated_] { simulated->end(); });
     return;
   }
   add_shapes(scene, setup.meshes, cloths);
+  add_fields(scene);
   if (auto good = weft::check(scene); !good) return give_up(good.error());
   moment_ = drawn_ = {};
   ticks_ = 1;
+  torn_in_tick_ = 0;
   if (!simulated_) simulated_ = std::make_shared<Simulated>();
+  setup.number = ++setups_;
   auto given = std::make_shared<Setup>(std::move(setup));
   drawn_meshes_.clear();
   for (std::size_t k = 0; k < cloths.size(); ++k) drawn_meshes_.push_back(given->meshes[k].render);
@@ -176,17 +199,64 @@ void Stage::move_shapes(Tick& tick) {
   }
 }
 
-void Stage::move_anchors(Tick& tick) {
+void Stage::add_fields(weft::Scene& scene) {
+  fields_.clear();
+  if (!scene.air) return;
+  for (const AirField* field : AirField::all()) {
+    if (field->world_id() != godot::id_of(world_.to_object())) continue;
+    if (fields_.size() == kMostFields) {
+      const std::string fault = "the air of a world has 16 fields at most: " + field->call("get_path").to_string() + " is left out.";
+      if (told_.insert(fault).second) godot::print_warning("Weft: " + fault);
+      continue;
+    }
+    fields_.emplace_back(godot::id_of(field->self()), field->described());
+    scene.air->fields.push_back(fields_.back().second);
+  }
+}
+
+void Stage::move_cloths(Tick& tick) {
+  tick.cloths.resize(drawn_meshes_.size());
   for (Member& member : members_) {
     if (!member.place) continue;
-    for (std::size_t k = 0; k < member.anchors.size(); ++k) {
-      const auto* anchor = dynamic_cast<const Anchor*>(godot::instance_of(godot::object_of(member.anchors[k].first)));
-      const auto at = anchor ? anchor->followed() : std::nullopt;
-      if (!at) continue;   // it is gone: what it held stays where it was
-      if (const auto moved = placed(*at * member.anchors[k].second)) member.moved[k] = *moved;
-    }
-    if (tick.anchors.size() <= *member.place) tick.anchors.resize(*member.place + 1);
-    tick.anchors[*member.place] = member.moved;
+    ClothTick& now = tick.cloths[*member.place];
+    move_anchors(member, now);
+    if (member.skin) now.bones = member.skin->look();
+    const Cloth& cloth = *member.cloth;
+    if (cloth.has_gas && cloth.gas_amount != member.gas) now.gas = member.gas = cloth.gas_amount;
+    const ClothTick::Motion motion{cloth.motion_scale, cloth.motion.stiffness};
+    if (cloth.has_motion && !(motion == member.motion)) now.motion = member.motion = motion;
+  }
+  for (auto& [cloth, hand] : hands_)
+    for (const Member& member : members_)
+      if (member.cloth == cloth && member.place) {
+        hand.cloth = *member.place;
+        tick.hands.push_back(std::move(hand));
+      }
+  hands_.clear();
+}
+
+void Stage::move_anchors(Member& member, ClothTick& tick) {
+  for (std::size_t k = 0; k < member.anchors.size(); ++k) {
+    const auto* anchor = dynamic_cast<const Anchor*>(godot::instance_of(godot::object_of(member.anchors[k].first)));
+    const auto at = anchor ? anchor->followed() : std::nullopt;
+    if (!at) continue;   // it is gone: what it held stays where it was
+    if (const auto moved = placed(*at * member.anchors[k].second)) member.moved[k] = *moved;
+  }
+  tick.anchors = member.moved;
+}
+
+void Stage::move_air(Tick& tick) {
+  const Shared shared = shared_of(world_);
+  if (shared.air && !(shared.air->wind == wind_)) tick.wind = wind_ = shared.air->wind;
+  for (std::uint32_t k = 0; k < fields_.size(); ++k) {
+    const auto* field = dynamic_cast<const AirField*>(godot::instance_of(godot::object_of(fields_[k].first)));
+    if (field == nullptr) continue;
+    weft::Air::Field now = fields_[k].second;
+    const weft::Air::Field described = field->described();
+    now.centre = described.centre, now.velocity = described.velocity;
+    if (now == fields_[k].second) continue;
+    fields_[k].second = now;
+    tick.fields.emplace_back(k, now);
   }
 }
 
@@ -205,13 +275,12 @@ void Stage::tick(double seconds) {
   if (!simulated_) return;
   const Seen seen = simulated_->seen();
   look(seen);
-  if (!seen.is_running) return;
+  if (seen.setup != setups_ || !seen.is_running) return;
   Tick tick;
   tick.seconds = seconds;
   move_shapes(tick);
-  move_anchors(tick);
-  const Shared shared = shared_of(world_);
-  if (shared.air && !(shared.air->wind == wind_)) tick.wind = wind_ = shared.air->wind;
+  move_cloths(tick);
+  move_air(tick);
   tick.slot = free_slot();
   moment_ = {moment_.newest, tick.slot, 1};
   ++ticks_;
@@ -227,11 +296,18 @@ void Stage::set_texture(godot::Rid texture) {
 
 // What the render thread has come to.
 void Stage::look(const Seen& seen) {
+  if (seen.setup != setups_) return;   // the last but one
   if (!seen.failure.empty()) return give_up(seen.failure);
   if (!seen.is_running) return;
   set_texture(seen.texture);
+  const bool tore = seen.torn_in_tick != torn_in_tick_;
+  torn_in_tick_ = seen.torn_in_tick;
   for (Member& member : members_) {
     if (!member.place) continue;
+    if (tore && seen.torn[*member.place]) {
+      drawn_meshes_[*member.place] = *seen.torn[*member.place];
+      if (member.is_shown) member.cloth->torn(drawn_meshes_[*member.place]);
+    }
     if (!member.is_shown) {
       member.cloth->started(drawn_meshes_[*member.place], texture_, seen.first_vertices[*member.place]);
       member.box = {};
@@ -258,6 +334,7 @@ void Stage::present() {
     const float old = float(ticks_ - member.box_of_tick + 1);
     const Vec3 margin = 2 * old * member.speed + Vec3{0.05f, 0.05f, 0.05f};
     Moment moment = moment_;
+    if (torn_in_tick_ == ticks_) moment.before = moment.newest;   // before, what is new was nowhere
     moment.between = is_between ? float(std::clamp(fraction, 0.0, 1.0)) : 1;
     member.cloth->drawn()->present(moment, {member.box.low - margin, member.box.size + 2 * margin});
   }
@@ -274,6 +351,27 @@ std::vector<Vec3> Stage::vertices(const Cloth& cloth) {
     godot::singleton("RenderingServer").call("force_sync");
   }
   return *found;
+}
+
+weft::Result<std::optional<Stage::Grabbed>> Stage::grab(Vec3 origin, Vec3 direction, const weft::Grip& grip) {
+  if (!simulated_) return weft::fail("the cloth is not simulated yet");
+  using Found = weft::Result<std::optional<Hands::Held>>;
+  auto found = std::make_shared<Found>(std::optional<Hands::Held>());
+  on_render_thread([simulated = simulated_, found, origin, direction, grip] { *found = simulated->grab(origin, direction, grip); });
+  godot::singleton("RenderingServer").call("force_sync");
+  if (!*found) return found->why();
+  if (!**found) return std::optional<Grabbed>();
+  for (const Member& member : members_)
+    if (member.place && *member.place == (**found)->at.cloth) return std::optional(Grabbed{***found, member.cloth->self()});
+  return std::optional<Grabbed>();
+}
+
+weft::Result<std::uint32_t> Stage::cut(Vec3 origin, Vec3 a, Vec3 b) {
+  if (!simulated_) return weft::fail("the cloth is not simulated yet");
+  auto count = std::make_shared<weft::Result<std::uint32_t>>(0u);
+  on_render_thread([simulated = simulated_, count, origin, a, b] { *count = simulated->cut(origin, a, b); });
+  godot::singleton("RenderingServer").call("force_sync");
+  return std::move(*count);
 }
 
 }  // namespace weft_godot

@@ -18,6 +18,8 @@ class World : public godot::Instance {
   weft::Air air;
   bool has_air = true;
   double gravity_scale = 1;
+  std::uint32_t pins = 0, grabs = 0;
+  godot::Variant gusts;    // an array of WeftGust, or nil
   std::string recording;   // a folder; empty: none
 };
 
@@ -27,6 +29,7 @@ struct Shared {
   weft::Contacts contacts;
   std::optional<weft::Air> air = weft::Air{};
   double gravity_scale = 1;
+  std::uint32_t pins = 0, grabs = 0;
   std::string recording;
 };
 Shared shared_of(const godot::Variant& world);
