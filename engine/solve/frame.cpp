@@ -5,6 +5,8 @@
 #include <numbers>
 
 #include "compute/functions.h"
+#include "engine/effects/collide/collide.h"
+#include "engine/effects/triangle/triangle.h"
 #include "engine/solve/state.h"
 
 namespace weft {
@@ -137,6 +139,16 @@ void Simulation::State::move_carried(std::span<const Affine> pose) {
   }
 }
 
+gpu::BodySize Simulation::State::size_to_vertices(std::uint32_t collider) const {
+  ColliderSize size = bodies.sizes[collider];
+  const std::vector<float>& stand_offs = fabric.own.of<TriangleLists>().stand_offs;
+  if (!stand_offs.empty()) {
+    size.radius += stand_offs[collider];
+    size.radius_end += stand_offs[collider];
+  }
+  return body_size(scene.colliders[collider].shape, size);
+}
+
 void Simulation::State::move_scene(double seconds, FrameInput& input) {
   const std::vector<Affine> pose = next_pose();
   const std::vector<float> weights = next_weights();
@@ -156,10 +168,10 @@ void Simulation::State::move_scene(double seconds, FrameInput& input) {
     const ColliderPose from = bodies.poses[k];
     const Vec3 spin = move_collider_on(k);
     const ColliderPose& to = bodies.poses[k];
-    bodies.from_sizes.push_back(body_size(described.shape, bodies.sizes[k]));
+    bodies.from_sizes.push_back(size_to_vertices(k));
     if (std::optional<ColliderSize>& pending = bodies.pending_sizes[k]) bodies.sizes[k] = *pending;
     bodies.pending_sizes[k].reset();
-    const gpu::BodySize size = body_size(described.shape, bodies.sizes[k]);
+    const gpu::BodySize size = size_to_vertices(k);
     const Rotation& start = from.rotation;
     bodies.colliders.push_back({gpu_vector(from.centre), size.radius, gpu_vector(to.centre), static_cast<float>(described.friction),
                                 gpu_vector(from.normal), gpu_vector(to.normal), gpu_vector(spin), {start.x, start.y, start.z, start.w},

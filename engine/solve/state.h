@@ -216,6 +216,8 @@ struct Simulation::State {
   bool timed_on_cpu() const;
   double dispatches_of(double substeps) const;   // of a frame of so many substeps
   Result<Advance> plan_frame(double seconds, FrameInput& input);
+  /// As vertices of cloth meet a collider: larger than it is where triangles between them would show it through.
+  gpu::BodySize size_to_vertices(std::uint32_t collider) const;
   void move_scene(double seconds, FrameInput& input);
   void move_anchors();
   void move_grabs();

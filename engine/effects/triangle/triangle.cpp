@@ -22,66 +22,86 @@ constexpr Pass kPasses[] = {
      .after_tethers = true},
 };
 
-// Fine cloth stays out of round bodies by its vertices alone, but for a little. Of a triangle whose corners are r + t from a core no point
-// is nearer to it than the root of (r + t)^2 - l^2 / 3, l its longest edge: outside (1 - kSag) r while
-// l^2 <= 3 ((r + t)^2 - ((1 - kSag) r)^2). Not 0: triangles make coarse cloth on a ball shiver.
-constexpr double kSag = 0.02;
+// Of a triangle whose corners are R from a core no point is nearer to it than the root of R^2 - c^2, c the radius of the smallest circle about
+// the triangle. So cloth stays out of a round body of radius r by its vertices alone while these keep the root of r^2 + c^2 from the core, if
+// that is more than their thickness asks for anyway. Where they would stand off by more than this part of r, triangles collide by themselves.
+// They do not where they need not: triangles make coarse cloth on a ball shiver.
+constexpr double kFurthestOff = 0.02;
+// Cloth that strikes a body is stretched, and its triangles are larger for a moment: by so much more than at rest.
+constexpr double kStretched = 1.1;
 
-bool may_show_through(const Collider& collider, double edge, double thickness) {
-  switch (collider.shape) {
-    case ColliderShape::sphere:
-    case ColliderShape::capsule: {
-      if (collider.resizes) return true;   // to whatever size
-      const double radius = collider.shape == ColliderShape::capsule ? std::min(collider.radius, radius_at_end(collider)) : collider.radius;
-      const double from = radius + thickness, to = (1 - kSag) * radius;
-      return edge * edge > 3 * (from * from - to * to);
-    }
-    case ColliderShape::box: return true;
-    case ColliderShape::plane:   // where no vertex passes no triangle does
-    case ColliderShape::mesh: return false;
-  }
-  return false;
+double radius_of(const Collider& collider) {
+  return collider.shape == ColliderShape::capsule ? std::min(collider.radius, radius_at_end(collider)) : collider.radius;
 }
 
-// Of each cloth (m).
-std::vector<double> longest_edges(const CookedFabric& fabric) {
-  std::vector<double> longest(fabric.cloths.size());
-  const auto length = [&](std::uint32_t i, std::uint32_t j) {
-    const gpu::vec4 &a = fabric.positions[i], &b = fabric.positions[j];
-    return std::hypot(double(a.x) - b.x, double(a.y) - b.y, double(a.z) - b.z);
-  };
+bool is_round(const Collider& collider) { return collider.shape == ColliderShape::sphere || collider.shape == ColliderShape::capsule; }
+
+// Cloth as round bodies meet it (m).
+struct Weave {
+  double circle = 0;             // the largest of the smallest circles about its triangles: their radius
+  double thickness = INFINITY;   // the least
+};
+
+// How far vertices keep off beyond their thickness (m).
+double stand_off(const Collider& collider, const Weave& weave) {
+  const double r = radius_of(collider);
+  return std::max(0.0, std::hypot(r, kStretched * weave.circle) - (r + weave.thickness));
+}
+
+bool may_show_through(const Collider& collider, const Weave& weave) {
+  if (collider.shape == ColliderShape::box) return true;
+  // What resizes may get whatever size. Where no vertex passes a plane no triangle does, and meshes are for contacts.
+  return is_round(collider) && (collider.resizes || stand_off(collider, weave) > kFurthestOff * radius_of(collider));
+}
+
+// Of the smallest circle about a triangle: about its longest side, or about all corners where no angle is obtuse.
+double circle_about(const gpu::vec4& a, const gpu::vec4& b, const gpu::vec4& c) {
+  const auto length = [](const gpu::vec4& p, const gpu::vec4& q) { return std::hypot(double(p.x) - q.x, double(p.y) - q.y, double(p.z) - q.z); };
+  double sides[3] = {length(a, b), length(b, c), length(c, a)};
+  std::ranges::sort(sides);
+  const auto [k, m, n] = sides;
+  if (k * k + m * m <= n * n) return n / 2;
+  const double cosine = (k * k + m * m - n * n) / (2 * k * m);
+  return n / (2 * std::sqrt(1 - cosine * cosine));   // the law of sines
+}
+
+// Of each cloth.
+std::vector<Weave> weaves_of(const CookedFabric& fabric) {
+  std::vector<Weave> weaves(fabric.cloths.size());
+  const auto& x = fabric.positions;
   for (const auto& [a, b, c] : std::span(fabric.triangles).first(fabric.cloth_triangles)) {
-    double& of_cloth = longest[body_of(fabric, a)];
-    of_cloth = std::max({of_cloth, length(a, b), length(b, c), length(c, a)});
+    double& circle = weaves[body_of(fabric, a)].circle;
+    circle = std::max(circle, circle_about(x[a], x[b], x[c]));
   }
-  return longest;
-}
-
-// Of each cloth (m).
-std::vector<double> least_thickness(const CookedFabric& fabric) {
-  std::vector<double> least(fabric.cloths.size(), INFINITY);
   for (const gpu::Material& material : fabric.materials)
-    if (const auto body = static_cast<std::size_t>(material.body); body < least.size())
-      least[body] = std::min(least[body], double(material.thickness));
-  return least;
+    if (const auto body = static_cast<std::size_t>(material.body); body < weaves.size())
+      weaves[body].thickness = std::min(weaves[body].thickness, double(material.thickness));
+  return weaves;
 }
 
 void lay_out(cooking::CookState& state) {
-  if (state.scene().colliders.empty()) return;
+  const std::vector<Collider>& colliders = state.scene().colliders;
+  if (colliders.empty()) return;
   CookedFabric& fabric = state.fabric();
-  bool any = false, with_round = false;
-  const std::vector<double> edges = longest_edges(fabric), thickness = least_thickness(fabric);
-  for (const Collider& collider : state.scene().colliders)
-    for (std::size_t k = 0; k < edges.size(); ++k)
-      if (edges[k] > 0 && meet(state.scene().cloths[k], collider) && may_show_through(collider, edges[k], thickness[k])) {
-        any = true;
-        with_round = with_round || collider.shape != ColliderShape::box;
-      }
+  TriangleLists& lists = fabric.own.of<TriangleLists>();
+  const std::vector<Weave> weaves = weaves_of(fabric);
+  std::vector<float> stand_offs(colliders.size());
+  bool any = false;
+  for (std::size_t c = 0; c < colliders.size(); ++c)
+    for (std::size_t k = 0; k < weaves.size(); ++k) {
+      if (weaves[k].circle == 0 || !meet(state.scene().cloths[k], colliders[c])) continue;
+      const bool shows = may_show_through(colliders[c], weaves[k]);
+      any = any || shows;
+      lists.with_round = lists.with_round || (shows && is_round(colliders[c]));
+      if (is_round(colliders[c])) stand_offs[c] = std::max(stand_offs[c], static_cast<float>(stand_off(colliders[c], weaves[k])));
+    }
+  // Where triangles meet round bodies, they do so by themselves.
+  if (!lists.with_round && std::ranges::any_of(stand_offs, [](float off) { return off > 0; })) lists.stand_offs = std::move(stand_offs);
   if (!any) return;
   std::vector<std::uint32_t> around(fabric.positions.size());
   for (std::uint32_t k = 0; k < fabric.cloth_triangles; ++k)
     for (const std::uint32_t i : fabric.triangles[k]) ++around[i];
-  fabric.own.of<TriangleLists>() = {*std::ranges::max_element(around), with_round};
+  lists.most_around = *std::ranges::max_element(around);
 }
 
 Contents settings(const Cooked& s) {

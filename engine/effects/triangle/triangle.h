@@ -8,6 +8,8 @@ namespace weft {
 struct TriangleLists {
   std::uint32_t most_around = 0;   // triangles around one particle; 0: vertices are enough
   bool with_round = false;         // with spheres and capsules, not only with boxes
+  /// Of each collider of the scene, by how much its radius is larger to vertices, so that triangles between them stay out of it (m). Empty: none.
+  std::vector<float> stand_offs = {};
 };
 
 namespace buffers {
