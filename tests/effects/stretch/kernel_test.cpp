@@ -234,6 +234,8 @@ TEST_F(Kernel, stretch_does_what_its_twin_does_on_a_sheet_that_bends_too) {
   }
 }
 
+constexpr double kBall = 0.3;   // m, its radius
+
 // A frame as physics.md has it, by the twins alone. Colliders stand still.
 void twin_frame(const Scene& scene, const CookedFabric& fabric, reference::Points& x, reference::Points& v) {
   const auto links = twins_of(scene, fabric);
@@ -241,6 +243,12 @@ void twin_frame(const Scene& scene, const CookedFabric& fabric, reference::Point
   const auto masses = inverse_masses(fabric);
   const auto& material = scene.cloths[0].fabric;
   const reference::Vector gravity(scene.gravity.x, scene.gravity.y, scene.gravity.z);
+  // A triangle's corners on a sphere of the radius R are the root of R^2 - c^2 from its middle, c the radius of the smallest circle about it: at
+  // most half of a cell's longer side here, and a tenth more where it is stretched. Where triangles do not collide vertices stand off by that.
+  const bool triangles_collide = fabric.own.of<TriangleLists>().most_around > 0;
+  const Grid& grid = *scene.cloths[0].grid;
+  const double circle = 1.1 * 0.5 * std::max(double(grid.size.x) / grid.cells_x, double(grid.size.y) / grid.cells_y);
+  const double stand_off = std::max(0.0, std::hypot(kBall, circle) - kBall - material.thickness);
   std::vector<reference::Body> bodies;
   for (const Collider& c : scene.colliders) {
     const reference::Vector centre(c.centre.x, c.centre.y, c.centre.z), normal(c.normal.x, c.normal.y, c.normal.z);
@@ -249,7 +257,7 @@ void twin_frame(const Scene& scene, const CookedFabric& fabric, reference::Point
                       .centre_after = centre,
                       .normal_before = normal,
                       .normal_after = normal,
-                      .radius = c.radius,
+                      .radius = c.radius + (c.shape == ColliderShape::sphere && !triangles_collide ? stand_off : 0),
                       .friction = std::sqrt(c.friction * material.friction)});
   }
   for (std::uint32_t s = 0; s < substeps_of(scene.solver); ++s) {
@@ -272,7 +280,6 @@ void twin_frame(const Scene& scene, const CookedFabric& fabric, reference::Point
         }
         p[i] = reference::within_tethers(tethers, p[i]);
       }
-      const bool triangles_collide = fabric.own.of<TriangleLists>().most_around > 0;
       const auto asked = triangles_collide ? reference::ask_triangles(bodies, fabric.triangles, x, p, masses, material.thickness)
                                            : std::vector<reference::Asked>(x.size());
       for (std::size_t i = 0; i < x.size(); ++i) {
@@ -303,7 +310,7 @@ TEST_F(Kernel, whole_frames_do_what_all_twins_do_in_order) {
       scene.colliders.emplace_back().centre = {0, 0.2f, 0};
       Collider& ball = scene.colliders.emplace_back();
       ball.shape = ColliderShape::sphere;
-      ball.radius = 0.3;
+      ball.radius = kBall;
       const auto simulation = must(Simulation::create(device(), scene));
       const CookedFabric& fabric = simulation->fabric();
       reference::Points x = points(fabric.positions), v(x.size(), reference::Vector::Zero());
