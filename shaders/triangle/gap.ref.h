@@ -112,7 +112,7 @@ inline Gap gap_of(const Body& body, const Corners& x) {
 struct Way {
   Gap gap;
   bool is_back = false;
-  double wanted = 0;   // m, of the gap: the separation, or half way to it from where the substep began
+  double wanted = 0;   // m, of the gap: the separation, or half way to it from where the substep began, if that is outside, or from the surface
 };
 inline Way way_out(const Body& body, const Corners& from, const Corners& to, double separation) {
   Corners a, b;
@@ -123,7 +123,7 @@ inline Way way_out(const Body& body, const Corners& from, const Corners& to, dou
   Gap now = gap_of(body, b), before = gap_of(body, a);
   const bool is_back = now.normal.dot(before.normal) < 0;
   if (body.shape == Shape::box) (is_back ? before : now).weights = touching(body, is_back ? a : b, is_back ? before : now);
-  const double wanted = std::min(separation, 0.5 * (before.size + separation));
+  const double wanted = std::min(separation, 0.5 * (std::max(before.size, 0.0) + separation));
   if (!is_back) return {now, false, wanted};
   before.size = before.normal.dot(point_at(b, before.weights)) - support_of(body, before.normal);
   return {before, true, wanted};

@@ -26,15 +26,15 @@ READ_WRITE(ivec4, collision_sums)
 #include "triangle/bodies.glsl"
 #include "triangle/gap.glsl"
 
-// Of what a gap is short when a substep begins, so much is made up for in it. All at once it would turn into speed, and cloth that lies
-// over an edge would shiver, at 4 cm/s. Of a box that grows all: what is left over adds up, substep after substep.
+// What is inside comes out at once; of what a gap is then still short, so much is made up for in a substep. All at once it would turn into
+// speed, and cloth that lies over an edge would shiver, at 4 cm/s. Of a box that grows all: what is left over adds up, substep after substep.
 const float kRecovered = 0.5;
 
-// Where the triangle is (b), seen from the side on which it was (a), and the gap that is wanted: `recovered` of what it was short of.
+// Where the triangle is (b), seen from the side on which it was (a), and the gap that is wanted: none that overlaps, and `recovered` of the rest.
 Gap gap_from_its_side(Body body, mat3 a, mat3 b, float separation, float recovered, out float wanted) {
   const Gap now = gap_of(body, b);
   Gap before = gap_of(body, a);
-  wanted = min(separation, mix(before.size, separation, recovered));
+  wanted = min(separation, mix(max(before.size, 0), separation, recovered));
   before.size = dot(before.normal, point_at(b, before.weights)) - support_of(body, before.normal);
   return dot(now.normal, before.normal) >= 0 ? now : before;
 }
