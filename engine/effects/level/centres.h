@@ -26,7 +26,7 @@ struct Weighed {
 /// What a level's points weigh (kg; 0: they stay), and which of those that stay are not held; empty: none.
 struct Weights {
   std::vector<double> masses;
-  std::vector<bool> weightless;
+  std::vector<bool> weightless = {};
   bool is_held(std::uint32_t point) const { return masses[point] == 0 && !(point < weightless.size() && weightless[point]); }
 };
 

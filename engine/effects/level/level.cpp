@@ -182,7 +182,7 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
     const auto& c = surface.flat[t].corners;
     for (const std::uint32_t p : surface.triangles[t]) areas[p] += 0.5 * c[1].x() * c[2].y() / 3;
   }
-  cooking::Weights weights{masses_of(state.fabric(), cloth.particle_of), {}};
+  cooking::Weights weights{masses_of(state.fabric(), cloth.particle_of)};
   std::vector<cooking::Mean> in_points;
   std::vector<float> factors = input.factors.stretch;
   while (ranks.size() > kFewest) {
@@ -308,7 +308,7 @@ void hold(cooking::CookState& state, std::span<const Mesh>) {
   CookedFabric& fabric = state.fabric();
   auto& all = fabric.own.of<AllLevels>();
   for (ClothLevels& cloth : all.cloths) {
-    cooking::Weights weights{masses_of(fabric, cloth.particle_of), {}};
+    cooking::Weights weights{masses_of(fabric, cloth.particle_of)};
     for (Level& level : cloth.levels) {
       level.weighed = cooking::weigh(level.coarse, as_packed(level.coarse.shares), weights, {}, true, cooking::Middles::unknown);
       weights = {level.weighed.masses, level.weighed.weightless};
