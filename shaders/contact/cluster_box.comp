@@ -6,6 +6,9 @@
 GATHER_UINT4(clusters)
 GATHER_UINT4(cluster_faces)
 GATHER_UINT(cluster_hulls)
+GATHER(positions)
+GATHER(detected_positions)
+GATHER(trajectories)
 READ(Detection, detection)
 WRITE(vec4, cluster_boxes)
 WRITE(vec4, cluster_motions)
@@ -48,7 +51,7 @@ vec3 normal_of(Gradients mean, uvec3 t) {
 }
 
 // The mean of its triangles' gradients, how far one of them is from that, and how far particles may be from their trajectories.
-void write_motion(uint cluster, Box box, vec3 trajectory, float strays, bool kinematic) {
+void write_motion(uint cluster, Box box, vec3 trajectory, float strays, float bound, bool kinematic) {
   const uint first = FETCH(clusters, cluster).x, end = FETCH(clusters, cluster + 1).x;
   Gradients mean = Gradients(mat3(0), mat3(0), 0);
   for (uint k = first; k < end; ++k) {
@@ -70,7 +73,7 @@ void write_motion(uint cluster, Box box, vec3 trajectory, float strays, bool kin
     off.y = max(off.y, max(across.x, across.y));
   }
   const vec3 far = max(abs(box.low), abs(box.high));
-  const float clearance = detection[0].margin + detection[0].most_pushed + rounding * max(far.x, max(far.y, far.z));
+  const float clearance = bound + rounding * max(far.x, max(far.y, far.z));
   const uint row = WEFT_MOTION * cluster;
   cluster_motions[row] = vec4(mean.first[0], off.x);
   cluster_motions[row + 1] = vec4(mean.first[1], mean.slope);
@@ -84,20 +87,22 @@ void write_motion(uint cluster, Box box, vec3 trajectory, float strays, bool kin
 void main() {
   const uint cluster = gl_GlobalInvocationID.x;
   if (cluster >= push.count) return;
-  Box box = Box(vec3(1e30), vec3(-1e30)), trajectories = box;
+  Box box = Box(vec3(1e30), vec3(-1e30)), ways = box;
   bool kinematic = false;
+  float bound = 0;
   const uint end = FETCH(clusters, cluster + 1).z;
   for (uint k = FETCH(clusters, cluster).z; k < end; ++k) {
     const uint i = FETCH_UINT(cluster_hulls, k);
     const Track track = track_of(i);
     const Sweep sweep = sweep_of(track, FETCH(rest, i).w);
     box = Box(min(box.low, sweep.low), max(box.high, sweep.high));
+    bound = max(bound, track.bound);
     kinematic = kinematic || FETCH(positions, i).w == 0;
-    trajectories = Box(min(trajectories.low, track.trajectory), max(trajectories.high, track.trajectory));
+    ways = Box(min(ways.low, track.trajectory), max(ways.high, track.trajectory));
   }
   cluster_boxes[2 * cluster] = vec4(box.low, 0);
   cluster_boxes[2 * cluster + 1] = vec4(box.high, 0);
   near_clusters[(WEFT_NEAR_CLUSTERS + 1) * cluster] = 0;   // its list begins empty (grid_search)
   cluster_pushes[cluster] = 0;
-  write_motion(cluster, box, 0.5 * (trajectories.low + trajectories.high), 0.5 * distance(trajectories.low, trajectories.high), kinematic);
+  write_motion(cluster, box, 0.5 * (ways.low + ways.high), 0.5 * distance(ways.low, ways.high), bound, kinematic);
 }

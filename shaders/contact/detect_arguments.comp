@@ -1,8 +1,8 @@
 // detect_arguments: decides whether this substep begins with a detection, chooses the detection margin, and writes the dispatch arguments
 // of the detection's passes, which are empty without one; and empties the substep's lists. One thread.
 //
-// A large margin finds more candidates, a small one asks for detections more often. It grows while detections follow each other closely,
-// or while candidates are so few that they cost next to nothing, and shrinks while they serve their whole lifetime.
+// A particle's displacement bound follows its motion (detect_track), up to the margin. Of that large bounds find more candidates, small ones
+// ask for detections more often: it grows while candidates are fewer than particles and cost next to nothing, and shrinks while they are many.
 //
 // Particles that moved fast had long trajectories, and many pairs could meet on them. Where all particles have stayed within their bounds
 // for a whole lifetime and candidates are many, one more detection, a settled one, replaces them by the few of the present, slow motion.
@@ -13,19 +13,16 @@
 READ_WRITE(Detection, detection)
 READ_WRITE(Counters, counters)
 
-const uint too_soon = 3;   // substeps
-const float grow = 1.5, shrink = 0.9, cheaply = 2;
+const float grow = 1.5, shrink = 0.7, widest = 2;
+const uint many = 3;   // candidates a particle
 
 #include "contact/groups.glsl"
 
-// `steps`: substeps since the last detection.
-float margin_after(float margin, uint steps) {
+float margin_after(float margin) {
   if (margin <= 0) return contact_settings.margin_low;
-  const bool cheap = detection[0].candidates < push.count / 4;
-  if (cheap) return min(grow * margin, cheaply * contact_settings.margin_high);
-  if (steps < too_soon) return min(grow * margin, contact_settings.margin_high);
-  if (steps >= WEFT_LONGEST_LIFETIME) return min(max(shrink * margin, contact_settings.margin_low), contact_settings.margin_high);
-  return min(margin, contact_settings.margin_high);
+  if (detection[0].candidates < push.count) return min(grow * margin, widest * contact_settings.margin_high);
+  if (detection[0].candidates > many * push.count) return max(shrink * margin, contact_settings.margin_low);
+  return margin;
 }
 
 // Twice as long as the last candidates served. Where motion is jerky and every other substep asks for a detection, trajectories of ten
@@ -33,11 +30,13 @@ float margin_after(float margin, uint steps) {
 uint lifetime_after(uint steps) { return detection[0].lifetime == 0 ? WEFT_LONGEST_LIFETIME : min(2 * steps, WEFT_LONGEST_LIFETIME); }
 
 void begin_detection(bool settled) {
+  detection[0].served = detection[0].steps + 1;
+  detection[0].served_lifetime = detection[0].lifetime;
   const bool untangled = untangles && detection[0].crossings != 0;   // then the next substep has a detection in any case
   detection[0].lifetime = untangled ? 1 : lifetime_after(detection[0].steps + 1);
-  detection[0].margin = untangled ? 2 * contact_settings.margin_low : margin_after(detection[0].margin, detection[0].steps + 1);
+  detection[0].margin = untangled ? 2 * contact_settings.margin_low : margin_after(detection[0].margin);
   const float fastest = uintBitsToFloat(detection[0].fastest);
-  detection[0].most_pushed = fastest > detection[0].margin ? min(fastest, WEFT_MOST_PUSHED * contact_settings.cell) : 0;
+  detection[0].most_pushed = fastest > contact_settings.margin_low ? min(fastest, WEFT_MOST_PUSHED * contact_settings.cell) : 0;
   detection[0].needs_detection = 0;
   detection[0].settled = uint(settled);
   detection[0].steps = 0;
@@ -47,7 +46,7 @@ void begin_detection(bool settled) {
     detection[0].looks = uint(detection[0].may_cross != 0 || detection[0].crossings != 0);
     detection[0].may_cross = detection[0].crossings = 0;
   }
-  detection[0].near_faces = detection[0].near_edges = Groups(0, 1, 1);   // the search adds to them
+  detection[0].near_pairs = Groups(0, 2, 1);   // the search adds to them
   for (uint k = 0; k < WEFT_LEVELS; ++k) detection[0].extents[k] = 0;
   detection[0].contacts = detection[0].paired = detection[0].alone = Groups(0, 1, 1);   // and the narrow phase to these
   const uint particles = contact_settings.particles, primitives = contact_settings.triangles + contact_settings.edges;
@@ -67,8 +66,7 @@ void skip_detection() {
   detection[0].clusters = none;
   detection[0].particles = none;
   detection[0].edges = none;
-  detection[0].near_faces = none;
-  detection[0].near_edges = none;
+  detection[0].near_pairs = none;
 }
 
 // Those of the substep before.

@@ -43,7 +43,7 @@ void make_way(uint cluster, uint by) {
   if (FETCH(cluster_motions, WEFT_MOTION * by + 7).y == 0) return;
   const vec3 approach = FETCH(cluster_motions, WEFT_MOTION * by + 6).xyz - FETCH(cluster_motions, WEFT_MOTION * cluster + 6).xyz;
   const float pushed = min(per_substep() * length(approach), detection[0].most_pushed);
-  if (pushed > detection[0].margin) atomicMax(cluster_pushes[cluster], floatBitsToUint(pushed));
+  if (pushed > contact_settings.margin_low) atomicMax(cluster_pushes[cluster], floatBitsToUint(pushed));
 }
 
 // Whether entry k is to be listed. `row`: y and z of the cells that are visited.

@@ -13,12 +13,15 @@
 
 #include "contact/track.glsl"
 #include "contact/outline.glsl"
+#include "contact/cluster.glsl"
+#include "contact/outline_box.glsl"
 
 GATHER_UINT4(clusters)
 GATHER(cluster_boxes)
 GATHER_UINT(near_clusters)
 GATHER_UINT(smooth_clusters)
 GATHER(outlines)
+GATHER_UINT4(outline_boxes)
 READ_WRITE(uint, displacement_bounds)
 READ_WRITE(Counters, counters)
 
@@ -48,13 +51,20 @@ bool meets(uint member) {
   return may_meet(other, own.middle - other.middle + half_relative, half_relative, reach);
 }
 
-// A bit for each of the members from `first`, 32 at most, that can be a pair with the thread's own and may meet it.
-uint pairs_among(uint first, uint end) {
-  uint met = 0, pairs = 0;
+// A bit for each of the members from `first`, 32 at most, that can be a pair with the thread's own and may meet it. Of most a box tells
+// that they do not, in one fetch (outline_box.glsl). `low`, `high`: the corners of the thread's own in the same units.
+uint pairs_among(uint first, uint end, uvec3 low, uvec3 high) {
+  uint near = 0, pairs = 0;
   uvec4 particles;
-  for (uint member = first; member < end; ++member) met |= uint(meets(member)) << (member - first);
-  for (; met != 0; met &= met - 1)
-    if (can_be_pair(first + uint(findLSB(met)), particles)) pairs |= met & -met;
+  for (uint member = first; member < end; ++member) {
+    const uvec3 box = FETCH(outline_boxes, outline_number(member)).xyz;
+    const bool apart = any(greaterThan(box & 0xffff, high)) || any(lessThan(box >> 16, low));
+    near |= uint(!apart) << (member - first);
+  }
+  for (; near != 0; near &= near - 1) {
+    const uint member = first + uint(findLSB(near));
+    if (meets(member) && can_be_pair(member, particles)) pairs |= near & -near;
+  }
   return pairs;
 }
 
@@ -81,24 +91,26 @@ void hold(uint first, uint pairs) {
 
 // `cluster`: the thread's own; `all`: also clusters before it, as only one of two edges is to find the other.
 void search(uint kind, uint cluster, bool all, bool holds) {
-  const vec3 size = abs(own.half_sides) + own.reach, own_end = own.middle + own.trajectory;
-  const vec3 low = min(own.middle, own_end) - size, high = max(own.middle, own_end) + size;
+  const Box own_box = box_of(own);
+  const vec3 low = own_box.low, high = own_box.high;
   const uint row = (WEFT_NEAR_CLUSTERS + 1) * cluster, listed = FETCH_UINT(near_clusters, row);
   const bool every_one = listed > WEFT_NEAR_CLUSTERS, is_smooth = FETCH_UINT(smooth_clusters, cluster) != 0;
   const uint entries = every_one ? contact_settings.clusters : listed;
   for (uint k = 0; k < entries; ++k) {
     uint other = 0;
+    Box its;
     for (bool found = false; !found && k < entries; k += uint(!found)) {
       const uint entry = every_one ? k : FETCH_UINT(near_clusters, row + 1 + k);
       other = entry & ~WEFT_TOUCHING;
       const bool cannot_meet = other != entry && (is_smooth || FETCH_UINT(smooth_clusters, other) != 0);   // smooth.glsl
-      const vec3 its_low = FETCH(cluster_boxes, 2 * other).xyz, its_high = FETCH(cluster_boxes, 2 * other + 1).xyz;
-      found = (all || other >= cluster) && !cannot_meet && !any(greaterThan(its_low, high)) && !any(lessThan(its_high, low));
+      its = Box(FETCH(cluster_boxes, 2 * other).xyz, FETCH(cluster_boxes, 2 * other + 1).xyz);
+      found = (all || other >= cluster) && !cannot_meet && !any(greaterThan(its.low, high)) && !any(lessThan(its.high, low));
     }
     if (k >= entries) return;
     const uvec2 members = members_of(other);
+    const uvec3 own_low = grains_below(its, low), own_high = grains_above(its, high);
     for (uint first = members.x; first < members.y; first += 32) {
-      const uint pairs = pairs_among(first, min(first + 32, members.y));
+      const uint pairs = pairs_among(first, min(first + 32, members.y), own_low, own_high);
       if (holds) hold(first, pairs);
       else add_near(kind, first, pairs);
     }
@@ -109,8 +121,7 @@ void search(uint kind, uint cluster, bool all, bool holds) {
 void end_search(uint kind, uint cluster, bool all) {
   const uint room = WEFT_NEAR * contact_settings.capacity;
   const uint groups = (min(last_place, room) + gl_WorkGroupSize.x - 1) / gl_WorkGroupSize.x;
-  if (kind == of_triangles && detection[0].near_faces.x < groups) atomicMax(detection[0].near_faces.x, groups);
-  if (kind == of_edges && detection[0].near_edges.x < groups) atomicMax(detection[0].near_edges.x, groups);
+  if (detection[0].near_pairs.x < groups) atomicMax(detection[0].near_pairs.x, groups);
   // There is room for WEFT_NEAR times as many pairs of either kind as for candidates.
   const uint wanted = (last_place + WEFT_NEAR - 1) / WEFT_NEAR;
   if (counters[0].contacts_room < wanted) atomicMax(counters[0].contacts_room, wanted);

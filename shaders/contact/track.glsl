@@ -1,4 +1,4 @@
-// track: what the last detection has written about particles (detect_trajectory.comp).
+// track: what the last detection has written about particles (detect_track.comp, detect_outline.comp).
 
 #include "contact/grid.glsl"
 

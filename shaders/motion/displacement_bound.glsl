@@ -1,5 +1,5 @@
 // displacement_bound: how far a particle may be from its predicted trajectory between two detections of contacts (shared.h, Detection;
-// detect_trajectory.comp says why). A detection gives every particle a trajectory and a displacement bound about it. Needs push.
+// detect_track.comp says why). A detection gives every particle a trajectory and a displacement bound about it. Needs push.
 
 GATHER(detected_positions)
 GATHER(trajectories)

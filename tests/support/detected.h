@@ -99,15 +99,15 @@ struct Detected {
     scene.contacts.detection_margin = setting.margin;
     return scene;
   }
-  Detected(const compute::Device& device, const Soup& of, const Setting& setting, std::string_view last = "pair_edges")
+  Detected(const compute::Device& device, const Soup& of, const Setting& setting, std::string_view last = "pair")
       : fabric(with_clusters(of.fabric)), passes(device, scene(setting), fabric, setting.gather_storage, setting.workgroup), soup(of) {
     passes.begin(frame_of(1));
     passes.put(buffers::predicted, soup.predicted);
     gpu::Detection before = detection();
     before.fastest = std::bit_cast<std::uint32_t>(static_cast<float>(setting.fastest));
     passes.put(buffers::detection, std::vector{before});
-    for (const char* name : {"detect_arguments", "cluster_box", "grid_fill", "grid_search", "detect_trajectory", "search_faces", "search_edges",
-                             "pair_faces", "pair_edges"}) {
+    for (const char* name : {"detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search", "detect_outline", "search_faces",
+                             "search_edges", "pair"}) {
       passes.run(name);
       if (name == last) break;
     }

@@ -57,7 +57,7 @@ inline constexpr Buffer detection = [] {
   row.access = Access::arguments;
   return row;
 }();
-/// xyz position at the last detection (m), w unused.
+/// xyz position at the last detection (m), w the displacement bound that the particle's own motion asked for (m).
 inline constexpr Buffer detected_positions = buffer<gpu::vec4>("detected_positions", Lifetime::persistent, lengths::particles);
 /// xyz predicted trajectory from there: the displacement in Detection::lifetime substeps (m), w the displacement bound that detection
 /// reckoned with (m).
@@ -93,6 +93,8 @@ inline constexpr Buffer near_clusters =
     scratch<gpu::uint>("near_clusters", [](const Cooked& s) { return (WEFT_NEAR_CLUSTERS + 1) * lengths::clusters(s); });
 /// Three a primitive, triangles first: its Outline (outline.glsl): xyz middle, w reach; xyz half sides; xyz trajectory (m).
 inline constexpr Buffer outlines = scratch<gpu::vec4>("outlines", [](const Cooked& s) { return 3 * lengths::primitives(s); });
+/// One a primitive: xyz the corners of its outline's box in 65,535ths of its cluster's box, the lower in the lower half (outline_box.glsl).
+inline constexpr Buffer outline_boxes = scratch<gpu::uvec4>("outline_boxes", lengths::primitives);
 
 // ---- contacts
 

@@ -1,10 +1,5 @@
-// detect_trajectory: gives every particle its predicted trajectory, a straight one, and a displacement bound about it, and every triangle and
-// edge its outline, about its particles' trajectories.
-//
-// While every particle stays within its bound, two primitives approach each other by no more than their trajectories and both bounds allow
-// (pair.glsl). Only pairs that could meet under these limits become candidates, and a detection serves for many substeps. Where a
-// particle is about to leave its bound the next substep begins with a detection; until then it is stopped at the bound if need be. So no
-// contact is missed, whatever the motion.
+// detect_outline: gives every triangle and edge its outline, about its particles' trajectories, and the box of that. By now it is known who
+// is pushed, so here every particle's displacement bound is complete.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -14,10 +9,12 @@ GATHER_UINT4(cluster_edges)
 GATHER_UINT(cluster_owners)
 GATHER_UINT(cluster_pushes)
 READ(Detection, detection)
-WRITE(vec4, detected_positions)
-WRITE(vec4, trajectories)
+GATHER(detected_positions)
+GATHER_WRITE(trajectories)
 WRITE(uint, displacement_bounds)
 WRITE(vec4, outlines)
+WRITE(uvec4, outline_boxes)
+GATHER(cluster_boxes)
 
 #include "contact/grid.glsl"
 
@@ -27,11 +24,12 @@ float pushed(uint i) {
 
 #include "contact/predicted_track.glsl"
 #include "contact/outline.glsl"
+#include "contact/cluster.glsl"
+#include "contact/outline_box.glsl"
 
 void start_particle(uint i) {
   const Track track = track_of(i);
-  detected_positions[i] = vec4(track.at, 0);
-  trajectories[i] = vec4(track.trajectory, track.bound);
+  trajectories[i].w = track.bound;
   displacement_bounds[i] = floatBitsToUint(track.bound);
 }
 
@@ -60,8 +58,18 @@ void main() {
   }
   i -= contact_settings.particles;
   Outline outline;
-  if (i < contact_settings.triangles) outline = outline_of_face(FETCH(cluster_faces, i).xyz);
-  else outline = outline_of_edge(FETCH(cluster_edges, i - contact_settings.triangles).xy);
+  uint cluster;
+  if (i < contact_settings.triangles) {
+    const uvec4 face = FETCH(cluster_faces, i);
+    outline = outline_of_face(face.xyz);
+    cluster = face.w;
+  } else {
+    const uvec4 e = FETCH(cluster_edges, i - contact_settings.triangles);
+    outline = outline_of_edge(e.xy);
+    cluster = e.z;
+  }
+  const Box box = box_of(outline), of_cluster = Box(FETCH(cluster_boxes, 2 * cluster).xyz, FETCH(cluster_boxes, 2 * cluster + 1).xyz);
+  outline_boxes[i] = uvec4(grains_below(of_cluster, box.low) | grains_above(of_cluster, box.high) << 16, 0);
   outlines[3 * i] = vec4(outline.middle, outline.reach);
   outlines[3 * i + 1] = vec4(outline.half_sides, 0);
   outlines[3 * i + 2] = vec4(outline.trajectory, 0);
