@@ -436,7 +436,7 @@ struct Collisions {
 // decides whether there is anything to do.
 struct Detection {
   Groups outlined, grid, clusters, particles, edges;   // of the detection's passes; no groups in a substep without a detection
-  Groups near_pairs;                      // a thread a pair that the broad phase found; two rows, one a kind
+  Groups near_faces, near_edges;          // a thread a pair that the broad phase found
   Groups contacts;    // a thread a candidate
   Groups listed[2];   // a thread an active candidate, and an unsafe one
   Groups touched;     // a thread a particle of an active candidate
@@ -447,7 +447,8 @@ struct Detection {
   uint steps;         // substeps since the last detection, at most WEFT_LONGEST_LIFETIME
   uint lifetime;      // substeps that its candidates are meant to serve: the length of trajectories
   uint candidates;    // that it found; those beyond ContactSettings::capacity have overflowed
-  float margin;       // m, detection margin: how long displacement bounds may be
+  float margin, least;   // m: how long displacement bounds may be, and how short
+  uint horizon;       // substeps that they are meant to hold for
   float most_pushed;  // m, by how much bounds may be larger where kinematic particles push (predicted_track.glsl)
   uint fastest;       // bits of the longest step of a kinematic particle in this substep (m)
   uint listings[2];   // active candidates of this substep, and unsafe ones: those that could cross at its end
@@ -510,7 +511,7 @@ struct ContactSettings {
   float recover;      // m: how much of a missing separation a substep may recover
   float kinematic_lag_limit;       // the largest tracking error of an anchor, at a substep's start, that cloth may keep, as a multiple
                                    // of its thickness (anchor.comp) or of the pair's separation (contact_limit.comp)
-  float margin_low, margin_high;   // m: the least displacement bound; Detection::margin is no less, and at most twice the second
+  float margin_low, margin_high;   // m: the least displacement bound; Detection::margin is no less, and at most the second
 };
 
 struct Air {
@@ -553,7 +554,7 @@ static_assert(sizeof(SkinPoint) == 76 && sizeof(Joint) == 96 && sizeof(MotionLim
 static_assert(sizeof(MorphDelta) == 16 && sizeof(Carried) == 48 && sizeof(FrameChange) == 96);
 static_assert(sizeof(Gas) == 32 && sizeof(GasPart) == 16 && sizeof(GasState) == 8 && sizeof(GasSum) == 24);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 40);
-static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 312 && sizeof(Acceleration) == 48);
+static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 332 && sizeof(Acceleration) == 48);
 // As std430 and std140 have them.
 static_assert(offsetof(Collider, normal_from) == 32 && offsetof(Collider, rotation_from) == 80 && offsetof(Collider, half_size) == 96);
 static_assert(offsetof(Motion, origin) == 16 && offsetof(Motion, relaxation) == 36 && offsetof(Air, drag) == 16);

@@ -90,7 +90,32 @@ Result<void> Simulation::State::detect_anew() {
   const auto bytes = std::as_writable_bytes(std::span(&detection, 1));
   if (auto done = compute::read_back(*device, solver->buffer(buffers::detection), bytes); !done) return done;
   detection.needs_detection = detection.may_cross = 1;   // who writes positions may have put cloth through cloth
+  detection.lifetime = 0;                                // what trajectories were expected is no measure of them
   return compute::upload(*device, solver->buffer(buffers::detection), bytes);
+}
+
+Result<Simulation::State::Tracks> Simulation::State::tracks() {
+  Tracks tracks;
+  if (!solver->has(buffers::detection)) return tracks;
+  auto at = read(buffers::detected_positions, fabric.positions.size()), trajectories = read(buffers::trajectories, fabric.positions.size());
+  if (!at) return at.take_error();
+  if (!trajectories) return trajectories.take_error();
+  gpu::Detection detection{};
+  if (auto done = compute::read_back(*device, solver->buffer(buffers::detection), std::as_writable_bytes(std::span(&detection, 1))); !done)
+    return done.take_error();
+  return Tracks{std::move(*at), std::move(*trajectories), detection.lifetime};
+}
+
+Result<void> Simulation::State::put(const Tracks& tracks) {
+  if (tracks.at.empty()) return {};
+  const compute::Buffer& detection = solver->buffer(buffers::detection);
+  gpu::Detection changed{};
+  if (auto done = compute::read_back(*device, detection, std::as_writable_bytes(std::span(&changed, 1))); !done) return done;
+  changed.lifetime = tracks.lifetime;
+  return compute::upload_all(*device, std::vector<compute::Upload>{
+                                          {&solver->buffer(buffers::detected_positions), std::as_bytes(std::span(tracks.at))},
+                                          {&solver->buffer(buffers::trajectories), std::as_bytes(std::span(tracks.trajectories))},
+                                          {&detection, std::as_bytes(std::span(&changed, 1))}});
 }
 
 // Before a frame that will not be repeated. Where there is no memory for more a note says so, and what does not fit is counted.

@@ -84,11 +84,20 @@ Result<void> Simulation::teleport(std::uint32_t cloth, const MovingFrame& from, 
     x = {place.x, place.y, place.z, x.w};
     v = {way.x, way.y, way.z, v.w};
   }
+  auto tracks = s.tracks();
+  if (!tracks) return tracks.take_error();
+  for (std::uint32_t i = range.first_particle; i < range.first_particle + range.particles && !tracks->at.empty(); ++i) {
+    gpu::vec4 &at = tracks->at[i], &trajectory = tracks->trajectories[i];
+    const Vec3 place = carry.place({at.x, at.y, at.z}), way = carry.way({trajectory.x, trajectory.y, trajectory.z});
+    at = {place.x, place.y, place.z, at.w};
+    trajectory = {way.x, way.y, way.z, trajectory.w};
+  }
   // put() makes written positions the targets, too. Anchors that cloth holds back keep theirs, and those that stay where they are, wherever
   // that is, are there now.
   const std::vector<gpu::Anchor> targets = s.kinematic.targets;
   if (auto done = s.put(*positions); !done) return done;
   if (auto done = write_velocities(*velocities); !done) return done;
+  if (auto done = s.put(*tracks); !done) return done;
   for (std::size_t k = 0; k < targets.size(); ++k) {
     if (targets[k].particle == WEFT_NONE) continue;
     gpu::Anchor& anchor = s.kinematic.targets[k];

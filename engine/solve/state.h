@@ -301,6 +301,13 @@ struct Simulation::State {
   void hear_recorded();
   std::uint32_t lost_since_told() { return capacity.lost - std::exchange(capacity.told, capacity.lost); }
   Result<void> detect_anew();
+  /// What the next detection of contacts measures displacement bounds by (detect_track.comp); empty without contacts.
+  struct Tracks {
+    std::vector<gpu::vec4> at, trajectories;
+    std::uint32_t lifetime = 0;
+  };
+  Result<Tracks> tracks();
+  Result<void> put(const Tracks& tracks);
   std::size_t slot_of(std::uint64_t frame) const { return frame % queue.slots.size(); }
   std::size_t place_of_recorded() const { return queue.slots.size(); }
   std::size_t place_of_event(std::size_t event) const { return place_of_recorded() + 1 + event; }

@@ -14,6 +14,8 @@ WRITE(vec4, cluster_boxes)
 WRITE(vec4, cluster_motions)
 WRITE(uint, near_clusters)
 WRITE(uint, cluster_pushes)
+WRITE(uint, near_bounds)
+GATHER_UINT(cluster_owners)
 
 #include "contact/grid.glsl"
 #include "contact/cluster.glsl"
@@ -89,7 +91,7 @@ void main() {
   if (cluster >= push.count) return;
   Box box = Box(vec3(1e30), vec3(-1e30)), ways = box;
   bool kinematic = false;
-  float bound = 0;
+  float bound = 0, own_bound = 0;
   const uint end = FETCH(clusters, cluster + 1).z;
   for (uint k = FETCH(clusters, cluster).z; k < end; ++k) {
     const uint i = FETCH_UINT(cluster_hulls, k);
@@ -97,8 +99,13 @@ void main() {
     const Sweep sweep = sweep_of(track, FETCH(rest, i).w);
     box = Box(min(box.low, sweep.low), max(box.high, sweep.high));
     bound = max(bound, track.bound);
+    own_bound = max(own_bound, FETCH(detected_positions, i).w);
     kinematic = kinematic || FETCH(positions, i).w == 0;
     ways = Box(min(ways.low, track.trajectory), max(ways.high, track.trajectory));
+  }
+  for (uint k = FETCH(clusters, cluster).z; k < end; ++k) {
+    const uint i = FETCH_UINT(cluster_hulls, k);
+    if (FETCH_UINT(cluster_owners, i) == cluster) near_bounds[i] = floatBitsToUint(own_bound);
   }
   cluster_boxes[2 * cluster] = vec4(box.low, 0);
   cluster_boxes[2 * cluster + 1] = vec4(box.high, 0);

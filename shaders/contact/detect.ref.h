@@ -1,4 +1,4 @@
-// Twin of the detection (detect_track, detect_outline, pair): which pairs may meet, over all pairs, in double precision and
+// Twin of the detection (detect_track, detect_outline, pair_faces, pair_edges): which pairs may meet, over all pairs, in double precision and
 // without a grid. Derived for two convex primitives A and B on their trajectories r_i + s q_i / H, s the substeps since the
 // detection: along any direction n the sides' least heights, each towards itself, are concave in s. Within substep s each particle
 // is within the displacement bound R of a place on its trajectory between s - 1 and s, so the gap along n is at least that of the

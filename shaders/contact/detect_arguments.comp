@@ -1,8 +1,9 @@
-// detect_arguments: decides whether this substep begins with a detection, chooses the detection margin, and writes the dispatch arguments
+// detect_arguments: decides whether this substep begins with a detection, chooses how long displacement bounds may be, and writes the dispatch arguments
 // of the detection's passes, which are empty without one; and empties the substep's lists. One thread.
 //
-// A particle's displacement bound follows its motion (detect_track), up to the margin. Of that large bounds find more candidates, small ones
-// ask for detections more often: it grows while candidates are fewer than particles and cost next to nothing, and shrinks while they are many.
+// A particle's displacement bound follows its motion (detect_track), between the least bound and the margin. Large ones find more
+// candidates, small ones ask for detections more often. The least grows while candidates are so few that they cost next to nothing, or while
+// detections follow each other closely, and shrinks while candidates are many; then bounds are also meant for fewer substeps.
 //
 // Particles that moved fast had long trajectories, and many pairs could meet on them. Where all particles have stayed within their bounds
 // for a whole lifetime and candidates are many, one more detection, a settled one, replaces them by the few of the present, slow motion.
@@ -13,16 +14,18 @@
 READ_WRITE(Detection, detection)
 READ_WRITE(Counters, counters)
 
-const float grow = 1.5, shrink = 0.7, widest = 2;
-const uint many = 3;   // candidates a particle
+const float grow = 1.5, shrink = 0.7;
+const uint most_a_particle = 2, usual_particles = 4000;   // candidates; fewer particles have no more than these would
+const uint too_soon = 3, usual_horizon = 6;               // substeps
 
 #include "contact/groups.glsl"
 
-float margin_after(float margin) {
-  if (margin <= 0) return contact_settings.margin_low;
-  if (detection[0].candidates < push.count) return min(grow * margin, widest * contact_settings.margin_high);
-  if (detection[0].candidates > many * push.count) return max(shrink * margin, contact_settings.margin_low);
-  return margin;
+// The least bound (m). `many`: candidates are.
+float least_after(float least, bool many) {
+  if (least <= 0) return contact_settings.margin_low;
+  if (many) return max(shrink * least, contact_settings.margin_low);
+  const bool cheap = detection[0].candidates < max(push.count, usual_particles) / 4;
+  return cheap || detection[0].served < too_soon ? min(grow * least, contact_settings.margin_high) : least;
 }
 
 // Twice as long as the last candidates served. Where motion is jerky and every other substep asks for a detection, trajectories of ten
@@ -34,7 +37,10 @@ void begin_detection(bool settled) {
   detection[0].served_lifetime = detection[0].lifetime;
   const bool untangled = untangles && detection[0].crossings != 0;   // then the next substep has a detection in any case
   detection[0].lifetime = untangled ? 1 : lifetime_after(detection[0].steps + 1);
-  detection[0].margin = untangled ? 2 * contact_settings.margin_low : margin_after(detection[0].margin);
+  const bool many = detection[0].candidates > most_a_particle * max(push.count, usual_particles);
+  detection[0].horizon = many ? detection[0].lifetime : max(detection[0].lifetime, usual_horizon);
+  detection[0].margin = untangled ? 2 * contact_settings.margin_low : contact_settings.margin_high;
+  detection[0].least = untangled ? contact_settings.margin_low : least_after(detection[0].least, many);
   const float fastest = uintBitsToFloat(detection[0].fastest);
   detection[0].most_pushed = fastest > contact_settings.margin_low ? min(fastest, WEFT_MOST_PUSHED * contact_settings.cell) : 0;
   detection[0].needs_detection = 0;
@@ -46,11 +52,11 @@ void begin_detection(bool settled) {
     detection[0].looks = uint(detection[0].may_cross != 0 || detection[0].crossings != 0);
     detection[0].may_cross = detection[0].crossings = 0;
   }
-  detection[0].near_pairs = Groups(0, 2, 1);   // the search adds to them
+  detection[0].near_faces = detection[0].near_edges = Groups(0, 1, 1);   // the search adds to them
   for (uint k = 0; k < WEFT_LEVELS; ++k) detection[0].extents[k] = 0;
   detection[0].contacts = detection[0].paired = detection[0].alone = Groups(0, 1, 1);   // and the narrow phase to these
   const uint particles = contact_settings.particles, primitives = contact_settings.triangles + contact_settings.edges;
-  detection[0].outlined = groups_of(particles + primitives);
+  detection[0].outlined = groups_of(particles + primitives + contact_settings.clusters);
   detection[0].grid = Groups(1, 1, 1);
   detection[0].clusters = groups_of(contact_settings.clusters);
   detection[0].particles = groups_of(particles);
@@ -66,7 +72,8 @@ void skip_detection() {
   detection[0].clusters = none;
   detection[0].particles = none;
   detection[0].edges = none;
-  detection[0].near_pairs = none;
+  detection[0].near_faces = none;
+  detection[0].near_edges = none;
 }
 
 // Those of the substep before.

@@ -1,5 +1,5 @@
 // detect_outline: gives every triangle and edge its outline, about its particles' trajectories, and the box of that. By now it is known who
-// is pushed, so here every particle's displacement bound is complete.
+// is pushed, so here every particle's displacement bound is complete; and which clusters are smooth, so lists of near ones are put in order.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -12,6 +12,8 @@ READ(Detection, detection)
 GATHER(detected_positions)
 GATHER_WRITE(trajectories)
 WRITE(uint, displacement_bounds)
+GATHER_UINT(smooth_clusters)
+READ_WRITE(uint, near_clusters)
 WRITE(vec4, outlines)
 WRITE(uvec4, outline_boxes)
 GATHER(cluster_boxes)
@@ -26,6 +28,7 @@ float pushed(uint i) {
 #include "contact/outline.glsl"
 #include "contact/cluster.glsl"
 #include "contact/outline_box.glsl"
+#include "contact/near_list.glsl"
 
 void start_particle(uint i) {
   const Track track = track_of(i);
@@ -48,7 +51,28 @@ Outline outline_of_face(uvec3 t) {
   return Outline(0.5 * (low + high), 0.5 * (high - low), trajectory, reach_of(strays, sweep_of(a, b, c, thickness), thickness));
 }
 
-// push.count: particles, triangles and edges, in this order.
+void put_in_order(uint cluster) {
+  const uint row = row_of(cluster), listed = near_clusters[row];
+  if (listed > WEFT_NEAR_CLUSTERS) {
+    near_clusters[row] = WEFT_NEAR_CLUSTERS + 1;
+    return;
+  }
+  const bool is_smooth = FETCH_UINT(smooth_clusters, cluster) != 0;
+  uint count = 0, later = 0;
+  for (uint k = 0; k < listed; ++k) {
+    const uint entry = near_clusters[row + 1 + k], other = entry & ~WEFT_TOUCHING;
+    if (other != entry && (is_smooth || FETCH_UINT(smooth_clusters, other) != 0)) continue;
+    uint place = count++;
+    if (other >= cluster) {   // in place of the first that does not, which goes to the end
+      near_clusters[row + 1 + place] = near_clusters[row + 1 + later];
+      place = later++;
+    }
+    near_clusters[row + 1 + place] = other;
+  }
+  near_clusters[row] = head_of(count, later);
+}
+
+// push.count: particles, triangles, edges and clusters, in this order.
 void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= push.count) return;
@@ -57,6 +81,11 @@ void main() {
     return;
   }
   i -= contact_settings.particles;
+  const uint primitives = contact_settings.triangles + contact_settings.edges;
+  if (i >= primitives) {
+    put_in_order(i - primitives);
+    return;
+  }
   Outline outline;
   uint cluster;
   if (i < contact_settings.triangles) {

@@ -2,5 +2,5 @@ weft_passes(
   cluster_box contact_alone contact_apply contact_finalize contact_limit contact_unsafe contact_prepare contact_solve contact_slide contact_slide_apply contact_penetration
   detect_arguments detect_outline detect_track
   grid_fill grid_search
-  pair
+  pair_edges pair_faces
   search_edges search_faces)

@@ -15,11 +15,11 @@
 #include "contact/outline.glsl"
 #include "contact/cluster.glsl"
 #include "contact/outline_box.glsl"
+#include "contact/near_list.glsl"
 
 GATHER_UINT4(clusters)
 GATHER(cluster_boxes)
 GATHER_UINT(near_clusters)
-GATHER_UINT(smooth_clusters)
 GATHER(outlines)
 GATHER_UINT4(outline_boxes)
 READ_WRITE(uint, displacement_bounds)
@@ -93,18 +93,15 @@ void hold(uint first, uint pairs) {
 void search(uint kind, uint cluster, bool all, bool holds) {
   const Box own_box = box_of(own);
   const vec3 low = own_box.low, high = own_box.high;
-  const uint row = (WEFT_NEAR_CLUSTERS + 1) * cluster, listed = FETCH_UINT(near_clusters, row);
-  const bool every_one = listed > WEFT_NEAR_CLUSTERS, is_smooth = FETCH_UINT(smooth_clusters, cluster) != 0;
-  const uint entries = every_one ? contact_settings.clusters : listed;
+  const NearList near = near_list(cluster, FETCH_UINT(near_clusters, row_of(cluster)));
+  const uint entries = all ? near.count : near.later;
   for (uint k = 0; k < entries; ++k) {
     uint other = 0;
     Box its;
     for (bool found = false; !found && k < entries; k += uint(!found)) {
-      const uint entry = every_one ? k : FETCH_UINT(near_clusters, row + 1 + k);
-      other = entry & ~WEFT_TOUCHING;
-      const bool cannot_meet = other != entry && (is_smooth || FETCH_UINT(smooth_clusters, other) != 0);   // smooth.glsl
+      other = near.every_one ? k : FETCH_UINT(near_clusters, near.first + k);
       its = Box(FETCH(cluster_boxes, 2 * other).xyz, FETCH(cluster_boxes, 2 * other + 1).xyz);
-      found = (all || other >= cluster) && !cannot_meet && !any(greaterThan(its.low, high)) && !any(lessThan(its.high, low));
+      found = (all || other >= cluster) && !any(greaterThan(its.low, high)) && !any(lessThan(its.high, low));
     }
     if (k >= entries) return;
     const uvec2 members = members_of(other);
@@ -121,7 +118,8 @@ void search(uint kind, uint cluster, bool all, bool holds) {
 void end_search(uint kind, uint cluster, bool all) {
   const uint room = WEFT_NEAR * contact_settings.capacity;
   const uint groups = (min(last_place, room) + gl_WorkGroupSize.x - 1) / gl_WorkGroupSize.x;
-  if (detection[0].near_pairs.x < groups) atomicMax(detection[0].near_pairs.x, groups);
+  if (kind == of_triangles && detection[0].near_faces.x < groups) atomicMax(detection[0].near_faces.x, groups);
+  if (kind == of_edges && detection[0].near_edges.x < groups) atomicMax(detection[0].near_edges.x, groups);
   // There is room for WEFT_NEAR times as many pairs of either kind as for candidates.
   const uint wanted = (last_place + WEFT_NEAR - 1) / WEFT_NEAR;
   if (counters[0].contacts_room < wanted) atomicMax(counters[0].contacts_room, wanted);

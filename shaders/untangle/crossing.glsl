@@ -45,12 +45,10 @@ void search_crossings(uint edge, uvec2 ends, uint cluster) {
   float first = 2, last = -1;
   uint count = 0;
   uvec2 found = uvec2(WEFT_NONE, 0);
-  const uint row = (WEFT_NEAR_CLUSTERS + 1) * cluster, listed = FETCH_UINT(near_clusters, row);
-  const bool every_one = listed > WEFT_NEAR_CLUSTERS, is_smooth = FETCH_UINT(smooth_clusters, cluster) != 0;
+  const NearList near = near_list(cluster, FETCH_UINT(near_clusters, row_of(cluster)));
   const vec3 middle = 0.5 * (low + high), half_sides = (1 + 4 * rounding) * (0.5 * (high - low));
-  for (uint k = 0; k < (every_one ? contact_settings.clusters : listed); ++k) {
-    const uint entry = every_one ? k : FETCH_UINT(near_clusters, row + 1 + k), other = entry & ~WEFT_TOUCHING;
-    if (other != entry && (is_smooth || FETCH_UINT(smooth_clusters, other) != 0)) continue;   // as in search()
+  for (uint k = 0; k < near.count; ++k) {
+    const uint other = near.every_one ? k : FETCH_UINT(near_clusters, near.first + k);
     const vec3 its_low = FETCH(cluster_boxes, 2 * other).xyz, its_high = FETCH(cluster_boxes, 2 * other + 1).xyz;
     if (any(greaterThan(its_low, high)) || any(lessThan(its_high, low))) continue;
     const uint end = FETCH(clusters, other + 1).x;

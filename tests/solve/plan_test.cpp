@@ -212,7 +212,7 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(calls.has(Id::triangle) && calls.has(Id::contact), {&b::ways_out});
     expect(calls.has(Id::contact),
            {&b::clusters, &b::cluster_faces, &b::cluster_edges, &b::cluster_searchers, &b::cluster_owners, &b::cluster_hulls, &b::cluster_surroundings,
-            &b::clusters_around, &b::cluster_boxes, &b::cluster_pushes, &b::cluster_motions, &b::smooth_clusters, &b::near_clusters,
+            &b::clusters_around, &b::cluster_boxes, &b::cluster_pushes, &b::near_bounds, &b::cluster_motions, &b::smooth_clusters, &b::near_clusters,
             &b::outlines, &b::outline_boxes, &b::rest, &b::detected_positions, &b::trajectories, &b::displacement_bounds, &b::grid_counts,
             &b::grid_starts, &b::grid_entries, &b::detection, &b::candidates, &b::contact_normals, &b::contact_weights,
             &b::contact_counts, &b::contact_sums, &b::contact_penetrations, &b::slides, &b::kinematic_lags, &b::step_fractions, &b::contact_list,
@@ -284,12 +284,12 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
             (Labels{"predict", "gauss_seidel", "finalize+tether", "triangle_search", "triangle_collide", "finalize+collide", "surface"}));
   EXPECT_EQ(labels({{Id::stretch, Id::contact}}),
             (Labels{"predict+watch", "detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search", "detect_outline", "search_faces",
-                    "search_edges", "pair", "contact_prepare", "stretch+finalize", "contact_alone", "contact_penetration",
+                    "search_edges", "pair_faces", "pair_edges", "contact_prepare", "stretch+finalize", "contact_alone", "contact_penetration",
                     "contact_solve", "contact_apply", "contact_slide", "contact_slide_apply", "contact_unsafe", "contact_limit",
                     "contact_finalize", "surface"}));
   EXPECT_EQ(labels(with(all, {Id::contact})),
             (Labels{"predict+watch", "anchor+watch", "detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search", "detect_outline",
-                    "search_faces", "search_edges", "pair", "contact_prepare", "stretch", "bend+tether+collide+finalize",
+                    "search_faces", "search_edges", "pair_faces", "pair_edges", "contact_prepare", "stretch", "bend+tether+collide+finalize",
                     "contact_alone+collide", "contact_penetration", "contact_solve", "contact_apply+collide", "contact_slide",
                     "contact_slide_apply", "contact_unsafe", "contact_limit", "contact_finalize", "surface"}));
   const std::vector<std::string> untangled = labels({{Id::stretch, Id::contact, Id::untangle}});

@@ -99,7 +99,7 @@ struct Detected {
     scene.contacts.detection_margin = setting.margin;
     return scene;
   }
-  Detected(const compute::Device& device, const Soup& of, const Setting& setting, std::string_view last = "pair")
+  Detected(const compute::Device& device, const Soup& of, const Setting& setting, std::string_view last = "pair_edges")
       : fabric(with_clusters(of.fabric)), passes(device, scene(setting), fabric, setting.gather_storage, setting.workgroup), soup(of) {
     passes.begin(frame_of(1));
     passes.put(buffers::predicted, soup.predicted);
@@ -107,7 +107,7 @@ struct Detected {
     before.fastest = std::bit_cast<std::uint32_t>(static_cast<float>(setting.fastest));
     passes.put(buffers::detection, std::vector{before});
     for (const char* name : {"detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search", "detect_outline", "search_faces",
-                             "search_edges", "pair"}) {
+                             "search_edges", "pair_faces", "pair_edges"}) {
       passes.run(name);
       if (name == last) break;
     }

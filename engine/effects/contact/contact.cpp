@@ -54,7 +54,7 @@ namespace {
 constexpr const Buffer* kBuffers[] = {
     &buffers::clusters, &buffers::cluster_faces, &buffers::cluster_edges, &buffers::cluster_searchers, &buffers::cluster_owners,
     &buffers::cluster_hulls, &buffers::cluster_surroundings, &buffers::clusters_around, &buffers::cluster_boxes,
-    &buffers::cluster_pushes, &buffers::cluster_motions, &buffers::smooth_clusters, &buffers::near_clusters, &buffers::outlines, &buffers::outline_boxes,
+    &buffers::cluster_pushes, &buffers::near_bounds, &buffers::cluster_motions, &buffers::smooth_clusters, &buffers::near_clusters, &buffers::outlines, &buffers::outline_boxes,
     &buffers::rest, &buffers::detection, &buffers::detected_positions, &buffers::trajectories, &buffers::displacement_bounds,
     &buffers::candidates, &buffers::grid_counts, &buffers::grid_starts, &buffers::grid_entries, &buffers::contact_normals,
     &buffers::contact_weights, &buffers::near_edges, &buffers::near_faces, &buffers::contact_list, &buffers::touched_particles,
@@ -69,7 +69,8 @@ constexpr Threads kGrid{lengths::clusters, lengths::one, {&buffers::detection, o
 constexpr Threads kClusters{lengths::clusters, nullptr, {&buffers::detection, offsetof(gpu::Detection, clusters)}};
 constexpr Threads kDetectedParticles{lengths::particles, nullptr, {&buffers::detection, offsetof(gpu::Detection, particles)}};
 constexpr Threads kEdges{lengths::edges, nullptr, {&buffers::detection, offsetof(gpu::Detection, edges)}};
-constexpr Threads kNearPairs{buffers::near_faces.length, nullptr, {&buffers::detection, offsetof(gpu::Detection, near_pairs)}, true};
+constexpr Threads kNearFaces{buffers::near_faces.length, nullptr, {&buffers::detection, offsetof(gpu::Detection, near_faces)}, true};
+constexpr Threads kNearEdges{buffers::near_edges.length, nullptr, {&buffers::detection, offsetof(gpu::Detection, near_edges)}, true};
 constexpr Threads kCandidates{lengths::candidates, nullptr, {&buffers::detection, offsetof(gpu::Detection, contacts)}, true};
 constexpr Threads kTouchedParticles{lengths::particles, nullptr, {&buffers::detection, offsetof(gpu::Detection, touched)}};
 constexpr Threads kContacts{lengths::candidates, nullptr, {&buffers::detection, offsetof(gpu::Detection, listed)}, true};
@@ -87,7 +88,8 @@ constexpr Pass kPasses[] = {
     {.name = "detect_outline", .stage = Stage::detect, .threads = kOutlined},
     {.name = "search_faces", .stage = Stage::detect, .threads = kDetectedParticles},
     {.name = "search_edges", .stage = Stage::detect, .threads = kEdges},
-    {.name = "pair", .stage = Stage::detect, .threads = kNearPairs},
+    {.name = "pair_faces", .stage = Stage::detect, .threads = kNearFaces},
+    {.name = "pair_edges", .stage = Stage::detect, .threads = kNearEdges},
     {.name = "contact_prepare", .stage = Stage::detect, .threads = kCandidates},
     {.name = "contact_alone", .stage = Stage::contacts, .threads = kContactsAlone, .crowd = Crowd::few, .collides = true, .alone = true, .crew = true},
     {.name = "contact_penetration", .stage = Stage::contact, .threads = kContacts, .crowd = Crowd::many},

@@ -16,7 +16,7 @@ namespace lengths {
 inline std::uint64_t edges(const Cooked& s) { return s.fabric.own.of<ClusterLists>().edges.size(); }
 inline std::uint64_t primitives(const Cooked& s) { return triangles(s) + edges(s); }
 inline std::uint64_t clusters(const Cooked& s) { return s.contacts.clusters; }
-inline std::uint64_t outlined(const Cooked& s) { return particles(s) + primitives(s); }
+inline std::uint64_t outlined(const Cooked& s) { return particles(s) + primitives(s) + clusters(s); }
 inline std::uint64_t buckets(const Cooked& s) { return s.contacts.buckets; }
 }  // namespace lengths
 
@@ -65,6 +65,8 @@ inline constexpr Buffer trajectories = buffer<gpu::vec4>("trajectories", Lifetim
 /// Displacement bound: how far the particle may be from its predicted trajectory (m, bits of a float); 0: a candidate of it has
 /// overflowed, and it stays where it is. WEFT_PAIRED, in place of the sign: it has candidates.
 inline constexpr Buffer displacement_bounds = buffer<gpu::uint>("displacement_bounds", Lifetime::persistent, lengths::particles);
+/// The largest bound that the motion of a particle of its cluster asked for at the last detection (m, bits of a float).
+inline constexpr Buffer near_bounds = buffer<gpu::uint>("near_bounds", Lifetime::persistent, lengths::particles);
 /// Candidate pairs: those that could touch before the next detection (pack_candidate).
 inline constexpr Buffer candidates = growing(buffer<gpu::uvec4>("candidates", Lifetime::persistent, lengths::candidates));
 
@@ -88,7 +90,8 @@ inline constexpr Buffer cluster_motions =
     scratch<gpu::vec4>("cluster_motions", [](const Cooked& s) { return WEFT_MOTION * lengths::clusters(s); });
 /// 1: no two places of the cluster and those that it touches can meet, but neighbours (smooth.glsl).
 inline constexpr Buffer smooth_clusters = scratch<gpu::uint>("smooth_clusters", lengths::clusters);
-/// WEFT_NEAR_CLUSTERS + 1 a cluster: how many clusters' boxes overlap its own, and which (WEFT_TOUCHING marks some).
+/// WEFT_NEAR_CLUSTERS + 1 a cluster: how many clusters' boxes overlap its own, and which (WEFT_TOUCHING marks some);
+/// then those that it may meet (near_list.glsl).
 inline constexpr Buffer near_clusters =
     scratch<gpu::uint>("near_clusters", [](const Cooked& s) { return (WEFT_NEAR_CLUSTERS + 1) * lengths::clusters(s); });
 /// Three a primitive, triangles first: its Outline (outline.glsl): xyz middle, w reach; xyz half sides; xyz trajectory (m).

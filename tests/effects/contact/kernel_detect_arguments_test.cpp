@@ -64,19 +64,20 @@ TEST_F(DetectArguments, trajectories_are_the_substep_ahead_ten_times_but_no_long
     EXPECT_EQ(std::bit_cast<float>(bound), static_cast<float>(kMargin));
 }
 
-TEST_F(DetectArguments, detect_arguments_detects_when_needed_and_adapts_the_margin_to_how_many_candidates_there_are) {
+TEST_F(DetectArguments, detect_arguments_detects_when_needed_and_adapts_bounds_to_how_many_candidates_there_are) {
   Random random(11);
   Soup soup = random_soup(random, 20);
   Detected detected(device(), soup, {}, "detect_arguments");
   SinglePass& passes = detected.passes;
   const auto low = static_cast<float>(kMargin), high = contact_settings(Detected::scene({}), soup.fabric).margin_high;
   gpu::Detection d = detected.detection();
-  EXPECT_EQ(d.margin, low);
+  EXPECT_EQ(d.margin, high);
+  EXPECT_EQ(d.least, low);
   EXPECT_EQ(d.needs_detection, 0u);
   EXPECT_EQ(d.steps, 0u);
   EXPECT_EQ(d.particles.x, 1u);
   const auto primitives = static_cast<std::uint32_t>(soup.fabric.triangles.size() + soup.fabric.edges.size());
-  EXPECT_EQ(d.outlined.x, (60 + primitives + 63) / 64);
+  EXPECT_EQ(d.outlined.x, (60 + primitives + contact_settings(Detected::scene({}), detected.fabric).clusters + 63) / 64);
   EXPECT_EQ(d.grid.x, 1u);
   for (const gpu::Groups& groups : {d.outlined, d.grid, d.clusters, d.particles, d.edges}) EXPECT_EQ(std::pair(groups.y, groups.z), std::pair(1u, 1u));
   EXPECT_EQ(passes.counters().detections, 1u);
@@ -87,9 +88,9 @@ TEST_F(DetectArguments, detect_arguments_detects_when_needed_and_adapts_the_marg
     EXPECT_EQ(d.steps, std::min(steps, WEFT_LONGEST_LIFETIME));
     for (const gpu::Groups& groups : {d.outlined, d.grid, d.clusters, d.particles, d.edges}) EXPECT_EQ(groups.x, 0u);
   }
-  const auto margin_after = [&](float margin, std::uint32_t steps, std::uint32_t candidates) {
+  const auto least_after = [&](float least, std::uint32_t steps, std::uint32_t candidates) {
     gpu::Detection state = detected.detection();
-    state.margin = margin;
+    state.least = least;
     state.steps = steps;
     state.needs_detection = 1;
     state.candidates = candidates;
@@ -98,21 +99,25 @@ TEST_F(DetectArguments, detect_arguments_detects_when_needed_and_adapts_the_marg
     passes.run("detect_arguments");
     state = detected.detection();
     EXPECT_EQ(state.needs_detection + state.steps + state.candidates + state.extents[5] + state.near[1] + state.levels, 0u);
-    return state.margin;
+    EXPECT_EQ(state.margin, high);
+    EXPECT_EQ(state.horizon, candidates > 8000 ? state.lifetime : std::max(state.lifetime, 6u));
+    return state.least;
   };
   EXPECT_EQ(d.lifetime, WEFT_LONGEST_LIFETIME) << "nothing is known yet";
-  EXPECT_FLOAT_EQ(margin_after(2 * low, 0, 120), 2 * low);   // of 60 particles
+  EXPECT_FLOAT_EQ(least_after(2 * low, 0, 1000), 3 * low) << "one substep old";
   EXPECT_EQ(detected.detection().lifetime, 2u);
   EXPECT_EQ(detected.detection().served, 1u);
   EXPECT_EQ(detected.detection().served_lifetime, WEFT_LONGEST_LIFETIME);
-  EXPECT_FLOAT_EQ(margin_after(2 * low, 2, 59), 3 * low) << "so few pairs cost nothing";
+  EXPECT_FLOAT_EQ(least_after(2 * low, 2, 999), 3 * low) << "so few pairs cost nothing";
   EXPECT_EQ(detected.detection().lifetime, 6u);
   EXPECT_EQ(detected.detection().served_lifetime, 2u);
-  EXPECT_FLOAT_EQ(margin_after(2 * low, 8, 181), 1.4f * low) << "but these do";
+  EXPECT_FLOAT_EQ(least_after(2 * low, 8, 1000), 2 * low);
+  EXPECT_FLOAT_EQ(least_after(2 * low, 0, 8001), 1.4f * low) << "but these do";
+  least_after(low, 8, 1000);
   EXPECT_EQ(detected.detection().lifetime, WEFT_LONGEST_LIFETIME);
-  EXPECT_FLOAT_EQ(margin_after(1.05f * low, 10, 100'000), low);
-  EXPECT_FLOAT_EQ(margin_after(1.9f * high, 0, 1), 2 * high);
-  EXPECT_EQ(passes.counters().detections, 6u);
+  EXPECT_FLOAT_EQ(least_after(1.05f * low, 10, 100'000), low);
+  EXPECT_FLOAT_EQ(least_after(0.9f * high, 0, 1), high);
+  EXPECT_EQ(passes.counters().detections, 8u);
   // Once at the end of trajectories that no particle left, if there are many pairs; and then not again.
   gpu::Detection state = detected.detection();
   state.steps = WEFT_LONGEST_LIFETIME;
@@ -125,11 +130,11 @@ TEST_F(DetectArguments, detect_arguments_detects_when_needed_and_adapts_the_marg
   passes.put(buffers::detection, std::vector{state});
   passes.run("detect_arguments");
   EXPECT_EQ(detected.detection().steps, WEFT_LONGEST_LIFETIME);
-  EXPECT_EQ(passes.counters().detections, 7u);
+  EXPECT_EQ(passes.counters().detections, 9u);
 }
 
 // Of particles that the last detection expected elsewhere: as far off as a constant acceleration would bring them in the lifetime to come,
-// and three fifths more; but no less than most of the last bound, or a quarter of the margin.
+// and three fifths more; but no less than most of the last bound, or half the largest in its cluster.
 TEST_F(DetectArguments, displacement_bounds_follow_how_far_particles_have_come_off_their_trajectories) {
   Random random(13);
   Soup soup = random_soup(random, 20);
@@ -139,7 +144,8 @@ TEST_F(DetectArguments, displacement_bounds_follow_how_far_particles_have_come_o
   gpu::Detection d = detected.detection();
   const double low = kMargin, margin = 3 * low, last = 1.5 * low;
   d.margin = static_cast<float>(margin);
-  d.lifetime = 8;
+  d.least = static_cast<float>(low);
+  d.horizon = 8;
   d.served = 4;
   d.served_lifetime = 10;
   passes.put(buffers::detection, std::vector{d});
@@ -152,6 +158,9 @@ TEST_F(DetectArguments, displacement_bounds_follow_how_far_particles_have_come_o
     trajectory.push_back(with(way, last));
     off.push_back(astray.norm());
   }
+  std::vector<std::uint32_t> widest;
+  for (std::size_t i = 0; i < x.size(); ++i) widest.push_back(std::bit_cast<std::uint32_t>(static_cast<float>(low * double(1 + i % 5))));
+  passes.put(buffers::near_bounds, widest);
   passes.put(buffers::detected_positions, at);
   passes.put(buffers::trajectories, trajectory);
   passes.run("detect_track");
@@ -159,11 +168,12 @@ TEST_F(DetectArguments, displacement_bounds_follow_how_far_particles_have_come_o
   std::set<int> kinds;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double own = 1.6 * off[i] * (8 * 9) / (5 * 6);
-    const double wanted = std::min(margin, std::max({own, 0.85 * last, low, 0.25 * margin}));
+    const double near = 0.5 * double(std::bit_cast<float>(widest[i]));
+    const double wanted = std::min(margin, std::max({own, 0.85 * last, near, low}));
     EXPECT_NEAR(found[i].w, wanted, 1e-6) << i << ", " << off[i] << " m off";
-    kinds.insert(wanted == margin ? 2 : wanted == own ? 1 : 0);
+    kinds.insert(wanted == margin ? 3 : wanted == own ? 2 : wanted == near ? 1 : 0);
   }
-  EXPECT_EQ(kinds.size(), 3u);
+  EXPECT_EQ(kinds.size(), 4u);
   EXPECT_EQ(largest_gap(found, x), 0);
 }
 
@@ -175,13 +185,13 @@ TEST_F(DetectArguments, the_search_dispatches_a_thread_a_near_pair_and_none_with
     const gpu::Detection found = detected.detection();
     ASSERT_GT(std::min(found.near[0], found.near[1]), 256u);
     const auto groups = [&](std::uint32_t near) { return (std::min(near, WEFT_NEAR * capacity) + 63) / 64; };
-    EXPECT_EQ(found.near_pairs.x, groups(std::max(found.near[0], found.near[1])));
-    EXPECT_EQ(found.near_pairs.y, 2u);
+    EXPECT_EQ(found.near_faces.x, groups(found.near[0]));
+    EXPECT_EQ(found.near_edges.x, groups(found.near[1]));
     const gpu::Counters counted = detected.passes.counters();
     EXPECT_EQ(counted.contacts_overflowed, capacity > 100 ? 0u : found.near[0] + found.near[1] - 400);
     EXPECT_EQ(counted.contacts_room, (std::max(found.near[0], found.near[1]) + 1) / 2);
     detected.passes.run("detect_arguments");   // none is needed
-    EXPECT_EQ(detected.detection().near_pairs.x, 0u);
+    EXPECT_EQ(detected.detection().near_faces.x + detected.detection().near_edges.x, 0u);
   }
 }
 

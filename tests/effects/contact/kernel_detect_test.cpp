@@ -68,7 +68,7 @@ std::uint32_t longest_list(const Detected& detected) {
   const std::size_t clusters = detected.fabric.own.of<ClusterLists>().clusters.size() - 1;
   const auto lists = detected.passes.get<std::uint32_t>(buffers::near_clusters, (WEFT_NEAR_CLUSTERS + 1) * clusters);
   std::uint32_t most = 0;
-  for (std::size_t k = 0; k < clusters; ++k) most = std::max(most, lists[(WEFT_NEAR_CLUSTERS + 1) * k]);
+  for (std::size_t k = 0; k < clusters; ++k) most = std::max(most, lists[(WEFT_NEAR_CLUSTERS + 1) * k] & 0xff);
   return most;
 }
 

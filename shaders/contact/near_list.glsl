@@ -1,0 +1,20 @@
+// near_list: the row of near_clusters of a cluster. grid_search fills it; detect_outline drops the clusters that it touches and cannot meet
+// (smooth.glsl), puts those first that come after it, itself included, and counts them.
+
+struct NearList {
+  uint first;        // in near_clusters
+  uint count;        // of its entries
+  uint later;        // of those, how many come first: clusters from its own number on
+  bool every_one;    // the row had no room: entries are all clusters
+};
+
+uint row_of(uint cluster) { return (WEFT_NEAR_CLUSTERS + 1) * cluster; }
+
+// The row's head. With no room the count is one more than there is room for.
+uint head_of(uint count, uint later) { return count | later << 8; }
+
+NearList near_list(uint cluster, uint head) {
+  const uint count = head & 0xff;
+  if (count > WEFT_NEAR_CLUSTERS) return NearList(0, contact_settings.clusters, contact_settings.clusters, true);
+  return NearList(row_of(cluster) + 1, count, head >> 8, false);
+}
