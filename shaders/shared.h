@@ -511,7 +511,7 @@ struct ContactSettings {
   float recover;      // m: how much of a missing separation a substep may recover
   float kinematic_lag_limit;       // the largest tracking error of an anchor, at a substep's start, that cloth may keep, as a multiple
                                    // of its thickness (anchor.comp) or of the pair's separation (contact_limit.comp)
-  float margin_low, margin_high;   // m: the least displacement bound; Detection::margin is no less, and at most the second
+  float margin_low, margin_high;   // m, limits of displacement bounds
 };
 
 struct Air {

@@ -1,5 +1,5 @@
-// detect_arguments: decides whether this substep begins with a detection, chooses how long displacement bounds may be, and writes the dispatch arguments
-// of the detection's passes, which are empty without one; and empties the substep's lists. One thread.
+// detect_arguments: decides whether this substep begins with a detection, chooses how long displacement bounds may be, and writes the
+// dispatch arguments of the detection's passes, which are empty without one; and empties the substep's lists. One thread.
 //
 // A particle's displacement bound follows its motion (detect_track), between the least bound and the margin. Large ones find more
 // candidates, small ones ask for detections more often. The least grows while candidates are so few that they cost next to nothing, or while
