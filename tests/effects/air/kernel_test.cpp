@@ -310,24 +310,30 @@ AirSurface square_and_strip(std::uint32_t cells) {
   return surface;
 }
 
-// A fifth of the square root of the area in the mean, whatever the mesh is; of each piece by itself, and with the areas that the mesh has.
+// A quarter of the square root of the area in the mean, whatever the mesh is, and at a border as far as that is away, but a quarter of it at
+// least; of each piece by itself, and with the areas that the mesh has.
 TEST(AirFans, reach_as_far_on_every_mesh_and_keep_their_areas) {
   for (const std::uint32_t cells : {10u, 30u, 70u}) {
     const AirSurface surface = square_and_strip(cells);
     const auto fans = fans_of(surface);
-    double area = 0, far = 0, along_strip = 0;
-    std::uint32_t ends = 0, strip_ends = 0;
+    const double step = 1.5 / cells;   // and a diagonal
+    double area = 0, far = 0, farthest_at_border = 0, farthest_in_strip = 0;
+    std::uint32_t ends = 0;
     for (std::size_t i = 0; i < fans.size(); ++i)
       for (const gpu::uvec2& end : fans[i]) {
         area += double(std::bit_cast<float>(end.y));
-        const Vec3 from = surface.places[i], way = surface.places[end.x] - from;
+        const Vec3 from = surface.places[i];
+        const double way = double(length(surface.places[end.x] - from));
         const bool is_inside = from.z > 0.35f && from.z < 0.65f;
-        if (from.x < 1.5f && is_inside && from.x > 0.35f && from.x < 0.65f) far += double(length(way)), ++ends;
-        if (from.x > 1.5f && is_inside && way.x == 0) along_strip += double(length(way)), ++strip_ends;
+        if (is_inside && from.x > 0.35f && from.x < 0.65f) far += way, ++ends;
+        if (is_inside && from.x == 0) farthest_at_border = std::max(farthest_at_border, way);
+        if (from.x > 1.5f) farthest_in_strip = std::max(farthest_in_strip, way);
       }
     EXPECT_NEAR(area, 1.1, 1e-4) << cells;
-    EXPECT_NEAR(far / ends, 0.2, 0.02) << cells;
-    EXPECT_NEAR(along_strip / strip_ends, std::max(0.2 * std::sqrt(0.1), 1.0 / cells), 0.025) << cells;
+    EXPECT_NEAR(far / ends, 0.25, 0.02) << cells;
+    EXPECT_LT(farthest_at_border, 0.25 * 0.25 + step) << cells;
+    EXPECT_GT(farthest_at_border, 0.9 * 0.25 * 0.25) << cells;
+    EXPECT_LT(farthest_in_strip, 0.05 + step) << cells;
   }
 }
 
