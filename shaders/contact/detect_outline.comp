@@ -1,5 +1,6 @@
 // detect_outline: gives every triangle and edge its outline, about its particles' trajectories, and the box of that. By now it is known who
-// is pushed, so here every particle's displacement bound is complete; and which clusters are smooth, so lists of near ones are put in order.
+// is pushed, so here every particle's displacement bound is complete; and which clusters are smooth, so that lists of near ones are put in
+// order.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"

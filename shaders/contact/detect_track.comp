@@ -9,8 +9,8 @@
 // is no longer than 32 cells a substep, so that boxes stay bounded. A particle that is faster leaves its bound, and there is a detection
 // in every substep.
 //
-// A large bound makes candidates of pairs that never meet, a small one asks for detections; and cloth is calm in one place while it whirls in
-// another. So every particle's bound follows from how far it has come off its last trajectory: under a constant acceleration a that is
+// A large bound makes candidates of pairs that never meet, a small one asks for detections; and cloth is calm in one place while it whirls
+// in another. So every particle's bound follows from how far it has come off its last trajectory: under a constant acceleration a that is
 // a h^2 n (n + 1) / 2 after n substeps of symplectic Euler.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -27,8 +27,8 @@ READ(Detection, detection)
 
 const float most_cells = 32;   // a substep
 
-// How much larger a bound is than the last motion asks for, as the next is another; what a calmer particle keeps of its last bound; and what
-// it takes over from its cluster, as waves run.
+// How much larger a bound is than the last motion asks for, as the next is another; what a calmer particle keeps of its last bound; and
+// what it takes over from its cluster, as waves run.
 // Measured (drop of 100 x 100) without the last: 1.25 and 0.7 need twice the detections, 2 and 0.95 twice the candidates.
 const float spare = 1.6, kept = 0.85, spread = 0.5;
 
