@@ -37,8 +37,8 @@ TEST_F(Dispatches, of_a_frame_are_as_many_as_these) {
   free.colliders = {plane(-1)};
   const Counted fallen = count(device(), free);
   EXPECT_EQ(fallen.without, 22u) << "stretch and bending in each substep, a prediction, a surface";
-  EXPECT_EQ(fallen.few, 22u + 10 * (10 + 1 + 2)) << "a detection, untangling, contacts in one workgroup, and the end of those with candidates";
-  EXPECT_EQ(fallen.many, 22u + 10 * (10 + 1 + 4 * 3 + 2 * 2 + 1 + WEFT_LIMIT_PASSES + 1)) << "contacts pass by pass";
+  EXPECT_EQ(fallen.few, 22u + 10 * (11 + 1 + 2)) << "a detection, untangling, contacts in one workgroup, and the end of those with candidates";
+  EXPECT_EQ(fallen.many, 22u + 10 * (11 + 1 + 4 * 3 + 2 * 2 + 1 + WEFT_LIMIT_PASSES + 1)) << "contacts pass by pass";
   Scene hung = free;
   hung.cloths[0].anchors.push_back(held_at({Corner::low_high, Corner::high_high}));
   const Counted held = count(device(), hung);
