@@ -234,8 +234,8 @@ Result<std::optional<Simulation::State::Torn>> Simulation::State::check(const Sn
   for (const Snapshot::GrabState& state : snapshot.grabs)
     if (!is_grab(state, scene, fabric)) return unfit("grab ", state.grab, " is none that this scene can have");
   const gpu::Detection found = detection_of(snapshot);
-  if (!(found.margin >= 0 && found.margin < kTooLarge))
-    return unfit("its detection margin is ", found.margin, " m, not from 0 to ", kTooLarge);
+  if (!(found.least >= 0 && found.least < kTooLarge))
+    return unfit("its least displacement bound is ", found.least, " m, not from 0 to ", kTooLarge);
   if (found.steps > WEFT_LONGEST_LIFETIME || found.lifetime > WEFT_LONGEST_LIFETIME)
     return unfit("its last detection is ", found.steps, " substeps ago and valid for ", found.lifetime, "; neither may be above ",
                  WEFT_LONGEST_LIFETIME);
@@ -258,7 +258,7 @@ Result<std::optional<Simulation::State::Torn>> Simulation::State::check(const Sn
     if (row == &buffers::detected_positions || row == &buffers::trajectories || row == &buffers::skin_ends)
       for (const gpu::vec4& at : elements<gpu::vec4>(*bytes))
         if (!is_finite(at)) return unfit("its buffer ", buffer.name, " has a vector that is not finite");
-    if (row == &buffers::displacement_bounds)
+    if (row == &buffers::displacement_bounds || row == &buffers::near_bounds)
       for (const std::uint32_t bits : elements<std::uint32_t>(*bytes))
         if (const float bound = std::bit_cast<float>(bits & ~WEFT_PAIRED); !(bound >= 0 && bound < kTooLarge))
           return unfit("its buffer ", buffer.name, " has one of ", bound, " m");

@@ -52,7 +52,8 @@ vec3 normal_of(Gradients mean, uvec3 t) {
   return across / max(length(across), 1e-30);
 }
 
-// The mean of its triangles' gradients, how far one of them is from that, and how far particles may be from their trajectories.
+// The mean of its triangles' gradients, how far one of them is from that, and how far particles may be from their trajectories; `bound`: the
+// largest (m).
 void write_motion(uint cluster, Box box, vec3 trajectory, float strays, float bound, bool kinematic) {
   const uint first = FETCH(clusters, cluster).x, end = FETCH(clusters, cluster + 1).x;
   Gradients mean = Gradients(mat3(0), mat3(0), 0);
@@ -91,25 +92,24 @@ void main() {
   if (cluster >= push.count) return;
   Box box = Box(vec3(1e30), vec3(-1e30)), ways = box;
   bool kinematic = false;
-  float bound = 0, own_bound = 0;
+  float bound = 0;   // that particles' own motion asked for, the largest
   const uint end = FETCH(clusters, cluster + 1).z;
   for (uint k = FETCH(clusters, cluster).z; k < end; ++k) {
     const uint i = FETCH_UINT(cluster_hulls, k);
     const Track track = track_of(i);
     const Sweep sweep = sweep_of(track, FETCH(rest, i).w);
     box = Box(min(box.low, sweep.low), max(box.high, sweep.high));
-    bound = max(bound, track.bound);
-    own_bound = max(own_bound, FETCH(detected_positions, i).w);
+    bound = max(bound, FETCH(detected_positions, i).w);
     kinematic = kinematic || FETCH(positions, i).w == 0;
     ways = Box(min(ways.low, track.trajectory), max(ways.high, track.trajectory));
   }
   for (uint k = FETCH(clusters, cluster).z; k < end; ++k) {
     const uint i = FETCH_UINT(cluster_hulls, k);
-    if (FETCH_UINT(cluster_owners, i) == cluster) near_bounds[i] = floatBitsToUint(own_bound);
+    if (FETCH_UINT(cluster_owners, i) == cluster) near_bounds[i] = floatBitsToUint(bound);
   }
   cluster_boxes[2 * cluster] = vec4(box.low, 0);
   cluster_boxes[2 * cluster + 1] = vec4(box.high, 0);
   near_clusters[(WEFT_NEAR_CLUSTERS + 1) * cluster] = 0;   // its list begins empty (grid_search)
   cluster_pushes[cluster] = 0;
-  write_motion(cluster, box, 0.5 * (ways.low + ways.high), 0.5 * distance(ways.low, ways.high), bound, kinematic);
+  write_motion(cluster, box, 0.5 * (ways.low + ways.high), 0.5 * distance(ways.low, ways.high), bound + detection[0].most_pushed, kinematic);
 }

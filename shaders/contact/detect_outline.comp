@@ -31,6 +31,7 @@ float pushed(uint i) {
 #include "contact/outline_box.glsl"
 #include "contact/near_list.glsl"
 
+// Nobody else reads the trajectory's w in this pass.
 void start_particle(uint i) {
   const Track track = track_of(i);
   trajectories[i].w = track.bound;
@@ -52,6 +53,7 @@ Outline outline_of_face(uvec3 t) {
   return Outline(0.5 * (low + high), 0.5 * (high - low), trajectory, reach_of(strays, sweep_of(a, b, c, thickness), thickness));
 }
 
+// Of its list, in place (near_list.glsl).
 void put_in_order(uint cluster) {
   const uint row = row_of(cluster), listed = near_clusters[row];
   if (listed > WEFT_NEAR_CLUSTERS) {

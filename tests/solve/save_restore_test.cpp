@@ -241,8 +241,9 @@ TEST_F(SimulationSnapshot, a_snapshot_that_does_not_fit_is_refused_and_changes_n
           [&](Snapshot& s) { std::memcpy(content(s, "detected_positions") + 16, &nan, 4); });
   refused("trajectories has a vector that is not finite", [&](Snapshot& s) { std::memcpy(content(s, "trajectories") + 4, &nan, 4); });
   refused("displacement_bounds has one of nan m", [&](Snapshot& s) { std::memcpy(content(s, "displacement_bounds") + 8, &nan, 4); });
-  refused("its detection margin is nan m",
-          [&](Snapshot& s) { std::memcpy(content(s, "detection") + offsetof(gpu::Detection, margin), &nan, 4); });
+  refused("near_bounds has one of nan m", [&](Snapshot& s) { std::memcpy(content(s, "near_bounds") + 8, &nan, 4); });
+  refused("its least displacement bound is nan m",
+          [&](Snapshot& s) { std::memcpy(content(s, "detection") + offsetof(gpu::Detection, least), &nan, 4); });
   const std::uint32_t long_ago = 11;
   refused("its last detection is 11 substeps ago",
           [&](Snapshot& s) { std::memcpy(content(s, "detection") + offsetof(gpu::Detection, steps), &long_ago, 4); });

@@ -201,7 +201,10 @@ class Sheet {
     std::vector<float> sizes(1, 0.f);
     float all = 0;
     for (int k = 0; k <= count; ++k) {
-      const auto at = [&](float way) { return way_at(i, narrow, round, is_closed ? std::fmod(turn + whole * way / float(count), whole) : whole * way / float(count)); };
+      const auto at = [&](float way) {
+        const float angle = turn + whole * way / float(count);
+        return way_at(i, narrow, round, is_closed ? std::fmod(angle, whole) : angle);
+      };
       wide.push_back({is_closed && k == count ? wide.front().x : walk(i, narrow, at(float(k)), reach), 0});
       if (k == 0) continue;
       const Vec3 a = places_[wide[k - 1].x] - places_[i], b = places_[wide[k].x] - places_[i], across = cross(a, b);

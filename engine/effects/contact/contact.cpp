@@ -54,7 +54,8 @@ namespace {
 constexpr const Buffer* kBuffers[] = {
     &buffers::clusters, &buffers::cluster_faces, &buffers::cluster_edges, &buffers::cluster_searchers, &buffers::cluster_owners,
     &buffers::cluster_hulls, &buffers::cluster_surroundings, &buffers::clusters_around, &buffers::cluster_boxes,
-    &buffers::cluster_pushes, &buffers::near_bounds, &buffers::cluster_motions, &buffers::smooth_clusters, &buffers::near_clusters, &buffers::outlines, &buffers::outline_boxes,
+    &buffers::cluster_pushes, &buffers::near_bounds, &buffers::cluster_motions, &buffers::smooth_clusters, &buffers::near_clusters,
+    &buffers::outlines, &buffers::outline_boxes,
     &buffers::rest, &buffers::detection, &buffers::detected_positions, &buffers::trajectories, &buffers::displacement_bounds,
     &buffers::candidates, &buffers::grid_counts, &buffers::grid_starts, &buffers::grid_entries, &buffers::contact_normals,
     &buffers::contact_weights, &buffers::near_edges, &buffers::near_faces, &buffers::contact_list, &buffers::touched_particles,
