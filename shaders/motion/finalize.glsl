@@ -18,22 +18,35 @@ READ_WRITE(Detection, detection)
 
 READ_WRITE(vec4, chebyshev_iterates)
 READ_WRITE(ivec4, collision_sums)
+READ_WRITE(int, collision_depths)
 READ_WRITE(Collisions, collisions)
 WRITE(vec4, ways_out)
 
-// The mean of what a particle's triangles ask for (triangle_collide): out of the collider, and friction (m).
+// What a particle's triangles ask for together (triangle_collide): out of the collider, and friction (m).
 struct Asked {
   vec3 out_of, friction;
   uint body;   // reactions: one of the bodies that they met, counted from 1 (triangle/bodies.glsl)
 };
 
-// Forgets it for the next iteration.
+// |m|^2 / (mean d)^2 of three ways out at right angles. Less have ways that are opposed, out of which no length leads.
+const float kLeastAlike = 1.0 / 3;
+
+// Each triangle asks for d along its n. Their mean m is enough where all n are one. At a box's corner one triangle asks along x and the next
+// along y: the mean is half of each, and cloth whose tension pulls it back rested with an edge 1 mm inside. So m is made longer, by
+// (mean d)^2 / |m|^2: a simultaneous projection, extrapolated (Pierra 1984, "Decomposition through formalization in a product space"). His
+// own factor, mean d^2 / |m|^2, is never less, and up to that no place that all of them allow becomes further away; but by that cloth shivers, at
+// three times the speed.
+//
+// Forgets what was asked, for the next iteration.
 Asked asked_by_triangles(uint i) {
   const ivec4 sum = collision_sums[2 * i];
   if (sum.w == 0) return Asked(vec3(0), vec3(0), 0);
   const float unit = WEFT_WHOLE_WEIGHT * collision_settings.quantum / float(sum.w);
-  const Asked asked = Asked(unit * vec3(sum.xyz), unit * vec3(collision_sums[2 * i + 1].xyz), uint(collision_sums[2 * i + 1].w));
+  const float depths = max(float(collision_depths[i]), 1), alike = dot(vec3(sum.xyz), vec3(sum.xyz)) / (depths * depths);
+  const vec3 out_of = unit / clamp(alike, kLeastAlike, 1) * vec3(sum.xyz);
+  const Asked asked = Asked(out_of, unit * vec3(collision_sums[2 * i + 1].xyz), uint(collision_sums[2 * i + 1].w));
   collision_sums[2 * i] = collision_sums[2 * i + 1] = ivec4(0);
+  collision_depths[i] = 0;
   return asked;
 }
 

@@ -129,17 +129,19 @@ inline Way way_out(const Body& body, const Corners& from, const Corners& to, dou
   return {before, true, wanted};
 }
 
-/// What its triangles ask of a particle (m): out of bodies, and by friction.
+/// What its triangles together ask of a particle (m): out of bodies, and by friction.
 struct Asked {
   Vector out_of = Vector::Zero(), friction = Vector::Zero();
+  double longer = 1;   // out_of than the mean
 };
 
 /// Planes are left to the vertices. Weights of a mean are whole numbers, the square of the depth in 1024ths of (2 cm)^2,
-/// rounded up.
+/// rounded up. The mean is made longer, threefold at most, until what each triangle has of it along its own way out is on average,
+/// by weight and depth, as much as the mean depth asks.
 inline std::vector<Asked> ask_triangles(std::span<const Body> bodies, std::span<const std::array<std::uint32_t, 3>> triangles,
                                         const Points& x, const Points& p, std::span<const double> inverse_masses, double thickness) {
   std::vector<Asked> sums(p.size());
-  std::vector<double> weights(p.size());
+  std::vector<double> weights(p.size()), depths(p.size());
   for (const auto& t : triangles)
     for (const Body& body : bodies) {
       if (body.shape == Shape::plane) continue;
@@ -153,7 +155,7 @@ inline std::vector<Asked> ask_triangles(std::span<const Body> bodies, std::span<
       const Vector normal = body.rotation_after * way.gap.normal;
       for (int k = 0; k < 3; ++k) {
         const std::uint32_t i = t[static_cast<std::size_t>(k)];
-        const double depth = missing * way.gap.weights[k] / way.gap.weights.squaredNorm();
+        const double depth = std::min(0.1, missing * way.gap.weights[k] / way.gap.weights.squaredNorm());
         if (inverse_masses[i] == 0 || depth <= 0) continue;
         const Vector carried = body.rotation_after * body.rotation_before.conjugate() * (x[i] - body.centre_before);
         const Vector motion = p[i] - body.centre_after - carried;
@@ -162,10 +164,14 @@ inline std::vector<Asked> ask_triangles(std::span<const Body> bodies, std::span<
         sums[i].out_of += weight * depth * normal;
         if (slip.norm() > 1e-12) sums[i].friction -= weight * std::min(1.0, body.friction * depth / slip.norm()) * slip;
         weights[i] += weight;
+        depths[i] += weight * depth;
       }
     }
   for (std::size_t i = 0; i < p.size(); ++i)
-    if (weights[i] > 0) sums[i] = {sums[i].out_of / weights[i], sums[i].friction / weights[i]};
+    if (weights[i] > 0) {
+      const double longer = std::min(3.0, depths[i] * depths[i] / sums[i].out_of.squaredNorm());
+      sums[i] = {longer / weights[i] * sums[i].out_of, sums[i].friction / weights[i], longer};
+    }
   return sums;
 }
 

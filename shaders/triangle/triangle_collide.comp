@@ -4,8 +4,9 @@
 // A thread is a triangle that triangle_search has listed. One that is nearer to a body than its separation is put out along the normal n
 // of its gap by its nearest point, c = sum b_j p_j: C = n . c - size >= 0 has the gradients b_j n, so corner j moves by b_j / (sum b^2) of
 // what is missing (Mueller et al. 2007; as for equal masses, so that an anchor beside it does not fling a particle away). finalize.glsl
-// moves a particle to the mean over its triangles, weighted by the square of how far each moves it: with plain means, where one triangle
-// of six carries the load, edges stayed 1 mm deep in a box. The sums are integers, so that the order of threads does not matter.
+// moves a particle by the mean over its triangles, weighted by the square of how far each moves it (with plain means, where one triangle
+// of six carries the load, edges stayed 1 mm deep in a box), and by more where they move it in unlike directions, for which it is told how
+// far they do. The sums are integers, so that the order of threads does not matter.
 //
 // The way out is the shortest, unless it leads to the other side of the body than where the triangle was when the substep began: then the
 // triangle goes back there, so that a fast body does not pass between vertices. A triangle with an anchor inside the body cannot be put
@@ -22,12 +23,13 @@ GATHER_UINT4(triangles)
 READ(Collisions, collisions)
 READ(uint, collision_list)
 READ_WRITE(ivec4, collision_sums)
+READ_WRITE(int, collision_depths)
 
 #include "triangle/bodies.glsl"
 #include "triangle/gap.glsl"
 
 // What is inside comes out at once; of what a gap is then still short, so much is made up for in a substep. All at once it would turn into
-// speed, and cloth that lies over an edge would shiver, at 4 cm/s. Of a box that grows all: what is left over adds up, substep after substep.
+// speed, and cloth that lies over an edge would shiver, at 6 cm/s. Of a box that grows all: what is left over adds up, substep after substep.
 const float kRecovered = 0.5;
 
 // Where the triangle is (b), seen from the side on which it was (a), and the gap that is wanted: none that overlaps, and `recovered` of the rest.
@@ -40,6 +42,9 @@ Gap gap_from_its_side(Body body, mat3 a, mat3 b, float separation, float recover
 }
 
 float squared(float x) { return x * x; }
+
+// In quanta, what is `weight` of the whole.
+int quanta_of(float weight, float length) { return int(round(weight / collision_settings.quantum * length)); }
 
 // Adds to one half of a particle's sums (m, in the world's axes).
 void add(uint half_of, vec3 correction, float weight) {
@@ -60,6 +65,7 @@ void correct(Body body, uint particle, vec3 a, vec3 b, vec3 normal, float missin
   const vec3 rubbed = -min(1, body.friction * depth / max(len, 1e-12)) * slip;
   add(2 * particle + 1, rotate(body.pose.rotation_to, rubbed), weight / WEFT_WHOLE_WEIGHT);
   atomicAdd(collision_sums[2 * particle].w, int(weight));
+  atomicAdd(collision_depths[particle], quanta_of(weight / WEFT_WHOLE_WEIGHT, depth));
   if (reacts) atomicMax(collision_sums[2 * particle + 1].w, int(body.number));
 }
 

@@ -208,7 +208,7 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(implicit, {&b::spring_blocks, &b::inverses, &b::exchanged, &b::solve_vectors, &b::partial_sums, &b::linear, &b::free_cloths});
     expect(implicit && calls.has(Id::collide), {&b::collider_filters});
     expect(calls.has(Id::triangle) || (calls.has(Id::air) && calls.has(Id::collide)), {&b::triangles});
-    expect(calls.has(Id::triangle), {&b::collisions, &b::collision_list, &b::collision_sums});
+    expect(calls.has(Id::triangle), {&b::collisions, &b::collision_list, &b::collision_sums, &b::collision_depths});
     expect(calls.has(Id::triangle) && calls.has(Id::contact), {&b::ways_out});
     expect(calls.has(Id::contact),
            {&b::clusters, &b::cluster_faces, &b::cluster_edges, &b::cluster_searchers, &b::cluster_owners, &b::cluster_hulls, &b::cluster_surroundings,

@@ -10,7 +10,8 @@
 namespace weft::effects {
 namespace {
 
-constexpr const Buffer* kBuffers[] = {&buffers::collisions, &buffers::collision_list, &buffers::collision_sums, &buffers::ways_out};
+constexpr const Buffer* kBuffers[] = {&buffers::collisions, &buffers::collision_list, &buffers::collision_sums, &buffers::collision_depths,
+                                      &buffers::ways_out};
 
 constexpr Length kTriangles = [](const Cooked& s) { return std::uint64_t(s.fabric.cloth_triangles); };
 

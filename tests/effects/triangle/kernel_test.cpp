@@ -76,6 +76,13 @@ struct Trial {
     return made;
   }
 
+  // Six triangles meet in one particle.
+  void share_corners() {
+    for (std::uint32_t t = 0; t < fabric.triangles.size(); ++t) fabric.triangles[t][0] = 3 * (t - t % 6);
+    fabric.own.of<TriangleLists>().most_around = 6;
+    for (gpu::vec4& v : fabric.velocities) v.w = 0;   // of one material
+  }
+
   // What the triangles asked of their corners: out of the body, and by friction (m).
   struct Asked {
     std::vector<Vector> out_of, friction;
@@ -200,6 +207,33 @@ TEST_F(TriangleKernel, do_what_their_twin_does_with_boxes) {
   compare(device(), ColliderShape::box, 0.05, 0.02, 7);
   compare(device(), ColliderShape::box, 0.5, 0.02, 8);
   compare(device(), ColliderShape::box, 0.5, 0.5, 9);
+}
+
+// The mean of what its triangles ask for, made longer where they put it out in unlike directions.
+TEST_F(TriangleKernel, move_a_particle_as_its_twin_does_whatever_directions_they_ask_for) {
+  Random random(60);
+  Trial trial(random, ColliderShape::sphere, 0.3, 0.02, 0, 240);
+  trial.share_corners();
+  SinglePass passes(device(), trial.scene, trial.fabric, false);
+  passes.put_iterate(trial.p);
+  FrameInput input = frame_of(1);
+  input.colliders = std::span(&trial.collider, 1);
+  passes.begin(input);
+  for (const char* pass : {"triangle_search", "triangle_collide", "finalize"}) passes.run(pass);
+  const auto moved = passes.iterate();
+  const reference::Body body = trial.body();
+  const double thickness = trial.fabric.materials[0].thickness;
+  const reference::Points x = points(trial.fabric.positions), p = points(trial.p);
+  const auto asked =
+      reference::ask_triangles(std::span(&body, 1), trial.fabric.triangles, x, p, inverse_masses(trial.fabric), thickness);
+  int longer = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    if (trial.p[i].w == 0) continue;
+    const Vector twin = reference::out_of_body(body, x[i] + asked[i].out_of, p[i] + asked[i].out_of, thickness);
+    EXPECT_LT((vector(moved[i]) - twin).norm(), 1e-5) << "particle " << i << ", " << asked[i].longer << " times the mean";
+    longer += asked[i].longer > 1.2;
+  }
+  EXPECT_GT(longer, 5) << "the scene tests nothing";
 }
 
 // Coulomb, of every corner: as much of its slip as friction times how far it is put out, and no more than all of it.
