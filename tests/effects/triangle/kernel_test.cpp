@@ -230,8 +230,9 @@ TEST_F(TriangleKernel, move_a_particle_as_its_twin_does_whatever_directions_they
   for (std::size_t i = 0; i < p.size(); ++i) {
     if (trial.p[i].w == 0) continue;
     const Vector twin = reference::out_of_body(body, x[i] + asked[i].out_of, p[i] + asked[i].out_of, thickness);
-    EXPECT_LT((vector(moved[i]) - twin).norm(), 1e-5) << "particle " << i << ", " << asked[i].longer << " times the mean";
-    longer += asked[i].longer > 1.2;
+    // Which point of a triangle is nearest is known to 3e-4 m (compare), and by that who of its corners moves how far.
+    EXPECT_LT((vector(moved[i]) - twin).norm(), 1e-4) << "particle " << i << ", " << asked[i].longer << " times the mean";
+    longer += asked[i].longer > 1.2 && (1 - 1 / asked[i].longer) * asked[i].out_of.norm() > 1e-3;
   }
   EXPECT_GT(longer, 5) << "the scene tests nothing";
 }
