@@ -15,3 +15,9 @@ Collider collider_at(uint k, float fraction) {
 
 // Of a box: what a place of it at the substep's start is multiplied by to be the same place at its end, in its axes.
 vec3 growth_of(uint k, float from, float to) { return resizes ? collider_at(k, to).half_size / collider_at(k, from).half_size : vec3(1); }
+
+bool changes_size(uint k, float from, float to) {
+  if (!resizes) return false;
+  const Collider before = collider_at(k, from), after = collider_at(k, to);
+  return before.radius != after.radius || before.half_size != after.half_size;
+}
