@@ -402,7 +402,7 @@ double most_relaxation(const SolverSettings& solver);
 /// What the solver's relaxation is, with defaults filled in.
 double relaxation_of(const Scene& scene);
 
-/// The method that solves the scene: by default gauss_seidel where the scene has coarse levels and no contacts, jacobi elsewhere.
+/// The method that solves the scene: by default, where the scene has coarse levels, gauss_seidel, with contacts strands; jacobi elsewhere.
 Method method_of(const Scene& scene);
 
 /// Whether it has coarse levels. Methods jacobi, strands and gauss_seidel may; unless told otherwise strands does, and the default where tethers

@@ -39,7 +39,7 @@ void add_ellipsoid(std::ostream& obj, int& count, Vec3 centre, Vec3 radii, int r
 }
 
 // A sheet of 1 m above a head of 0.2 m, whose two ears lean the way in which the sheet's hem is pulled, so that nothing but the engine
-// could keep it from slipping off: at 3 m/s, after it has been laid over the head. Nothing rubs. By strands on coarse levels: by
+// could keep it from slipping off: at 3 m/s, after it has been laid over the head. Nothing rubs. By the default, strands on coarse levels: by
 // Jacobi it is chance whether cloth that stretches so much hooks.
 Scene pulled_off_a_head(const test::Folder& folder, std::uint32_t cells) {
   std::ostringstream obj;
@@ -64,7 +64,6 @@ Scene pulled_off_a_head(const test::Folder& folder, std::uint32_t cells) {
   head.friction = 0;
   scene.colliders.push_back(plane(0));
   scene.contacts.enabled = true;
-  scene.solver.method = Method::strands;
   return scene;
 }
 
