@@ -1,16 +1,13 @@
 // apply: what contact_apply does for particle i. Needs collide/colliders.glsl, reaction/mesh.glsl,
 // motion/displacement_bound.glsl, motion_constraint/motion_constraint.glsl, and ITERATE(i).
 
+// What rounding of the place leaves of a correction is there for the next iteration; contact_finalize forgets the last.
 vec3 moved_by_contacts(uint i, vec3 p) {
   if (contact_penetrations[i] != 0) contact_penetrations[i] = 0;
   const ivec3 sum = contact_sums[i].xyz;
   if (sum == ivec3(0)) return p;
-  contact_sums[i].xyz = ivec3(0);
-  precise const vec3 asked = contact_settings.quantum * vec3(sum), end = p + asked;
-  if (first_mesh_body > 0) {
-    precise const vec3 rounding = (end - p) - asked;
-    tell_touched_mesh(i, rounding, end, FETCH(positions, i).w);
-  }
+  precise const vec3 asked = contact_settings.quantum * vec3(sum), end = p + asked, rounding = (end - p) - asked;
+  contact_sums[i].xyz = -ivec3(round(rounding / contact_settings.quantum));
   return end;
 }
 

@@ -47,10 +47,13 @@ void move_kinematic(uint i, vec3 x, vec3 target) {
   positions[i].xyz = end;
 }
 
-// What the particle lost alone is a mesh collider's, if it has touched one (reaction/mesh.glsl), which is forgotten then.
-void settle_with_mesh(uint i, vec3 before, vec3 after) {
-  tell_touched_mesh(i, after - before, after, FETCH(positions, i).w);
-  if (contact_sums[i].w != 0) contact_sums[i].w = 0;
+// What the particle lost alone, what rounding left of its corrections with it, is a mesh collider's, if it has touched one
+// (reaction/mesh.glsl). Both are forgotten then.
+void settle(uint i, vec3 before, vec3 after) {
+  const ivec4 left = contact_sums[i];
+  if (left == ivec4(0)) return;
+  if (first_mesh_body > 0) tell_touched_mesh(i, after - before - contact_settings.quantum * vec3(left.xyz), after, FETCH(positions, i).w);
+  contact_sums[i] = ivec4(0);
 }
 
 void main() {
@@ -65,7 +68,7 @@ void main() {
   }
   const vec4 v = FETCH(velocities, i);
   const vec3 end = allowed(i, x, p.xyz);
-  if (first_mesh_body > 0) settle_with_mesh(i, p.xyz, end);
+  settle(i, p.xyz, end);
   p.xyz = end;
   p = update_velocity(i, x, p, v.xyz, FETCH(materials, floatBitsToUint(v.w)).x);
   watch_bound(bound_of(i), expected_of(i, detection[0].steps), end, p.xyz);

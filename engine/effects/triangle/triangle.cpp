@@ -1,5 +1,6 @@
 #include "engine/effects/triangle/triangle.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -30,6 +31,9 @@ constexpr Pass kPasses[] = {
 constexpr double kFurthestOff = 0.02;
 // Cloth that strikes a body is stretched, and its triangles are larger for a moment: by so much more than at rest.
 constexpr double kStretched = 1.1;
+// A body with less than this part of the cloth's width for its radius carries it by a few edges. Those a strike stretches, and friction then
+// holds them: triangles collide by themselves where so much larger ones would have to.
+constexpr double kThin = 0.05, kCaught = 3;
 
 double radius_of(const Collider& collider) {
   return collider.shape == ColliderShape::capsule ? std::min(collider.radius, radius_at_end(collider)) : collider.radius;
@@ -41,18 +45,20 @@ bool is_round(const Collider& collider) { return collider.shape == ColliderShape
 struct Weave {
   double circle = 0;             // the largest of the smallest circles about its triangles: their radius
   double thickness = INFINITY;   // the least
+  double area = 0;               // m^2
 };
 
 // How far vertices keep off beyond their thickness (m).
-double stand_off(const Collider& collider, const Weave& weave) {
+double stand_off(const Collider& collider, const Weave& weave, double stretched) {
   const double r = radius_of(collider);
-  return std::max(0.0, std::hypot(r, kStretched * weave.circle) - (r + weave.thickness));
+  return std::max(0.0, std::hypot(r, stretched * weave.circle) - (r + weave.thickness));
 }
 
 bool may_show_through(const Collider& collider, const Weave& weave) {
   if (collider.shape == ColliderShape::box) return true;
   // What resizes may get whatever size. Where no vertex passes a plane no triangle does, and meshes are for contacts.
-  return is_round(collider) && (collider.resizes || stand_off(collider, weave) > kFurthestOff * radius_of(collider));
+  const double r = radius_of(collider), stretched = r < kThin * std::sqrt(weave.area) ? kCaught : kStretched;
+  return is_round(collider) && (collider.resizes || stand_off(collider, weave, stretched) > kFurthestOff * r);
 }
 
 // Of the smallest circle about a triangle: about its longest side, or about all corners where no angle is obtuse.
@@ -66,13 +72,19 @@ double circle_about(const gpu::vec4& a, const gpu::vec4& b, const gpu::vec4& c) 
   return n / (2 * std::sqrt(1 - cosine * cosine));   // the law of sines
 }
 
+double area_of(const gpu::vec4& a, const gpu::vec4& b, const gpu::vec4& c) {
+  const Eigen::Vector3d p(a.x, a.y, a.z), q(b.x, b.y, b.z), r(c.x, c.y, c.z);
+  return (q - p).cross(r - p).norm() / 2;
+}
+
 // Of each cloth.
 std::vector<Weave> weaves_of(const CookedFabric& fabric) {
   std::vector<Weave> weaves(fabric.cloths.size());
   const auto& x = fabric.positions;
   for (const auto& [a, b, c] : std::span(fabric.triangles).first(fabric.cloth_triangles)) {
-    double& circle = weaves[body_of(fabric, a)].circle;
-    circle = std::max(circle, circle_about(x[a], x[b], x[c]));
+    Weave& weave = weaves[body_of(fabric, a)];
+    weave.circle = std::max(weave.circle, circle_about(x[a], x[b], x[c]));
+    weave.area += area_of(x[a], x[b], x[c]);
   }
   for (const gpu::Material& material : fabric.materials)
     if (const auto body = static_cast<std::size_t>(material.body); body < weaves.size())
@@ -94,7 +106,7 @@ void lay_out(cooking::CookState& state) {
       const bool shows = may_show_through(colliders[c], weaves[k]);
       any = any || shows;
       lists.with_round = lists.with_round || (shows && is_round(colliders[c]));
-      if (is_round(colliders[c])) stand_offs[c] = std::max(stand_offs[c], static_cast<float>(stand_off(colliders[c], weaves[k])));
+      if (is_round(colliders[c])) stand_offs[c] = std::max(stand_offs[c], static_cast<float>(stand_off(colliders[c], weaves[k], kStretched)));
     }
   // Where triangles meet round bodies, they do so by themselves.
   if (!lists.with_round && std::ranges::any_of(stand_offs, [](float off) { return off > 0; })) lists.stand_offs = std::move(stand_offs);

@@ -39,9 +39,8 @@ void add_ellipsoid(std::ostream& obj, int& count, Vec3 centre, Vec3 radii, int r
 }
 
 // A sheet of 1 m above a head of 0.2 m, whose two ears lean the way in which the sheet's hem is pulled, so that nothing but the engine
-// could keep it from slipping off: at 3 m/s, after it has been laid over the head. Nothing rubs. By the default, strands on coarse levels: by
-// Jacobi it is chance whether cloth that stretches so much hooks.
-Scene pulled_off_a_head(const test::Folder& folder, std::uint32_t cells) {
+// could keep it from slipping off, after it has been laid over the head. Nothing rubs.
+Scene pulled_off_a_head(const test::Folder& folder, std::uint32_t cells, double speed) {
   std::ostringstream obj;
   int count = 0;
   add_ellipsoid(obj, count, {0, 0.25f, 0}, {0.2f, 0.2f, 0.2f}, 16, 24, 0);
@@ -57,7 +56,7 @@ Scene pulled_off_a_head(const test::Folder& folder, std::uint32_t cells) {
   hem.box = Anchor::Box{{0.499f, -9, -9}, {0.501f, 9, 9}};
   hem.keys.resize(3);
   hem.keys[1] = {1, {-0.05f, -0.35f, 0}};
-  hem.keys[2] = {2, {2.95f, -0.35f, 0}};
+  hem.keys[2] = {1 + 3 / speed, {2.95f, -0.35f, 0}};
   Collider& head = scene.colliders.emplace_back();
   head.shape = ColliderShape::mesh;
   head.mesh = "head.obj";
@@ -67,12 +66,13 @@ Scene pulled_off_a_head(const test::Folder& folder, std::uint32_t cells) {
   return scene;
 }
 
-// Before tethers left it to what leads around, it hooked, for ever: 258 % in the mean.
+// Before tethers left it to what leads around, it hooked, for ever: 258 % in the mean. With two rounds of contact_slide it still did with 31 to 33
+// cells: a step that pairs cut short loses what leads around, too.
 TEST_F(Slip, a_sheet_slips_off_a_head_with_ears_and_crosses_neither_it_nor_itself) {
   const test::Folder folder;
-  for (const std::uint32_t cells : {30u, 31u}) {
-    SCOPED_TRACE(std::to_string(cells) + " cells");
-    const auto simulation = must(Simulation::create(device(), pulled_off_a_head(folder, cells)));
+  for (const auto [cells, speed] : {std::pair(30u, 3.0), std::pair(31u, 3.0), std::pair(32u, 3.0), std::pair(33u, 5.0)}) {
+    SCOPED_TRACE(std::to_string(cells) + " cells, m/s: " + std::to_string(speed));
+    const auto simulation = must(Simulation::create(device(), pulled_off_a_head(folder, cells, speed)));
     run(*simulation, 2.5);
     EXPECT_LT(strain_of(*simulation).mean, 0.02);
     float last = INFINITY;

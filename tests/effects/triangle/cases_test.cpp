@@ -133,8 +133,8 @@ TEST_F(TriangleCollision, nothing_shows_through_a_draped_sheet_at_any_cell_size)
                                 tapered(capsule({0, 0.1f, 0}, 0.2, 0.1, {0.96f, -0.28f, 0}), 0.05),
                                 box({0, 0, 0}, {0.4f, 0.5f, 0.3f}), turned};
   for (const Collider& collider : colliders)
-    for (const std::uint32_t cells : {1u, 3u, 10u, 20u, 25u, 35u, 50u, 64u}) {
-      if (cells > 50 && collider.shape != ColliderShape::box) continue;   // thin capsules: engine/README.md, Limitations
+    for (const std::uint32_t cells : {1u, 3u, 10u, 20u, 25u, 35u, 50u, 64u, 80u}) {
+      if (cells > 64 && collider.shape == ColliderShape::box) continue;   // their corners: engine/README.md, Limitations
       SCOPED_TRACE("shape " + std::to_string(int(collider.shape)) + ", cells " + std::to_string(cells));
       const auto simulation = must(Simulation::create(device(), over(collider, cells)));
       const reference::Body body = body_of(collider, simulation->colliders()[0]);
