@@ -52,8 +52,23 @@ inline bool is_pushed(const Pair& pair, const Vector& normal, const Points& x, c
   return false;
 }
 
+/// By how much more than predicted a pair may approach each other: half of the displacement bounds of both sides, `most` at most (m).
+struct Straying {
+  std::span<const double> bounds = {};   // one a particle
+  double most = 0;
+
+  double of(const Pair& pair) const {
+    double sides[2] = {0, 0};
+    for (int j = 0; j < 4 && !bounds.empty(); ++j) {
+      double& side = sides[pair.on_a(j) ? 0 : 1];
+      side = std::max(side, bounds[pair.particle[static_cast<std::size_t>(j)]]);
+    }
+    return std::min(most, 0.5 * (sides[0] + sides[1]));
+  }
+};
+
 inline Contact prepare_contact(const Pair& pair, const Points& x, const Points& p, double recover,
-                               std::span<const double> inverse_masses) {
+                               std::span<const double> inverse_masses, const Straying& straying = {}) {
   const Quad at = places(pair, x);
   double extent = 0;
   for (const Vector& corner : at) extent = std::max(extent, (corner - at[0]).cwiseAbs().maxCoeff());
@@ -61,7 +76,8 @@ inline Contact prepare_contact(const Pair& pair, const Points& x, const Points& 
   if (!(near.distance > WEFT_NO_DISTANCE * extent)) return {};
   Contact contact{true, false, offset(near.weights, at) / near.distance, near.weights,
                   std::min(pair.separation, near.distance + recover)};
-  contact.touches = contact.normal.dot(offset(near.weights, places(pair, p))) < contact.separation + 0.1 * pair.separation ||
+  const double spare = std::max(0.1 * pair.separation, straying.of(pair));
+  contact.touches = contact.normal.dot(offset(near.weights, places(pair, p))) < contact.separation + spare ||
                     is_pushed(pair, contact.normal, x, p, inverse_masses);
   return contact;
 }

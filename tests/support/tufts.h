@@ -43,9 +43,9 @@ inline Tufts tufts(std::mt19937_64& random, std::uint32_t count, int pairs_each,
   return t;
 }
 
-inline std::vector<Contact> prepare(const Tufts& t, double recover) {
+inline std::vector<Contact> prepare(const Tufts& t, double recover, const Straying& straying = {}) {
   std::vector<Contact> contacts;
-  for (const Pair& pair : t.pairs) contacts.push_back(prepare_contact(pair, t.x, t.p, recover, t.inverse_masses));
+  for (const Pair& pair : t.pairs) contacts.push_back(prepare_contact(pair, t.x, t.p, recover, t.inverse_masses, straying));
   return contacts;
 }
 

@@ -21,14 +21,29 @@ double separation(const reference::Pair& pair, const reference::Vector& n, const
   return low - high;
 }
 
-void compare_prepared(const compute::Device& device, bool gather_storage) {
+// `margin`: how long bounds may be (m).
+void compare_prepared(const compute::Device& device, bool gather_storage, double margin = 0) {
   Random random(11);
   const Tufts t = reference::tufts(random, 40, 12, 0.01);
   const Scene scene = scene_of(t);
   const CookedFabric fabric = fabric_of(t, scene.solver);
   Passes passes(device, scene, fabric, t, gather_storage);
+  std::vector<double> bounds;
+  std::vector<std::uint32_t> bits;
+  for (std::size_t i = 0; margin > 0 && i < t.x.size(); ++i) {
+    bounds.push_back(static_cast<float>(between(random, 0, 1.5 * margin)));
+    bits.push_back(std::bit_cast<std::uint32_t>(static_cast<float>(bounds.back())) | WEFT_PAIRED);
+  }
+  if (margin > 0) {
+    passes.put(buffers::displacement_bounds, bits);
+    gpu::Detection state = passes.detection();
+    state.margin = static_cast<float>(margin);
+    passes.put(buffers::detection, std::vector{state});
+  }
   passes.run("contact_prepare");
-  const auto wanted = reference::prepare(t, passes.recover), got = passes.contacts();
+  const auto wanted = reference::prepare(t, passes.recover, {bounds, margin}), got = passes.contacts();
+  const auto by_prediction = reference::prepare(t, passes.recover);
+  int more = 0;
   std::vector<std::uint32_t> counts(t.x.size());
   int active = 0;
   // Offsets and heights are differences of coordinates below 0.1 m, some ten roundings deep.
@@ -43,6 +58,7 @@ void compare_prepared(const compute::Device& device, bool gather_storage) {
     ASSERT_EQ(got[k].touches, wanted[k].touches) << k;
     if (!got[k].touches) continue;
     ++active;
+    more += !by_prediction[k].touches;
     EXPECT_NEAR(got[k].separation, wanted[k].separation, tolerance);
     EXPECT_NEAR(got[k].weights.sum(), 0, 8 * kRounding);
     EXPECT_NEAR(reference::offset(got[k].weights, places(pair, t.x)).norm(), gap, tolerance);
@@ -53,6 +69,7 @@ void compare_prepared(const compute::Device& device, bool gather_storage) {
     }
   }
   EXPECT_GT(active, 50);
+  EXPECT_EQ(more > 10, margin > 0) << more;
   EXPECT_EQ(passes.get<std::uint32_t>(buffers::contact_counts, t.x.size()), counts);
   // Those with contacts are listed, each once.
   std::vector<std::uint32_t> touched = passes.get<std::uint32_t>(buffers::touched_particles, passes.detection().touchings), wanted_touched;
@@ -65,6 +82,7 @@ void compare_prepared(const compute::Device& device, bool gather_storage) {
 }
 
 TEST_F(ContactKernel, prepares_as_its_twin) { compare_prepared(device(), false); }
+TEST_F(ContactKernel, prepares_as_its_twin_what_may_come_off_its_prediction) { compare_prepared(device(), false, 0.004); }
 TEST_F(ContactKernel, prepares_as_its_twin_through_storage) { compare_prepared(device(), true); }
 
 void compare_solved(const compute::Device& device, bool gather_storage) {
