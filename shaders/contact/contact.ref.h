@@ -52,7 +52,7 @@ inline bool is_pushed(const Pair& pair, const Vector& normal, const Points& x, c
   return false;
 }
 
-/// By how much more than predicted a pair may approach each other: half of the displacement bounds of both sides, `most` at most (m).
+/// By how much more than predicted a pair may approach each other: 0.35 of the displacement bounds of both sides, `most` at most (m).
 struct Straying {
   std::span<const double> bounds = {};   // one a particle
   double most = 0;
@@ -63,7 +63,7 @@ struct Straying {
       double& side = sides[pair.on_a(j) ? 0 : 1];
       side = std::max(side, bounds[pair.particle[static_cast<std::size_t>(j)]]);
     }
-    return std::min(most, 0.5 * (sides[0] + sides[1]));
+    return std::min(most, 0.35 * (sides[0] + sides[1]));
   }
 };
 
