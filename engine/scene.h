@@ -195,7 +195,7 @@ struct Cloth {
   Maps maps;
   bool bending = true;
   bool bends_as_plate = false;           // about flat: where the mesh is a lattice of quads it has a plate's energy in every direction
-  BendRest bend_rest = BendRest::flat;   // mesh: methods jacobi and gauss_seidel only
+  BendRest bend_rest = BendRest::flat;   // mesh: methods jacobi, strands and gauss_seidel only
   bool tethers = true;          // takes effect when there are anchors
   std::uint32_t tethers_per_vertex = 4;   // 1 ... 8
   /// How much longer than the geodesic distance tethers are, as a fraction of it, 0 ... 1. None: by direction as much as the fabric

@@ -469,7 +469,7 @@ struct Detection {
 #define WEFT_UNSAFE 1u
 #define WEFT_PAIRED 0x80000000u  // a bit of a displacement bound, which is not negative: the particle has candidates
 #define WEFT_UNTANGLED 1e30f     // m, in place of a candidate's separation: it takes a vertex back through a triangle (untangle.comp)
-#define WEFT_SLIDES 2u   // rounds of contact_slide in a substep: each takes into account for a pair how its particles have given way to others
+#define WEFT_SLIDES 2u   // rounds of contact_slide in a substep: what a particle gives way to one pair the second takes into account for others
 #define WEFT_CLUSTER 16u         // triangles that detection treats as one until it looks closer, at most
 #define WEFT_NEAR_CLUSTERS 63u   // that a cluster's list has room for; with more the search asks all
 #define WEFT_MOTION 8u           // elements of cluster_motions a cluster
@@ -521,7 +521,7 @@ struct Air {
 };
 
 struct CollisionSettings {
-  float quantum;      // m, unit of collision_sums: as many corrections of WEFT_FURTHEST_OUT as a particle has triangles fit
+  float quantum;      // m, unit of collision_sums and collision_depths: as many corrections of WEFT_FURTHEST_OUT as a particle has triangles fit
 };
 
 struct ReactionSettings {

@@ -7,7 +7,7 @@ vec3 moved_by_contacts(uint i, vec3 p) {
   const ivec3 sum = contact_sums[i].xyz;
   if (sum == ivec3(0)) return p;
   precise const vec3 asked = contact_settings.quantum * vec3(sum), end = p + asked, rounding = (end - p) - asked;
-  contact_sums[i].xyz = -ivec3(round(rounding / contact_settings.quantum));
+  contact_sums[i].xyz = -ivec3(roundEven(rounding / contact_settings.quantum));
   return end;
 }
 

@@ -29,14 +29,14 @@ const float kNoDistance = WEFT_NO_DISTANCE;
 // m. No two points of a mesh that is finite are further apart.
 const float kNoMesh = 1e9;
 
-// Of the displacement bounds of both sides: what constraints use of them. Where the solve pulled sides into each other whose prediction stayed
-// apart, and no contact was active, the step was cut short instead, and cloth hooked on a body's ears (Slip). With a tenth of the separation
-// alone three to four times as many steps were.
+// Of the displacement bounds of both sides: what constraints use of them. Where the solve pulled sides into each other whose prediction
+// stayed apart, and no contact was active, the step was cut short instead, and cloth hooked on a body's ears (Slip).
 const float kUsed = 0.35;
 
 float bound_of(uint i) { return uintBitsToFloat(FETCH_UINT(displacement_bounds, i) & ~WEFT_PAIRED); }
 
-// How much nearer to each other than their prediction constraints may bring the sides (m).
+// How much nearer to each other than their prediction constraints may bring the sides (m). Bounds that are larger because something pushes
+// count for no more than others may.
 float may_come_off(vec4 bounds, bool edges) {
   const float a = edges ? max(bounds.x, bounds.y) : bounds.x, b = max(max(edges ? 0 : bounds.y, bounds.z), bounds.w);
   return min(kUsed * (a + b), detection[0].margin);

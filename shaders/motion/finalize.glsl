@@ -28,14 +28,15 @@ struct Asked {
   uint body;   // reactions: one of the bodies that they met, counted from 1 (triangle/bodies.glsl)
 };
 
-// |m|^2 / (mean d)^2 of three ways out at right angles. Less have ways that are opposed, out of which no length leads.
+// |m|^2 / (mean d)^2 of three ways out at right angles. Ways that oppose each other have less:
+// however long, their mean leads out of neither.
 const float kLeastAlike = 1.0 / 3;
 
-// Each triangle asks for d along its n. Their mean m is enough where all n are one. At a box's corner one triangle asks along x and the next
-// along y: the mean is half of each, and cloth whose tension pulls it back rested with an edge 1 mm inside. So m is made longer, by
-// (mean d)^2 / |m|^2: a simultaneous projection, extrapolated (Pierra 1984, "Decomposition through formalization in a product space"). His
-// own factor, mean d^2 / |m|^2, is never less, and up to that no place that all of them allow becomes further away; but by that cloth shivers, at
-// three times the speed.
+// Each triangle asks for d along its n. Their mean m is enough where all n are one. At a box's corner one triangle asks along x and the
+// next along y: the mean is half of each, and cloth whose tension pulls it back rested with an edge 1 mm inside. So m is made longer, by
+// (mean d)^2 / |m|^2: a simultaneous projection, extrapolated (Pierra 1984, "Decomposition through formalization in a product space").
+// His own factor, mean d^2 / |m|^2, is never less, and up to that no place that all of them allow becomes further away; but by that
+// cloth shivers, at three times the speed. Where no triangle tells its d (triangle_collide) the mean is taken as it is.
 //
 // Forgets what was asked, for the next iteration.
 Asked asked_by_triangles(uint i) {

@@ -57,7 +57,7 @@ void add(uint half_of, vec3 correction, float weight) {
 
 // Moves a corner out. In the body's axes what is carried along does not move, and Coulomb friction is as in collide.glsl. Of a body that grows
 // the mean is enough: made longer, it threw cloth off a box's corners at four times their speed.
-void correct(Body body, bool grows, uint particle, vec3 a, vec3 b, vec3 normal, float missing) {
+void correct(Body body, bool is_resized, uint particle, vec3 a, vec3 b, vec3 normal, float missing) {
   const float depth = min(missing, WEFT_FURTHEST_OUT);
   const float weight = ceil(WEFT_WHOLE_WEIGHT * min(squared(depth / WEFT_WHOLE_DEPTH), 1));
   const vec3 motion = b - a, slip = motion - dot(motion, normal) * normal;
@@ -66,7 +66,7 @@ void correct(Body body, bool grows, uint particle, vec3 a, vec3 b, vec3 normal, 
   const vec3 rubbed = -min(1, body.friction * depth / max(len, 1e-12)) * slip;
   add(2 * particle + 1, rotate(body.pose.rotation_to, rubbed), weight / WEFT_WHOLE_WEIGHT);
   atomicAdd(collision_sums[2 * particle].w, int(weight));
-  if (!grows) atomicAdd(collision_depths[particle], quanta_of(weight / WEFT_WHOLE_WEIGHT, depth));
+  if (!is_resized) atomicAdd(collision_depths[particle], quanta_of(weight / WEFT_WHOLE_WEIGHT, depth));
   if (reacts) atomicMax(collision_sums[2 * particle + 1].w, int(body.number));
 }
 
@@ -74,7 +74,7 @@ bool is_held_inside(Body body, bool is_anchor, vec3 p, float separation) { retur
 
 void collide(Body body, uvec3 corner, mat3 x, mat3 p, bvec3 is_anchor, float separation) {
   mat3 a = mat3(at_start(body.pose, x[0]), at_start(body.pose, x[1]), at_start(body.pose, x[2]));
-  const bool grows = changes_size(planes + body.number - 1, push.fraction_from, push.fraction_to);
+  const bool is_resized = changes_size(planes + body.number - 1, push.fraction_from, push.fraction_to);
   if (resizes && body.radius == 0) {   // as in out_of_box
     const vec3 growth = growth_of(planes + body.number - 1, push.fraction_from, push.fraction_to);
     a = mat3(growth * a[0], growth * a[1], growth * a[2]);
@@ -83,12 +83,12 @@ void collide(Body body, uvec3 corner, mat3 x, mat3 p, bvec3 is_anchor, float sep
   for (int k = 0; k < 3; ++k)
     if (is_held_inside(body, is_anchor[k], b[k], separation)) return;
   float wanted;
-  const Gap gap = gap_from_its_side(body, a, b, separation, body.radius == 0 && grows ? 1 : kRecovered, wanted);
+  const Gap gap = gap_from_its_side(body, a, b, separation, body.radius == 0 && is_resized ? 1 : kRecovered, wanted);
   const float missing = wanted - gap.size;
   if (!(missing > 0 && missing < 1e10)) return;
   const vec3 share = gap.weights / dot(gap.weights, gap.weights);
   for (int k = 0; k < 3; ++k)
-    if (gap.weights[k] > 0 && !is_anchor[k]) correct(body, grows, corner[k], a[k], b[k], gap.normal, missing * share[k]);
+    if (gap.weights[k] > 0 && !is_anchor[k]) correct(body, is_resized, corner[k], a[k], b[k], gap.normal, missing * share[k]);
 }
 
 void main() {

@@ -124,8 +124,8 @@ inline constexpr Buffer contact_list = growing(scratch<gpu::uint>("contact_list"
 inline constexpr Buffer touched_particles = scratch<gpu::uint>("touched_particles", lengths::particles);
 /// Number of active contacts of each particle in this substep; 0 for kinematic ones.
 inline constexpr Buffer contact_counts = cleared<gpu::uint>("contact_counts", lengths::particles);
-/// xyz sum of a particle's corrections in units of ContactSettings::quantum, 0 between iterations; w with reactions the mesh collider that it
-/// has touched in the substep, counted from 1.
+/// xyz sum of a particle's corrections in units of ContactSettings::quantum, between iterations what rounding of its place has left of them;
+/// w with reactions the mesh collider that it has touched in the substep, counted from 1. All 0 between substeps.
 inline constexpr Buffer contact_sums = cleared<gpu::ivec4>("contact_sums", lengths::particles);
 /// Sum of the penetrations of a particle's contacts, each times its weight (contact_share.glsl); 0 between iterations.
 inline constexpr Buffer contact_penetrations = cleared<gpu::uint>("contact_penetrations", lengths::particles);

@@ -31,8 +31,8 @@ constexpr Pass kPasses[] = {
 constexpr double kFurthestOff = 0.02;
 // Cloth that strikes a body is stretched, and its triangles are larger for a moment: by so much more than at rest.
 constexpr double kStretched = 1.1;
-// A body with less than this part of the cloth's width for its radius carries it by a few edges. Those a strike stretches, and friction then
-// holds them: triangles collide by themselves where so much larger ones would have to.
+// A body with less than this part of the cloth's width, the root of its area, for its radius carries it by a few edges. Those a strike
+// stretches, and friction then holds them: triangles collide by themselves where so much larger ones would have to.
 constexpr double kThin = 0.05, kCaught = 3;
 
 double radius_of(const Collider& collider) {

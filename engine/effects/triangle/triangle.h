@@ -26,7 +26,8 @@ inline constexpr Buffer collision_list =
 /// w the last of the bodies that they met, with reactions.
 inline constexpr Buffer collision_sums =
     cleared<gpu::ivec4>("collision_sums", [](const Cooked& s) { return std::uint64_t(2 * s.fabric.positions.size()); });
-/// Of each particle: how far its triangles move it out of colliders, whichever way, by the same weights and in the same quanta.
+/// Of each particle: how far its triangles move it out of colliders that keep their size, whichever way, by the same weights and in the same
+/// quanta.
 inline constexpr Buffer collision_depths = cleared<int>("collision_depths", lengths::particles);
 
 /// Of each particle, with contacts: the way out that its triangles asked for in this iteration (m).

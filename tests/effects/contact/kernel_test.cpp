@@ -232,6 +232,7 @@ TEST_F(ContactKernel, few_contacts_are_solved_to_the_same_bits) {
         EXPECT_TRUE(same_bits(few.get<std::uint32_t>(buffers::contact_penetrations, t.x.size()), std::vector<std::uint32_t>(t.x.size())));
         EXPECT_EQ(few.counters().truncated, many.counters().truncated);
         for (Passes* passes : {&few, &many}) passes->run("contact_finalize");
+        EXPECT_TRUE(same_bits(few.get<gpu::ivec4>(buffers::contact_sums, t.x.size()), std::vector<gpu::ivec4>(t.x.size())));
         EXPECT_TRUE(same_bits(few.particles(buffers::positions), many.particles(buffers::positions)));
       }
 }

@@ -66,8 +66,8 @@ Scene pulled_off_a_head(const test::Folder& folder, std::uint32_t cells, double 
   return scene;
 }
 
-// Before tethers left it to what leads around, it hooked, for ever: 258 % in the mean. Later it still did, with 31 to 33 cells at 3 m/s: pairs into which
-// the solve alone pulled cloth had no contact, and a step that they cut short loses what leads around, too (contact_prepare).
+// Before tethers left it to what leads around, it hooked, for ever: 258 % in the mean. Later it still did, with 31 to 33 cells at 3 m/s: pairs
+// into which the solve alone pulled cloth had no contact, and a step that they cut short loses what leads around, too (contact_prepare).
 TEST_F(Slip, a_sheet_slips_off_a_head_with_ears_and_crosses_neither_it_nor_itself) {
   const test::Folder folder;
   for (const auto& [cells, speed] : {std::pair(30u, 3.0), std::pair(31u, 3.0), std::pair(32u, 3.0), std::pair(33u, 5.0)}) {

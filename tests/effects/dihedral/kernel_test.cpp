@@ -180,7 +180,7 @@ double farthest_off(const CookedFabric& fabric, const std::vector<gpu::vec4>& po
 TEST_F(DihedralKernel, a_free_hinge_comes_back_to_any_rest_angle_from_any_other) {
   const Hinges hinges = all_hinges(30);
   ASSERT_EQ(hinges.mesh.points.size(), 4 * hinges.count) << "two hinges were welded";
-  for (const Method method : {Method::jacobi, Method::gauss_seidel})
+  for (const Method method : {Method::jacobi, Method::strands, Method::gauss_seidel})
     for (const double rigidity : {0.01, 1e3}) {
       Scene scene;
       scene.gravity = {0, 0, 0};
