@@ -76,7 +76,7 @@ inline Contact prepare_contact(const Pair& pair, const Points& x, const Points& 
   if (!(near.distance > WEFT_NO_DISTANCE * extent)) return {};
   Contact contact{true, false, offset(near.weights, at) / near.distance, near.weights,
                   std::min(pair.separation, near.distance + recover)};
-  const double spare = std::max(0.1 * pair.separation, straying.of(pair));
+  const double spare = std::clamp(straying.of(pair), 0.1 * pair.separation, 0.5 * pair.separation);
   contact.touches = contact.normal.dot(offset(near.weights, places(pair, p))) < contact.separation + spare ||
                     is_pushed(pair, contact.normal, x, p, inverse_masses);
   return contact;
