@@ -50,8 +50,9 @@ build() {
   shift 2
   (( $# == 0 )) || targets=(--target "$@")
   if command -v ccache >/dev/null; then
-    export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros}   # or it keeps nothing that has precompiled headers
-    launcher=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+    # Without precompiled headers: ccache would hand out those of another clone that was built at the same path, and `#pragma once`
+    # knows files by their times, which differ there.
+    launcher=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON)
   fi
   echo "Building $preset into $root/build/$preset"
   (cd "$root" && cmake --log-level=WARNING --preset "$preset" "${launcher[@]}") >/dev/null || return
