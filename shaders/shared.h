@@ -521,7 +521,7 @@ struct Air {
 };
 
 struct CollisionSettings {
-  float quantum;      // m, unit of collision_sums and collision_depths: as many corrections of WEFT_FURTHEST_OUT as a particle has triangles fit
+  float quantum;      // m, unit of collision_sums and collision_depths: what a particle's triangles ask for fits, each WEFT_FURTHEST_OUT
 };
 
 struct ReactionSettings {

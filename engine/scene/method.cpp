@@ -36,8 +36,8 @@ bool levels_of(const Scene& scene) {
   return scene.solver.levels.value_or(by_default || scene.solver.method == Method::strands);
 }
 
-// Cloth that Gauss-Seidel holds together in patches gives way less than four iterations of contacts ask of it in a substep: a held sheet that
-// is driven into it at 8 m/s waits for it.
+// Cloth that Gauss-Seidel holds together in patches gives way less than four iterations of contacts ask of it in a substep: a held sheet
+// that is driven into it at 8 m/s waits for it.
 Method method_of(const Scene& scene) {
   if (scene.solver.method != Method::by_default) return scene.solver.method;
   if (!levels_of(scene)) return Method::jacobi;

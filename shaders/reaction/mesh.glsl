@@ -1,6 +1,6 @@
 // mesh: what mesh colliders are given, by contacts. A contact that parts cloth from one has changed the momentum of each of the cloth's
 // particles by m d / h, and the collider gets the opposite of them all, with levers from the centre of its pose: as from colliders that are
-// formulas (reaction.glsl). What rounding leaves of the last correction is told at the substep's end: all
+// formulas (reaction.glsl). What rounding leaves of the last correction is told at the substep's end, as all
 // particles of a sheet that lies flat round alike.
 //
 // Slides, limits and displacement bounds move a particle without a partner that would get the opposite. Where it has touched a mesh collider

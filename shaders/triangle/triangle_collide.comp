@@ -55,8 +55,8 @@ void add(uint half_of, vec3 correction, float weight) {
   atomicAdd(collision_sums[half_of].z, quanta.z);
 }
 
-// Moves a corner out. In the body's axes what is carried along does not move, and Coulomb friction is as in collide.glsl. Of a body that grows
-// the mean is enough: made longer, it threw cloth off a box's corners at four times their speed.
+// Moves a corner out. In the body's axes what is carried along does not move, and Coulomb friction is as in collide.glsl. Of a body that
+// changes its size the mean is enough: made longer, it threw cloth off a box's corners at four times their speed.
 void correct(Body body, bool is_resized, uint particle, vec3 a, vec3 b, vec3 normal, float missing) {
   const float depth = min(missing, WEFT_FURTHEST_OUT);
   const float weight = ceil(WEFT_WHOLE_WEIGHT * min(squared(depth / WEFT_WHOLE_DEPTH), 1));

@@ -106,7 +106,8 @@ void lay_out(cooking::CookState& state) {
       const bool shows = may_show_through(colliders[c], weaves[k]);
       any = any || shows;
       lists.with_round = lists.with_round || (shows && is_round(colliders[c]));
-      if (is_round(colliders[c])) stand_offs[c] = std::max(stand_offs[c], static_cast<float>(stand_off(colliders[c], weaves[k], kStretched)));
+      if (!is_round(colliders[c])) continue;
+      stand_offs[c] = std::max(stand_offs[c], static_cast<float>(stand_off(colliders[c], weaves[k], kStretched)));
     }
   // Where triangles meet round bodies, they do so by themselves.
   if (!lists.with_round && std::ranges::any_of(stand_offs, [](float off) { return off > 0; })) lists.stand_offs = std::move(stand_offs);
