@@ -52,18 +52,21 @@ inline bool is_pushed(const Pair& pair, const Vector& normal, const Points& x, c
   return false;
 }
 
-/// By how much more than predicted a pair may approach each other: 0.35 of the displacement bounds of both sides, `most` at most (m).
+/// By how much more than predicted a pair may approach each other (m): 0.35 of the displacement bounds of both sides, `most` at most, and half
+/// of the separation where all of it gives way; a tenth of the separation at least.
 struct Straying {
   std::span<const double> bounds = {};   // one a particle
   double most = 0;
 
-  double of(const Pair& pair) const {
+  double of(const Pair& pair, std::span<const double> inverse_masses) const {
     double sides[2] = {0, 0};
     for (int j = 0; j < 4 && !bounds.empty(); ++j) {
       double& side = sides[pair.on_a(j) ? 0 : 1];
       side = std::max(side, bounds[pair.particle[static_cast<std::size_t>(j)]]);
     }
-    return std::min(most, 0.35 * (sides[0] + sides[1]));
+    const bool gives_way = std::ranges::all_of(pair.particle, [&](std::uint32_t i) { return inverse_masses[i] > 0; });
+    const double off = std::min(most, 0.35 * (sides[0] + sides[1]));
+    return std::max(0.1 * pair.separation, gives_way ? std::min(off, 0.5 * pair.separation) : off);
   }
 };
 
@@ -76,8 +79,7 @@ inline Contact prepare_contact(const Pair& pair, const Points& x, const Points& 
   if (!(near.distance > WEFT_NO_DISTANCE * extent)) return {};
   Contact contact{true, false, offset(near.weights, at) / near.distance, near.weights,
                   std::min(pair.separation, near.distance + recover)};
-  const double spare = std::clamp(straying.of(pair), 0.1 * pair.separation, 0.5 * pair.separation);
-  contact.touches = contact.normal.dot(offset(near.weights, places(pair, p))) < contact.separation + spare ||
+  contact.touches = contact.normal.dot(offset(near.weights, places(pair, p))) < contact.separation + straying.of(pair, inverse_masses) ||
                     is_pushed(pair, contact.normal, x, p, inverse_masses);
   return contact;
 }

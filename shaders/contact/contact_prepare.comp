@@ -32,7 +32,8 @@ const float kNoMesh = 1e9;
 // Of the displacement bounds of both sides: what constraints use of them. Where the solve pulled sides into each other whose prediction
 // stayed apart, and no contact was active, the step was cut short instead, and cloth hooked on a body's ears (Slip).
 const float kUsed = 0.35;
-// Of the separation: at least for what other contacts do, and no more, as coarse cloth that is shaken has bounds of centimetres.
+// Of the separation: at least for what other contacts do, and no more where both sides may give way, as coarse cloth that is shaken has
+// bounds of centimetres.
 const float kLeastSpare = 0.1, kMostSpare = 0.5;
 
 float bound_of(uint i) { return uintBitsToFloat(FETCH_UINT(displacement_bounds, i) & ~WEFT_PAIRED); }
@@ -93,10 +94,12 @@ void main() {
   const float half_gap = 0.5 * (least.x + least.y), height = half_gap - least.x;
   // The prediction is the first iterate; other contacts and constraints move it.
   // A kinematic particle that is fast may come up to cloth that other constraints hold back, however far the prediction was ahead of it.
-  const vec4 approach = mix(vec4(0), -signs(pair.edges) * (n * p - n * x), equal(vec4(at_a.w, at_b.w, at_c.w, at_d.w), vec4(0)));
+  const bvec4 is_held = equal(vec4(at_a.w, at_b.w, at_c.w, at_d.w), vec4(0));
+  const vec4 approach = mix(vec4(0), -signs(pair.edges) * (n * p - n * x), is_held);
   const bool is_pushed = max(max(approach.x, approach.y), max(approach.z, approach.w)) > pair.separation;
   const float off = may_come_off(vec4(bound_of(a), bound_of(b), bound_of(c), bound_of(d)), pair.edges);
-  const float spare = clamp(off, kLeastSpare * pair.separation, kMostSpare * pair.separation);
+  const float most = any(is_held) ? off : min(off, kMostSpare * pair.separation);
+  const float spare = max(most, kLeastSpare * pair.separation);
   const bool is_active = is_pushed || dot(n, p * weights) < separation + spare || half_gap < kFloor * length(origin);
   contact_normals[i] = vec4(n, is_active ? separation : -height);
   if (!is_active) return;
