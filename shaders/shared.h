@@ -54,7 +54,8 @@
   X(34, uint, morphs)           /* 1: morph targets move points of skins, 2: and turn their normals (skin/skin.comp) */ \
   X(35, bool, takes_targets)    /* 1: the host may say in a buffer where points of skins are (skin/host_targets.glsl) */ \
   X(36, uint, first_mesh_body)  /* the body number of the first mesh collider (motion/body.glsl); 0: none is told what it is given (reaction/mesh.glsl) */ \
-  X(37, uint, wake_count)       /* cloths and mesh colliders that have wakes in the air (air/wake.comp) */
+  X(37, uint, wake_count)       /* cloths and mesh colliders that have wakes in the air (air/wake.comp) */ \
+  X(38, bool, has_supports)     /* 1: what colliders hold weighs more against them in the solve (support/support.glsl) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u

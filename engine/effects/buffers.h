@@ -22,6 +22,7 @@
 #include "engine/effects/spring/spring.h"
 #include "engine/effects/strand/strand.h"
 #include "engine/effects/stretch/stretch.h"
+#include "engine/effects/support/support.h"
 #include "engine/effects/surface/surface.h"
 #include "engine/effects/tether/tether.h"
 #include "engine/effects/triangle/triangle.h"

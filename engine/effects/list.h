@@ -18,6 +18,7 @@
   EFFECT(chebyshev) \
   EFFECT(tether) \
   EFFECT(collide) \
+  EFFECT(support) \
   EFFECT(reaction) \
   EFFECT(triangle) \
   EFFECT(inertia) \

@@ -20,11 +20,14 @@ READ(uint, patch_colour_ends)
 GATHER_UINT2(patch_links)
 READ_WRITE(float, patch_lambda)
 READ_WRITE(Counters, counters)
+GATHER_WRITE(supports)
+#include "support/support.glsl"
 
 // Of the patch's particles. A place is rounded as a float of its size is; how far a particle has gone is small, and rounded the less. Links add to
 // that alone, so that a place is rounded once for all of them: rounded by each, the centre of mass walked.
 shared vec4 begins[WEFT_PATCH];   // xyz: where it was when the dispatch began (m), w: inverse mass (1/kg)
-shared vec3 gone[WEFT_PATCH];     // how far it has gone since (m)
+shared vec4 gone[WEFT_PATCH];     // xyz: how far it has gone since, w: how much of its steps in this substep was held (m)
+shared vec3 held_by[WEFT_PATCH];  // support.glsl
 
 // The change of a link's multiplier, which is renewed.
 float change_of(PatchLink link, float len, float weight, inout float lambda) {
@@ -35,11 +38,14 @@ float change_of(PatchLink link, float len, float weight, inout float lambda) {
   return change;
 }
 
+// What of a step member m goes, and what of it is held.
+vec4 step_by(uint m, vec3 step) { return has_supports ? vec4(yields(held_by[m], step), held_of(held_by[m], step)) : vec4(step, 0); }
+
 void project(uint k) {
   const PatchLink link = unpack_patch_link(FETCH_UINT2(patch_links, k));
   const vec4 p = begins[link.a], q = begins[link.b];
-  const vec3 p_gone = gone[link.a], q_gone = gone[link.b];
-  vec3 d = (p.xyz - q.xyz) + (p_gone - q_gone);
+  const vec4 p_gone = gone[link.a], q_gone = gone[link.b];
+  vec3 d = (p.xyz - q.xyz) + (p_gone.xyz - q_gone.xyz);
   const float squared = dot(d, d);
   const bool together = squared < 1e-20;
   float lambda = 0;
@@ -51,9 +57,11 @@ void project(uint k) {
   }
   if (squared < 1e20) {
     const float len = together ? 1e-10 : sqrt(squared);
-    const vec3 impulse = (change_of(link, len, p.w + q.w, lambda) / len) * d;
-    gone[link.a] = p_gone + p.w * impulse;
-    gone[link.b] = q_gone - q.w * impulse;
+    float weight = p.w + q.w;
+    if (has_supports) weight = p.w * lightness_along(held_by[link.a], d / len) + q.w * lightness_along(held_by[link.b], d / len);
+    const vec3 impulse = (change_of(link, len, weight, lambda) / len) * d;
+    gone[link.a] = p_gone + step_by(link.a, p.w * impulse);
+    gone[link.b] = q_gone + step_by(link.b, -q.w * impulse);
   }
   if (is_iterated) patch_lambda[k] = lambda;
 }
@@ -67,7 +75,9 @@ void main() {
   const Patch whole = patches[push.first + gl_WorkGroupID.x];
   for (uint m = here; m < whole.members; m += workgroup) {
     begins[m] = FETCH(predicted, particle_of(whole, m));
-    gone[m] = vec3(0);
+    const vec4 support = has_supports ? FETCH(supports, particle_of(whole, m)) : vec4(0);
+    if (has_supports) held_by[m] = support_from(support.xyz);
+    gone[m] = vec4(0, 0, 0, support.w);
   }
   uint begin = patch_colour_ends[whole.first_colour];
   for (uint colour = 1; colour <= whole.colours; ++colour) {
@@ -79,13 +89,16 @@ void main() {
   barrier();
   TurnSums sums = TurnSums(vec4(0), vec3(0), vec3(0), vec3(0));
   const vec3 origin = FETCH(positions, particle_of(whole, 0)).xyz;   // finite, as predictions may not be
-  for (uint m = here; m < whole.members; m += workgroup)
-    add(sums, FETCH(positions, particle_of(whole, m)).xyz - origin, begins[m].w, gone[m]);
+  for (uint m = here; m < whole.members; m += workgroup) {
+    const bool is_held = has_supports && held_by[m] != vec3(0);
+    add(sums, FETCH(positions, particle_of(whole, m)).xyz - origin, is_held ? 0 : begins[m].w, gone[m].xyz);
+  }
   sum_turns(here, sums);
   const Turn turn = turn_of_patch();
   for (uint m = here; m < whole.members; m += workgroup) {
     const uint i = particle_of(whole, m);
     const vec3 turned = cross(turn.angle, FETCH(positions, i).xyz - origin - turn.centre);
-    predicted[i].xyz = begins[m].xyz + (gone[m] + turned);
+    predicted[i].xyz = begins[m].xyz + (gone[m].xyz + turned);
+    if (has_supports && held_by[m] != vec3(0)) supports[i].w = gone[m].w;
   }
 }

@@ -5,7 +5,7 @@
 // momentum preservation for position-based dynamics")
 //     dL = sum m x cross g,     as sum m g = 0.
 // A rotation by w about the mean c, g_i += w cross (x_i - c), takes it back: I w = -dL, I the tensor of inertia about c. It changes no length
-// to first order. A patch with a held particle hands on its momentum to what holds it, and stays as it is.
+// to first order. A patch with a held particle, or one that a collider holds, hands on its momentum to what holds it, and stays as it is.
 
 const float kHeaviest = 1e20;   // kg, of a patch: with one that is held it is more
 

@@ -10,25 +10,30 @@
 GATHER_UINT4(level_nodes)
 GATHER_UINT2(level_gathers)
 
+// Where what it carries is held (support.glsl), it is held by the mean of what put that out.
+
 struct LevelPlace {
-  vec3 centre, middle;   // m
+  vec3 centre, middle, put_out;   // m
 };
+
+LevelPlace place_of_point(uint i) { return LevelPlace(CENTRE_OF(i).xyz, MIDDLE_OF(i).xyz, has_supports ? PUT_OUT_OF(i).xyz : vec3(0)); }
 
 LevelPlace place_of(uint k) {
   const uint begin = unpack_level_node(FETCH(level_nodes, k)).first_gather, end = unpack_level_node(FETCH(level_nodes, k + 1)).first_gather;
   const uint first = FETCH_UINT2(level_gathers, begin).x;
-  const LevelPlace from = LevelPlace(CENTRE_OF(first).xyz, MIDDLE_OF(first).xyz);
-  LevelPlace sum = LevelPlace(vec3(0), vec3(0));
+  const LevelPlace from = place_of_point(first);
+  LevelPlace sum = LevelPlace(vec3(0), vec3(0), vec3(0));
   for (uint g = begin + 1; g < end; g += kAtOnce) {
     LevelGather gather[kAtOnce];
     LevelPlace at[kAtOnce];
     for (uint j = 0; j < kAtOnce; ++j) gather[j] = unpack_level_gather(FETCH_UINT2(level_gathers, min(g + j, end - 1)));
-    for (uint j = 0; j < kAtOnce; ++j) at[j] = LevelPlace(CENTRE_OF(gather[j].point).xyz, MIDDLE_OF(gather[j].point).xyz);
+    for (uint j = 0; j < kAtOnce; ++j) at[j] = place_of_point(gather[j].point);
     for (uint j = 0; j < kAtOnce; ++j) {
       if (g + j >= end) break;
       sum.centre += gather[j].in_centre * (at[j].centre - from.centre);
+      sum.put_out += gather[j].in_centre * (at[j].put_out - from.put_out);
       sum.middle += gather[j].in_middle * (at[j].middle - from.middle);
     }
   }
-  return LevelPlace(from.centre + sum.centre, from.middle + sum.middle);
+  return LevelPlace(from.centre + sum.centre, from.middle + sum.middle, from.put_out + sum.put_out);
 }

@@ -2,7 +2,10 @@
 // masses split. Links only pull: no two places of a cloth are farther apart than along it.
 //
 // A node, whose centre and middle centre.glsl tells, goes first where the next coarser level carries it; what it has gone in the end,
-// level_steps, it hands on to the finer level and at last to the particles, by their shares.
+// level_steps, it hands on to the finer level and at last to the particles, by their shares. Where colliders hold what it carries it goes
+// less far (support.glsl).
+
+#include "support/support.glsl"
 
 GATHER_UINT4(level_node_shares)
 GATHER_UINT4(level_links)
@@ -16,18 +19,23 @@ const float kEager = WEFT_EAGER_LEVELS;
 // rest: it moved by half a metre a second. So beside contacts links are a little slack, and leave to the threads what is left.
 const float kSlack = has_contacts ? WEFT_LEVEL_SLACK : 1;
 
-// How far node k is carried by the next coarser level's, STEP.
-vec3 carried_of(uint k, LevelNode node) {
+vec3 support_of(uint k) { return has_supports ? support_from(PUT_OUT(k).xyz) : vec3(0); }
+
+// How far the next coarser level's, STEP, would carry node k, and what of their steps was held, over what put it out.
+vec4 carried_freely(uint k, LevelNode node) {
   const uvec4 packed = FETCH(level_node_shares, k);
-  if (packed.x == WEFT_NONE || node.inverse_mass == 0) return vec3(0);
+  if (packed.x == WEFT_NONE || node.inverse_mass == 0) return vec4(0);
   const LevelShare share = unpack_level_share(packed);
-  return share.part0 * STEP(share.node0).xyz + share.part1 * STEP(share.node1).xyz + share.part2 * STEP(share.node2).xyz;
+  return share.part0 * STEP(share.node0) + share.part1 * STEP(share.node1) + share.part2 * STEP(share.node2);
 }
 
-// How far node k goes.
-vec3 step_of(uint k) {
+// How far they carry it.
+vec3 carried_of(uint k, LevelNode node) { return yields(support_of(k), carried_freely(k, node).xyz); }
+
+// How far node k goes, and what of it was held, over what put it out: what the node carries has been put out by parts of that.
+vec4 step_of(uint k) {
   const LevelNode node = unpack_level_node(FETCH(level_nodes, k));
-  if (node.inverse_mass == 0) return vec3(0);
+  if (node.inverse_mass == 0) return vec4(0);
   const vec4 carried = CARRIED(k, node);   // m, and inverse mass times links (1/kg)
   const vec3 centre = CENTRE(k).xyz, middle = MIDDLE(k).xyz;
   const bool first = (push.flags & WEFT_FIRST_ITERATION) != 0;
@@ -56,6 +64,12 @@ vec3 step_of(uint k) {
       sum += change / sqrt(dot(pull, pull) + 1e-20) * pull;
     }
   }
-  const vec3 gone = carried.xyz + node.inverse_mass * sum;
-  return dot(gone, gone) < 1e20 ? gone : vec3(0);   // a neighbour that is not finite must not spoil this node
+  vec4 gone = vec4(carried.xyz + node.inverse_mass * sum, 0);
+  if (has_supports) {
+    const vec3 put_out = PUT_OUT(k).xyz, support = support_from(put_out);
+    gone = carried_freely(k, node) + vec4(node.inverse_mass * sum, 0);
+    gone.w += held_of(support, gone.xyz) / max(length(put_out), 1e-9);
+    gone.xyz = yields(support, gone.xyz);
+  }
+  return dot(gone, gone) < 1e20 ? gone : vec4(0);   // a neighbour that is not finite must not spoil this node
 }

@@ -4,11 +4,14 @@
 #include "shared.h"
 
 GATHER(predicted)
+GATHER(supports)
+WRITE(vec4, level_supports)
 WRITE(vec4, level_centres)
 WRITE(vec4, level_middles)
 const uint kAtOnce = 1;
 #define CENTRE_OF(i) FETCH(predicted, i)
 #define MIDDLE_OF(i) FETCH(predicted, i)
+#define PUT_OUT_OF(i) FETCH(supports, i)
 #include "level/centre.glsl"
 
 void main() {
@@ -17,4 +20,5 @@ void main() {
   const LevelPlace place = place_of(k);
   level_centres[k].xyz = place.centre;
   level_middles[k].xyz = place.middle;
+  if (has_supports) level_supports[k].xyz = place.put_out;
 }

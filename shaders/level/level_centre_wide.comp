@@ -6,9 +6,11 @@
 // An earlier dispatch has written the finer level's.
 GATHER_WRITE(level_centres)
 GATHER_WRITE(level_middles)
+GATHER_WRITE(level_supports)
 const uint kAtOnce = 1;
 #define CENTRE_OF(k) FETCH(level_centres, k)
 #define MIDDLE_OF(k) FETCH(level_middles, k)
+#define PUT_OUT_OF(k) FETCH(level_supports, k)
 #include "level/centre.glsl"
 
 void main() {
@@ -17,4 +19,5 @@ void main() {
   const LevelPlace place = place_of(k);
   level_centres[k].xyz = place.centre;
   level_middles[k].xyz = place.middle;
+  if (has_supports) level_supports[k].xyz = place.put_out;
 }

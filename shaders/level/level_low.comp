@@ -7,16 +7,19 @@ READ(uint, level_ends)
 // This dispatch has written what it reads of these.
 SHARE(vec4, level_centres)
 SHARE(vec4, level_middles)
+SHARE(vec4, level_supports)
 SHARE(vec4, level_carried)
 SHARE(vec4, level_steps)
 const uint kAtOnce = 8, kLinksAtOnce = 4;
 #define CENTRE_OF(k) level_centres[k]
 #define MIDDLE_OF(k) level_middles[k]
+#define PUT_OUT_OF(k) level_supports[k]
 #include "level/centre.glsl"
 #define CENTRE(k) level_centres[k]
 #define MIDDLE(k) level_middles[k]
 #define STEP(k) level_steps[k]
 #define CARRIED(k, node) level_carried[k]
+#define PUT_OUT(k) level_supports[k]
 #include "level/level.glsl"
 
 void wait() {
@@ -32,6 +35,7 @@ void main() {
       const LevelPlace place = place_of(k);
       level_centres[k].xyz = place.centre;
       level_middles[k].xyz = place.middle;
+      if (has_supports) level_supports[k].xyz = place.put_out;
     }
     wait();
   }
@@ -43,7 +47,7 @@ void main() {
       level_carried[k] = vec4(carried_of(k, node), node.inverse_mass * float(node.links));
     }
     wait();
-    for (uint k = first + here; k < end; k += workgroup) level_steps[k].xyz = step_of(k);
+    for (uint k = first + here; k < end; k += workgroup) level_steps[k] = step_of(k);
     wait();
     first = end;
   }

@@ -1,5 +1,5 @@
 // How far a particle goes with the nodes of the finest level, by its shares in them; one that a hand makes heavier goes less far, as far as
-// the same impulse takes it. Needs predicted and positions.
+// the same impulse takes it, and one that a collider holds not into that (support.glsl). Needs predicted and positions.
 
 GATHER_UINT4(level_shares)
 GATHER(level_steps)
@@ -9,10 +9,15 @@ float lightness(uint i) {
   return grab_count > 0 && inverse_mass > 0 ? min(1, FETCH(predicted, i).w / inverse_mass) : 1;
 }
 
-vec3 spread(uint i) {
+// put_out: of the particle (m), support: by that; held (m) grows by what of the particle's step and of its nodes' is held.
+vec3 spread(uint i, vec3 put_out, vec3 support, inout float held) {
   const uvec4 packed = FETCH(level_shares, i);
   if (packed.x == WEFT_NONE) return vec3(0);
   const LevelShare share = unpack_level_share(packed);
-  return lightness(i) * (share.part0 * FETCH(level_steps, share.node0).xyz + share.part1 * FETCH(level_steps, share.node1).xyz +
-         share.part2 * FETCH(level_steps, share.node2).xyz);
+  const vec4 sum = share.part0 * FETCH(level_steps, share.node0) + share.part1 * FETCH(level_steps, share.node1) +
+                   share.part2 * FETCH(level_steps, share.node2);
+  const vec3 step = lightness(i) * sum.xyz;
+  if (!has_supports) return step;
+  held += held_of(support, step) + sum.w * length(put_out);
+  return yields(support, step);
 }

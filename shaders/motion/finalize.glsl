@@ -17,6 +17,7 @@ READ_WRITE(Detection, detection)
 #include "motion_constraint/motion_constraint.glsl"
 
 READ_WRITE(vec4, chebyshev_iterates)
+READ_WRITE(vec4, supports)
 READ_WRITE(ivec4, collision_sums)
 READ_WRITE(int, collision_depths)
 READ_WRITE(Collisions, collisions)
@@ -66,12 +67,15 @@ void finalize(uint i, vec4 p) {
   const vec4 v = FETCH(velocities, i);
   const vec4 material = FETCH(materials, floatBitsToUint(v.w));
   vec3 start = x.xyz;
+  if (has_supports) held = supports[i].w;
   if (triangles_collide > 0) {
     // The way round a box's edge is no way into the box, nor a slip: the particle begins where its triangles put it.
     const Asked asked = asked_by_triangles(i);
     start += asked.out_of;
     const vec3 before = p.xyz;
     p.xyz += asked.out_of + asked.friction;
+    put_out = asked.out_of;
+    if (asked.out_of != vec3(0)) held = 0;   // triangle_collide has rubbed by it
     if (reacts && asked.body > 0) {
       const Particle particle = Particle(push.fraction_from, push.fraction_to, start, material.z, material.y);
       p.xyz = reacted(planes + asked.body - 1, particle, before, p.xyz, x.w);
@@ -80,6 +84,7 @@ void finalize(uint i, vec4 p) {
   }
   if (motion_constraints > 0) p.xyz = within_motion_constraint(i, p.xyz);
   if (has_colliders) p.xyz = out_of_colliders(start, p.xyz, material, x.w);
+  if (has_supports) supports[i] = vec4(put_out, 0);
   if (is_accelerated) chebyshev_iterates[3 * i + 1] = vec4(p.xyz, 0);
   if (has_contacts && last) {
     const float bound = uintBitsToFloat(bits & ~WEFT_PAIRED);

@@ -13,24 +13,43 @@ GATHER_UINT(strand_starts)
 GATHER_UINT2(strand_links)
 READ_WRITE(float, strand_lambda)
 READ_WRITE(Counters, counters)
+GATHER_WRITE(supports)
+#include "support/support.glsl"
 #include "level/spread.glsl"
 
 // A particle on its way: where it was, how far it has gone in this round, and its inverse mass (1/kg). Kept apart, so that a place is rounded
-// once a round, and lengths not at all as places are.
+// once a round, and lengths not at all as places are. What holds it (support.glsl), and how much of its steps in this substep (m).
 struct Walker {
   vec3 was, gone;
   float w;
+  vec3 support;
+  float held;
 };
 
 Walker taken(uint i) {
   const vec4 p = FETCH(predicted, i);
-  return Walker(p.xyz, has_levels && push.first == 0 ? spread(i) : vec3(0), is_iterated ? FETCH(positions, i).w : p.w);
+  Walker walker = Walker(p.xyz, vec3(0), is_iterated ? FETCH(positions, i).w : p.w, vec3(0), 0);
+  const vec4 support = has_supports ? FETCH(supports, i) : vec4(0);
+  walker.support = support_from(support.xyz);
+  walker.held = support.w;
+  if (has_levels && push.first == 0) walker.gone = spread(i, support.xyz, walker.support, walker.held);
+  return walker;
+}
+
+// Of the inverse mass that goes with an impulse along the unit u (1/kg).
+float missing_along(Walker walker, vec3 u) { return walker.w * (1 - lightness_along(walker.support, u)); }
+
+void move(inout Walker walker, vec3 impulse) {
+  const vec3 step = walker.w * impulse;
+  walker.gone += has_supports ? yields(walker.support, step) : step;
+  if (has_supports) walker.held += held_of(walker.support, step);
 }
 
 // Puts a particle where it has gone, and hands on what rounding leaves of its momentum (kg m): a line rounds it once, not at every particle.
 vec3 put(uint i, Walker walker) {
   precise const vec3 place = walker.was + walker.gone, rounded_off = walker.gone - (place - walker.was);
   predicted[i].xyz = place;
+  if (has_supports && walker.support != vec3(0)) supports[i].w = walker.held;
   return walker.w > 0 && dot(rounded_off, rounded_off) < 1 ? rounded_off / walker.w : vec3(0);   // not if it is not finite
 }
 
@@ -53,15 +72,18 @@ void main() {
       d = 1e-10 * vec3(0.36, 0.48, 0.8);
     }
     const float len = sqrt(max(squared, 1e-20));
-    float change = (link.rest - len) * link.response;
+    float response = link.response;
+    if (has_supports) response /= 1 - response * (missing_along(here, d / len) + missing_along(there, d / len));
+    float change = (link.rest - len) * response;
     if (is_iterated) {
       const float alpha = link.response * motion.inverse_h2, lambda = (push.flags & WEFT_FIRST_ITERATION) != 0 ? 0 : strand_lambda[k];
       change = (link.rest - len - alpha * lambda) / max(here.w + there.w + alpha, 1e-20);
       strand_lambda[k] = lambda + change;
     }
     const vec3 impulse = squared < 1e20 ? (change / len) * d : vec3(0);
-    here.gone += here.w * impulse;
-    there.gone += there.w * (put(i, here) - impulse);
+    move(here, impulse);
+    there.gone += there.w * put(i, here);
+    move(there, -impulse);
     here = there;
     i = link.other;
   }

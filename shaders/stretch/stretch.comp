@@ -21,6 +21,7 @@ READ(Acceleration, acceleration)
 WRITE(vec4, next_iterate)
 READ_WRITE(Counters, counters)
 
+#include "support/support.glsl"
 #include "motion/finalize.glsl"
 #include "chebyshev/chebyshev.glsl"
 
@@ -95,5 +96,12 @@ void main() {
   if (!(dot(sum, sum) < 1e20)) sum = vec3(0);
   // With several iterations multipliers have been over-relaxed already.
   const float share = is_iterated ? p.w / max(float(row.y), 1) : motion.relaxation * p.w;
-  leave(i, vec4(p.xyz + share * sum, p.w));
+  vec3 step = share * sum;
+  if (has_supports) {
+    const vec4 support = supports[i];
+    const vec3 held_by = support_from(support.xyz);
+    supports[i].w = support.w + held_of(held_by, step);
+    step = yields(held_by, step);
+  }
+  leave(i, vec4(p.xyz + step, p.w));
 }

@@ -20,6 +20,7 @@ GATHER(positions)
 GATHER(velocities)
 GATHER(materials)
 GATHER_UINT4(triangles)
+GATHER(supports)
 READ(Collisions, collisions)
 READ(uint, collision_list)
 READ_WRITE(ivec4, collision_sums)
@@ -63,7 +64,8 @@ void correct(Body body, bool is_resized, uint particle, vec3 a, vec3 b, vec3 nor
   const vec3 motion = b - a, slip = motion - dot(motion, normal) * normal;
   const float len = length(slip);
   add(2 * particle, depth * rotate(body.pose.rotation_to, normal), weight / WEFT_WHOLE_WEIGHT);
-  const vec3 rubbed = -min(1, body.friction * depth / max(len, 1e-12)) * slip;
+  const float pressed = max(depth + (has_supports ? FETCH(supports, particle).w : 0), 0);
+  const vec3 rubbed = -min(1, body.friction * pressed / max(len, 1e-12)) * slip;
   add(2 * particle + 1, rotate(body.pose.rotation_to, rubbed), weight / WEFT_WHOLE_WEIGHT);
   atomicAdd(collision_sums[2 * particle].w, int(weight));
   if (!is_resized) atomicAdd(collision_depths[particle], quanta_of(weight / WEFT_WHOLE_WEIGHT, depth));

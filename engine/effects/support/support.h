@@ -1,0 +1,14 @@
+// What colliders hold weighs more against them in the solve (shaders/support/support.glsl).
+#pragma once
+
+#include "engine/effects/buffer.h"
+#include "engine/effects/level/level.h"
+
+namespace weft::buffers {
+
+/// How far colliders put each particle out in the last substep (m).
+inline constexpr Buffer supports = buffer<gpu::vec4>("supports", Lifetime::persistent, lengths::particles);
+
+inline constexpr Buffer level_supports = scratch<gpu::vec4>("level_supports", [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); });
+
+}  // namespace weft::buffers

@@ -1,0 +1,32 @@
+// support: what colliders hold. A solve that knows nothing of colliders pulls cloth into them, and they put it out again; so they give it, in a
+// substep, what the particles on them weigh, and not what hangs on these. On a capsule's end a few carried a sheet, and stood at twelve times
+// their distance, the farther the finer the cloth was.
+//
+// So what colliders put out by d along n in the last substep is heavier against them in this one's solve: of its inverse mass w is left
+//     W = w (I - d / (d + kHardly) n n^T),
+// which where d is long is a constraint's of Baraff and Witkin (1998, "Large steps in cloth simulation": mass modification). So are the
+// nodes of coarse levels that carry it, by the mean of d n over what they carry. A support is one vector s: W = w (I - s s^T).
+//
+// What is held is what colliders would have corrected, so friction counts it as depth. Its momentum goes to nobody: scenes that tell colliders
+// what they are given have no supports (engine/effects/support/support.cpp).
+
+// m. What is put out by as little is hardly held, so that cloth at rest, which gravity moves by a few hundredths of a millimetre in a
+// substep, comes off without a tug.
+const float kHardly = 5e-5;
+
+vec3 support_from(vec3 put_out) {
+  const float d = length(put_out);
+  return d > 1e-9 ? inversesqrt(d * (d + kHardly)) * put_out : vec3(0);
+}
+
+// What a support leaves of a step, or of an impulse.
+vec3 yields(vec3 support, vec3 step) { return step - dot(support, step) * support; }
+
+// Of its inverse mass, what is left of it along the unit u.
+float lightness_along(vec3 support, vec3 u) {
+  const float along = dot(support, u);
+  return 1 - along * along;
+}
+
+// m, the depth of what is held of a step into the collider.
+float held_of(vec3 support, vec3 step) { return -dot(support, step) * length(support); }
