@@ -64,6 +64,19 @@ Result<void> Simulation::move_frame(std::uint32_t cloth, const MovingFrame& fram
   return caught("the frame");
 }
 
+// What colliders hold turns with its cloth.
+Result<void> Simulation::State::turn_supports(const ClothRange& range, const RigidMap& carry) {
+  if (!solver->has(buffers::supports)) return {};
+  auto supports = read(buffers::supports, fabric.positions.size());
+  if (!supports) return supports.take_error();
+  for (std::uint32_t i = range.first_particle; i < range.first_particle + range.particles; ++i) {
+    gpu::vec4& support = (*supports)[i];
+    const Vec3 way = carry.way({support.x, support.y, support.z});
+    support = {way.x, way.y, way.z, support.w};
+  }
+  return compute::upload(*device, solver->buffer(buffers::supports), std::as_bytes(std::span(*supports)));
+}
+
 Result<void> Simulation::teleport(std::uint32_t cloth, const MovingFrame& from, const MovingFrame& to) try {
   State& s = *state_;
   if (cloth >= s.fabric.cloths.size()) return fail("there is no cloth ", cloth, ", the scene has ", s.fabric.cloths.size());
@@ -98,6 +111,7 @@ Result<void> Simulation::teleport(std::uint32_t cloth, const MovingFrame& from, 
   if (auto done = s.put(*positions); !done) return done;
   if (auto done = write_velocities(*velocities); !done) return done;
   if (auto done = s.put(*tracks); !done) return done;
+  if (auto done = s.turn_supports(range, carry); !done) return done;
   for (std::size_t k = 0; k < targets.size(); ++k) {
     if (targets[k].particle == WEFT_NONE) continue;
     gpu::Anchor& anchor = s.kinematic.targets[k];

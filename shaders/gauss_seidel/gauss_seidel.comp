@@ -58,7 +58,10 @@ void project(uint k) {
   if (squared < 1e20) {
     const float len = together ? 1e-10 : sqrt(squared);
     float weight = p.w + q.w;
-    if (has_supports) weight = p.w * lightness_along(held_by[link.a], d / len) + q.w * lightness_along(held_by[link.b], d / len);
+    if (has_supports) {
+      const float taken = p.w * heaviness_along(held_by[link.a], d / len) + q.w * heaviness_along(held_by[link.b], d / len);
+      weight -= min(taken, kMostTaken * weight);
+    }
     const vec3 impulse = (change_of(link, len, weight, lambda) / len) * d;
     gone[link.a] = p_gone + step_by(link.a, p.w * impulse);
     gone[link.b] = q_gone + step_by(link.b, -q.w * impulse);

@@ -48,13 +48,24 @@ inline Points means(const Level& level, const Points& finer, double Gather::*wei
   return means;
 }
 
+/// The same, of what of steps was held.
+inline double carried_held(const Share& share, std::span<const double> held) {
+  double sum = 0;
+  for (int k = 0; k < 3; ++k)
+    if (share.part[k] != 0) sum += share.part[k] * held[share.node[k]];
+  return sum;
+}
+
 /// How far the nodes of a level go, `coarser` being how far those of the next coarser level went. `lambda`: one a link, renewed.
+/// `supports`: of the nodes; `coarser_held`: Supports::held of the coarser level.
 inline Points level_steps(const Level& level, const Points& centres, const Points& middles, const Points& coarser, std::span<double> lambda,
-                          double h, double omega) {
+                          double h, double omega, Supports* supports = nullptr, std::span<const double> coarser_held = {}) {
   const std::size_t nodes = level.inverse_masses.size();
   Points gone(nodes, Vector::Zero()), sums(nodes, Vector::Zero());
   for (std::size_t k = 0; k < nodes; ++k)
     if (level.inverse_masses[k] > 0 && !level.shares.empty()) gone[k] = carried(level.shares[k], coarser);
+  const Points freely = gone;
+  for (std::size_t k = 0; k < nodes && supports; ++k) gone[k] = supports->yields(k, gone[k]);
   std::vector<double> split(level.inverse_masses);
   std::vector<int> links(nodes);
   for (const Stretch& link : level.links) ++links[link.a], ++links[link.b];
@@ -68,7 +79,14 @@ inline Points level_steps(const Level& level, const Points& centres, const Point
     sums[a] += change * pull.normalized();
     sums[b] -= change * pull.normalized();
   }
-  for (std::size_t k = 0; k < nodes; ++k) gone[k] += level.inverse_masses[k] * sums[k];
+  for (std::size_t k = 0; k < nodes; ++k) {
+    gone[k] += level.inverse_masses[k] * sums[k];
+    if (!supports || level.inverse_masses[k] == 0) continue;
+    const Vector asked = freely[k] + level.inverse_masses[k] * sums[k];
+    gone[k] = supports->yields(k, asked);
+    supports->held[k] = (level.shares.empty() ? 0 : carried_held(level.shares[k], coarser_held)) +
+                        supports->held_of(k, asked) / std::max(supports->put_out[k].norm(), 1e-9);
+  }
   return gone;
 }
 

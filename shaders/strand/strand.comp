@@ -36,9 +36,6 @@ Walker taken(uint i) {
   return walker;
 }
 
-// Of the inverse mass that goes with an impulse along the unit u (1/kg).
-float missing_along(Walker walker, vec3 u) { return walker.w * (1 - lightness_along(walker.support, u)); }
-
 void move(inout Walker walker, vec3 impulse) {
   const vec3 step = walker.w * impulse;
   walker.gone += has_supports ? yields(walker.support, step) : step;
@@ -73,7 +70,10 @@ void main() {
     }
     const float len = sqrt(max(squared, 1e-20));
     float response = link.response;
-    if (has_supports) response /= 1 - response * (missing_along(here, d / len) + missing_along(there, d / len));
+    if (has_supports) {
+      const float taken = here.w * heaviness_along(here.support, d / len) + there.w * heaviness_along(there.support, d / len);
+      response /= 1 - response * min(taken, kMostTaken * (here.w + there.w));
+    }
     float change = (link.rest - len) * response;
     if (is_iterated) {
       const float alpha = link.response * motion.inverse_h2, lambda = (push.flags & WEFT_FIRST_ITERATION) != 0 ? 0 : strand_lambda[k];

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "shaders/jacobi.ref.h"
+#include "shaders/support/support.ref.h"
 
 namespace weft::reference {
 
@@ -54,19 +55,20 @@ inline Points relax_stretch(std::span<const Stretch> links, const Points& p, std
   return copies.averaged(p);
 }
 
-/// A sweep of Gauss-Seidel: one link after another, in their order, moves its ends. `lambda`: one a link, renewed.
+/// A sweep of Gauss-Seidel: one link after another, in their order, moves its ends. `lambda`: one a link, renewed. `supports`: of particles.
 inline void sweep_stretch(std::span<const Stretch> links, Points& p, std::span<const double> inverse_masses,
-                          std::span<double> lambda, double h, double omega) {
+                          std::span<double> lambda, double h, double omega, Supports* supports = nullptr) {
   for (std::size_t e = 0; e < links.size(); ++e) {
     const Stretch& link = links[e];
     const double weight_a = inverse_masses[link.a], weight_b = inverse_masses[link.b];
     const bool together = (p[link.a] - p[link.b]).norm() <= kCoincident;
     const Vector gradient = together ? apart() : stretch_gradient(p[link.a], p[link.b]);
-    double next = lambda[e] + change_of_multiplier(stretch_value(link, p[link.a], p[link.b]), lambda[e],
-                                                   (weight_a + weight_b) / omega, link.compliance, h);
+    const double weight = supports ? supported_weight(*supports, link.a, weight_a, link.b, weight_b, gradient) : weight_a + weight_b;
+    double next = lambda[e] + change_of_multiplier(stretch_value(link, p[link.a], p[link.b]), lambda[e], weight / omega, link.compliance, h);
     if (link.only_pulls) next = std::min(next, 0.0);
-    p[link.a] += weight_a * (next - lambda[e]) * gradient;
-    p[link.b] -= weight_b * (next - lambda[e]) * gradient;
+    const Vector impulse = (next - lambda[e]) * gradient;
+    p[link.a] += supports ? supports->move(link.a, weight_a * impulse) : Vector(weight_a * impulse);
+    p[link.b] += supports ? supports->move(link.b, -weight_b * impulse) : Vector(-weight_b * impulse);
     lambda[e] = next;
   }
 }

@@ -22,11 +22,15 @@ vec3 support_from(vec3 put_out) {
 // What a support leaves of a step, or of an impulse.
 vec3 yields(vec3 support, vec3 step) { return step - dot(support, step) * support; }
 
-// Of its inverse mass, what is left of it along the unit u.
-float lightness_along(vec3 support, vec3 u) {
+// Of the inverse mass, what a support takes along the unit u.
+float heaviness_along(vec3 support, vec3 u) {
   const float along = dot(support, u);
-  return 1 - along * along;
+  return along * along;
 }
+
+// Of a link's inverse mass, supports take at most so much. Where both ends are held almost along it, as on two sides of a plate, it could
+// only shorten by their slipping far aside.
+const float kMostTaken = 0.75;
 
 // m, the depth of what is held of a step into the collider.
 float held_of(vec3 support, vec3 step) { return -dot(support, step) * length(support); }

@@ -195,6 +195,8 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(levels, {&b::level_nodes, &b::level_gathers, &b::level_node_shares, &b::level_ends, &b::level_links, &b::level_shares, &b::level_centres,
                     &b::level_middles, &b::level_carried, &b::level_steps});
     expect(levels && calls.iterated, {&b::level_lambda});
+    expect(calls.has(Id::support), {&b::supports});
+    expect(calls.has(Id::support) && levels, {&b::level_supports});
     expect(strands, {&b::strand_starts, &b::strand_links});
     expect(strands && calls.iterated, {&b::strand_lambda});
     expect(patches, {&b::patches, &b::patch_members, &b::patch_colour_ends, &b::patch_links});

@@ -44,6 +44,17 @@ inline Collider sphere(Vec3 centre, double radius) {
   return collider;
 }
 
+inline Collider capsule(Vec3 centre, double radius, double length, Vec3 axis, double friction = 0.4) {
+  Collider collider;
+  collider.shape = ColliderShape::capsule;
+  collider.centre = centre;
+  collider.radius = radius;
+  collider.length = length;
+  collider.axis = axis;
+  collider.friction = friction;
+  return collider;
+}
+
 inline void run(Simulation& simulation, double seconds, double frame = 1.0 / 60) {
   const long frames = std::lround(seconds / frame);
   for (long k = 0; k < frames; ++k) must(simulation.advance(frame));

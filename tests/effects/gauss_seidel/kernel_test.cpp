@@ -6,7 +6,9 @@
 #include "shaders/bend/bend.ref.h"
 #include "shaders/gauss_seidel/gauss_seidel.ref.h"
 #include "shaders/stretch/stretch.ref.h"
+#include "tests/support/sheets.h"
 #include "tests/support/single_pass.h"
+#include "tests/support/supports.h"
 
 namespace weft {
 namespace {
@@ -18,8 +20,11 @@ struct CrumpledPatches {
   CookedFabric fabric;
 };
 
-CrumpledPatches crumpled(std::uint32_t iterations, double stretch, Random& random, Method method = Method::gauss_seidel, std::uint32_t cells = 14) {
+// `supported`: a collider, far away, is there, so that particles may be held.
+CrumpledPatches crumpled(std::uint32_t iterations, double stretch, Random& random, Method method = Method::gauss_seidel, std::uint32_t cells = 14,
+                         bool supported = false) {
   CrumpledPatches c;
+  if (supported) c.scene.colliders = {plane(-100)};
   c.scene.solver = {.rate = 600, .substeps = 1, .iterations = iterations, .method = method, .relaxation = 1.1};
   Cloth& cloth = c.scene.cloths.emplace_back();
   cloth.grid = Grid{.size = {1, 1}, .cells_x = cells, .cells_y = 11};
@@ -59,8 +64,10 @@ TEST_F(KernelSweep, a_sweep_through_the_patches_does_what_its_twin_does) {
   Random random(11);
   for (const std::uint32_t cells : {14u, 60u})
     for (const std::uint32_t iterations : {1u, 3u})
-      for (const double stretch : {1e3, std::numeric_limits<double>::infinity()}) {
-        const CrumpledPatches c = crumpled(iterations, stretch, random, Method::gauss_seidel, cells);
+      for (const auto& [stretch, supported] : {std::pair(1e3, false), {std::numeric_limits<double>::infinity(), false}, {1e3, true}}) {
+        if (supported && iterations > 1) continue;   // nothing is
+        SCOPED_TRACE(supported ? "supported" : "not supported");
+        const CrumpledPatches c = crumpled(iterations, stretch, random, Method::gauss_seidel, cells, supported);
         const PatchLists& lists = c.fabric.own.of<PatchLists>();
         const auto rounds = static_cast<int>(lists.rounds.size());
         std::vector<std::vector<reference::Stretch>> links;
@@ -74,6 +81,8 @@ TEST_F(KernelSweep, a_sweep_through_the_patches_does_what_its_twin_does) {
         SinglePass passes(device(), c.scene, c.fabric, iterations == 3);
         passes.put_iterate(c.fabric.positions);
         passes.begin(frame_of(1));
+        reference::Supports supports;
+        if (supported) supports = put_supports(passes, random, c.fabric);
         const reference::Points x = points(c.fabric.positions);
         reference::Points twin = x;
         const auto masses = inverse_masses(c.fabric);
@@ -81,14 +90,16 @@ TEST_F(KernelSweep, a_sweep_through_the_patches_does_what_its_twin_does) {
           for (int round = 0; round < rounds; ++round) {
             passes.run("gauss_seidel", k * rounds + round);
             const reference::Points before = twin;
-            reference::sweep_stretch(links[round], twin, masses, lambdas[round], c.fabric.h, c.scene.solver.relaxation);
+            reference::sweep_stretch(links[round], twin, masses, lambdas[round], c.fabric.h, c.scene.solver.relaxation,
+                                     supported ? &supports : nullptr);
             for (std::uint32_t p = lists.rounds[round].first; p < lists.rounds[round].first + lists.rounds[round].count; ++p)
-              reference::turn_back(members_of(lists, p), x, before, twin, masses);
+              if (!supported || !holds_any(supports, members_of(lists, p))) reference::turn_back(members_of(lists, p), x, before, twin, masses);
           }
         // Rounding, on lengths up to 1.5 m; each colour sees the errors of those before.
         EXPECT_LT(largest_gap(passes.iterate(), twin), 40 * kRounding * 1.5 * iterations * rounds * most_colours)
             << cells << " cells, " << iterations << " iterations, " << stretch << " N/m";
         EXPECT_EQ(passes.counters().coincident, 0u);
+        if (supported) { EXPECT_LT(largest_gap_of_held(passes, supports), 40 * kRounding * 1.5 * rounds * most_colours); }
       }
 }
 

@@ -3,7 +3,9 @@
 
 #include "engine/effects/level/level.h"
 #include "shaders/level/level.ref.h"
+#include "tests/support/sheets.h"
 #include "tests/support/single_pass.h"
+#include "tests/support/supports.h"
 
 namespace weft {
 namespace {
@@ -52,8 +54,10 @@ struct Crumple {
   CookedFabric fabric;
 };
 
-Crumple crumple(std::uint32_t cells, std::uint32_t iterations, double stretch, bool contacts, Random& random) {
+// `supported`: a collider, far away, is there, so that particles may be held.
+Crumple crumple(std::uint32_t cells, std::uint32_t iterations, double stretch, bool contacts, Random& random, bool supported = false) {
   Crumple c;
+  if (supported) c.scene.colliders = {plane(-100)};
   c.scene.contacts.enabled = contacts;
   c.scene.solver = {.rate = 600, .substeps = 1, .iterations = iterations, .method = Method::jacobi, .relaxation = iterations > 1 ? 1.4 : 1.1, .levels = true};
   Cloth& cloth = c.scene.cloths.emplace_back();
@@ -75,10 +79,12 @@ TEST_F(KernelLevel, low_and_wide_levels_and_their_spreading_do_what_their_twin_d
   for (const std::uint32_t cells : {24u, 150u})
     for (const std::uint32_t iterations : {1u, 3u})
       for (const double stretch : {1e3, std::numeric_limits<double>::infinity()})
-        for (const auto& [storage, contacts] : {std::pair(false, false), {true, false}, {false, true}}) {
+        for (const auto& [storage, contacts, supported] :
+             {std::tuple(false, false, false), {true, false, false}, {false, true, false}, {false, false, true}, {true, false, true}}) {
+          if (supported && iterations > 1) continue;   // nothing is
           SCOPED_TRACE(std::to_string(cells) + " cells, " + std::to_string(iterations) + " iterations, " + std::to_string(stretch) + " N/m" +
-                       (contacts ? ", contacts" : ""));
-          const Crumple c = crumple(cells, iterations, stretch, contacts, random);
+                       (contacts ? ", contacts" : "") + (supported ? ", supported" : ""));
+          const Crumple c = crumple(cells, iterations, stretch, contacts, random, supported);
           const LevelLists& lists = c.fabric.own.of<LevelLists>();
           const auto levels = levels_of(lists, contacts ? WEFT_LEVEL_SLACK : 1);
           ASSERT_GE(levels.size(), 2u);
@@ -86,6 +92,8 @@ TEST_F(KernelLevel, low_and_wide_levels_and_their_spreading_do_what_their_twin_d
           SinglePass passes(device(), c.scene, c.fabric, storage);
           passes.put_iterate(c.fabric.positions);
           passes.begin(frame_of(1));
+          reference::Supports supports;
+          if (supported) supports = put_supports(passes, random, c.fabric);
           reference::Points twin = points(c.fabric.positions);
           std::vector<std::vector<double>> lambdas;
           for (const reference::Level& level : levels) lambdas.emplace_back(level.links.size());
@@ -98,23 +106,34 @@ TEST_F(KernelLevel, low_and_wide_levels_and_their_spreading_do_what_their_twin_d
               passes.run("level_wide", iteration * static_cast<int>(levels.size() - lists.low) + static_cast<int>(wide - lists.low));
             passes.run("level_spread", iteration);
             std::vector<reference::Points> centres(levels.size()), middles(levels.size());
+            std::vector<reference::Supports> of_nodes(levels.size());
             for (std::size_t k = levels.size(); k-- > 0;) {
               const bool finest = k + 1 == levels.size();
               centres[k] = reference::means(levels[k], finest ? twin : centres[k + 1], &reference::Gather::in_centre);
               middles[k] = reference::means(levels[k], finest ? twin : middles[k + 1], &reference::Gather::in_middle);
+              if (!supported) continue;
+              const auto& finer = finest ? supports : of_nodes[k + 1];
+              of_nodes[k] = {reference::means(levels[k], finer.put_out, &reference::Gather::in_centre), std::vector<double>(levels[k].gathers.size())};
             }
             reference::Points steps;
             double moved = 0;
             for (std::size_t k = 0; k < levels.size(); ++k) {
               steps = reference::level_steps(levels[k], centres[k], middles[k], steps, lambdas[k], c.fabric.h,
-                                             std::min(WEFT_EAGER_LEVELS * c.scene.solver.relaxation, double(WEFT_MOST_EAGER)));
+                                             std::min(WEFT_EAGER_LEVELS * c.scene.solver.relaxation, double(WEFT_MOST_EAGER)),
+                                             supported ? &of_nodes[k] : nullptr, k > 0 ? of_nodes[k - 1].held : std::span<const double>());
               for (const reference::Vector& step : steps) moved = std::max(moved, step.norm());
             }
             EXPECT_GT(moved, 1e-4) << "nothing to compare";
             const std::uint32_t first = lists.ends.size() > 1 ? lists.ends[lists.ends.size() - 2] : 0;
-            for (std::size_t i = 0; i < twin.size(); ++i)
-              if (lists.shares[i].x != WEFT_NONE) twin[i] += reference::carried(share_of(lists.shares[i], first), steps);
+            for (std::size_t i = 0; i < twin.size(); ++i) {
+              if (lists.shares[i].x == WEFT_NONE) continue;
+              const reference::Share share = share_of(lists.shares[i], first);
+              const reference::Vector step = reference::carried(share, steps);
+              twin[i] += supported ? supports.move(i, step) : step;
+              if (supported) supports.held[i] += reference::carried_held(share, of_nodes.back().held) * supports.put_out[i].norm();
+            }
           }
+          if (supported) { EXPECT_LT(largest_gap_of_held(passes, supports), 40 * kRounding * 1.6 * static_cast<double>(levels.size())); }
           // Rounding, on lengths up to 1.6 m, of each level on top of those before.
           EXPECT_LT(largest_gap(passes.iterate(), twin), 40 * kRounding * 1.6 * iterations * static_cast<double>(levels.size()));
         }

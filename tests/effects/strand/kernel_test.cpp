@@ -3,7 +3,9 @@
 
 #include "engine/effects/strand/strand.h"
 #include "shaders/stretch/stretch.ref.h"
+#include "tests/support/sheets.h"
 #include "tests/support/single_pass.h"
+#include "tests/support/supports.h"
 
 namespace weft {
 namespace {
@@ -15,8 +17,10 @@ struct Crush {
   CookedFabric fabric;
 };
 
-Crush crush(std::uint32_t iterations, double stretch, Random& random) {
+// `supported`: a collider, far away, is there, so that particles may be held.
+Crush crush(std::uint32_t iterations, double stretch, Random& random, bool supported = false) {
   Crush c;
+  if (supported) c.scene.colliders = {plane(-100)};
   c.scene.solver = {.rate = 600, .substeps = 1, .iterations = iterations, .method = Method::strands, .levels = false};
   Cloth& cloth = c.scene.cloths.emplace_back();
   cloth.grid = Grid{.size = {1, 1}, .cells_x = 30, .cells_y = 21};
@@ -58,8 +62,10 @@ TEST_F(KernelStrand, a_round_does_what_its_twin_does) {
   Random random(31);
   for (const std::uint32_t iterations : {1u, 3u})
     for (const double stretch : {1e3, std::numeric_limits<double>::infinity()})
-      for (const bool storage : {false, true}) {
-        const Crush c = crush(iterations, stretch, random);
+      for (const auto& [storage, supported] : {std::pair(false, false), {true, false}, {false, true}, {true, true}}) {
+        if (supported && iterations > 1) continue;   // nothing is
+        SCOPED_TRACE(supported ? "supported" : "not supported");
+        const Crush c = crush(iterations, stretch, random, supported);
         const StrandLists& lists = c.fabric.own.of<StrandLists>();
         const auto rounds = static_cast<int>(lists.rounds.size());
         std::vector<std::vector<reference::Stretch>> links;
@@ -68,17 +74,20 @@ TEST_F(KernelStrand, a_round_does_what_its_twin_does) {
         SinglePass passes(device(), c.scene, c.fabric, storage);
         passes.put_iterate(c.fabric.positions);
         passes.begin(frame_of(1));
+        reference::Supports supports;
+        if (supported) supports = put_supports(passes, random, c.fabric);
         reference::Points twin = points(c.fabric.positions);
         const auto masses = inverse_masses(c.fabric);
         for (int k = 0; k < static_cast<int>(iterations); ++k)
           for (int round = 0; round < rounds; ++round) {
             passes.run("strand", k * rounds + round);
-            reference::sweep_stretch(links[round], twin, masses, lambdas[round], c.fabric.h, 1);
+            reference::sweep_stretch(links[round], twin, masses, lambdas[round], c.fabric.h, 1, supported ? &supports : nullptr);
           }
         // Rounding, on lengths up to 1.5 m; each link of a strand sees the errors of those before.
         EXPECT_LT(largest_gap(passes.iterate(), twin), 10 * kRounding * 1.5 * iterations * rounds * WEFT_STRAND_LINKS)
             << iterations << " iterations, " << stretch << " N/m";
         EXPECT_EQ(passes.counters().coincident, 0u);
+        if (supported) { EXPECT_LT(largest_gap_of_held(passes, supports), 10 * kRounding * 1.5 * rounds * WEFT_STRAND_LINKS); }
       }
 }
 

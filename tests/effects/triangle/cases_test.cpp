@@ -22,16 +22,6 @@ Collider box(Vec3 centre, Vec3 size, double friction = 0.4) {
   return collider;
 }
 
-Collider capsule(Vec3 centre, double radius, double length, Vec3 axis) {
-  Collider collider;
-  collider.shape = ColliderShape::capsule;
-  collider.centre = centre;
-  collider.radius = radius;
-  collider.length = length;
-  collider.axis = axis;
-  return collider;
-}
-
 // Thick at one end, thin at the other.
 Collider tapered(Collider capsule, double radius_end) {
   capsule.radius_end = radius_end;
