@@ -13,6 +13,7 @@ READ_WRITE(Detection, detection)
 #include "motion/update_velocity.glsl"
 #include "motion/watch_bound.glsl"
 #include "collide/colliders.glsl"
+#include "support/support.glsl"
 #include "tether/tether.glsl"
 #include "motion_constraint/motion_constraint.glsl"
 
@@ -69,7 +70,8 @@ void finalize(uint i, vec4 p) {
   const vec4 v = FETCH(velocities, i);
   const vec4 material = FETCH(materials, floatBitsToUint(v.w));
   vec3 start = x.xyz;
-  if (has_supports) held = supports[i].w;
+  const vec4 support = has_supports ? supports[i] : vec4(0);
+  held = support.w;
   if (triangles_collide > 0) {
     // The way round a box's edge is no way into the box, nor a slip: the particle begins where its triangles put it.
     const Asked asked = asked_by_triangles(i);
@@ -86,7 +88,7 @@ void finalize(uint i, vec4 p) {
   }
   if (motion_constraints > 0) p.xyz = within_motion_constraint(i, p.xyz);
   if (has_colliders) p.xyz = out_of_colliders(start, p.xyz, material, x.w);
-  if (has_supports) supports[i] = vec4(put_out, 0);
+  if (has_supports) supports[i] = vec4(renewed(support, put_out), 0);
   if (is_accelerated) chebyshev_iterates[3 * i + 1] = vec4(p.xyz, 0);
   if (has_contacts && last) {
     const float bound = uintBitsToFloat(bits & ~WEFT_PAIRED);

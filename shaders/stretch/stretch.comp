@@ -21,7 +21,6 @@ READ(Acceleration, acceleration)
 WRITE(vec4, next_iterate)
 READ_WRITE(Counters, counters)
 
-#include "support/support.glsl"
 #include "motion/finalize.glsl"
 #include "chebyshev/chebyshev.glsl"
 

@@ -14,6 +14,12 @@
 // substep, comes off without a tug.
 const float kHardly = 5e-5;
 
+// What holds a particle in the next substep: by how far colliders have put it out, and what was held besides. Without that it would be held in
+// every other substep, as what is held is not put out. What no collider has met is let go.
+vec3 renewed(vec4 support, vec3 put_out) {
+  return put_out != vec3(0) && support.w > 0 ? put_out + support.w * normalize(support.xyz) : put_out;
+}
+
 vec3 support_from(vec3 put_out) {
   const float d = length(put_out);
   return d > 1e-9 ? inversesqrt(d * (d + kHardly)) * put_out : vec3(0);

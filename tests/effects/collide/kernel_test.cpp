@@ -14,6 +14,7 @@ void compare_colliders(const compute::Device& device, ColliderShape shape, doubl
                        bool tapered = false) {
   Random random(seed);
   Scene scene = loose_scene(4);
+  scene.solver.method = Method::strands;   // there colliders hold
   const auto colliders = bodies(random, shape, speed, tapered);
   scene.colliders.resize(colliders.size());
   for (Collider& described : scene.colliders) described.shape = shape;

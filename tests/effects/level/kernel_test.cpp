@@ -57,9 +57,12 @@ struct Crumple {
 // `supported`: a collider, far away, is there, so that particles may be held.
 Crumple crumple(std::uint32_t cells, std::uint32_t iterations, double stretch, bool contacts, Random& random, bool supported = false) {
   Crumple c;
-  if (supported) c.scene.colliders = {plane(-100)};
   c.scene.contacts.enabled = contacts;
   c.scene.solver = {.rate = 600, .substeps = 1, .iterations = iterations, .method = Method::jacobi, .relaxation = iterations > 1 ? 1.4 : 1.1, .levels = true};
+  if (supported) {
+    c.scene.colliders = {plane(-100)};
+    c.scene.solver.method = Method::gauss_seidel;
+  }
   Cloth& cloth = c.scene.cloths.emplace_back();
   cloth.grid = Grid{.size = {1, 1}, .cells_x = cells, .cells_y = cells - 3};
   cloth.tethers = cloth.bending = false;
