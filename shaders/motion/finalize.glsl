@@ -27,7 +27,7 @@ WRITE(vec4, ways_out)
 // What a particle's triangles ask for together (triangle_collide): out of the collider, and friction (m).
 struct Asked {
   vec3 out_of, friction;
-  bool is_by_growth;   // alone
+  float alike;
   uint body;   // reactions: one of the bodies that they met, counted from 1 (triangle/bodies.glsl)
 };
 
@@ -44,12 +44,11 @@ const float kLeastAlike = 1.0 / 3;
 // Forgets what was asked, for the next iteration.
 Asked asked_by_triangles(uint i) {
   const ivec4 sum = collision_sums[2 * i];
-  if (sum.w == 0) return Asked(vec3(0), vec3(0), false, 0);
+  if (sum.w == 0) return Asked(vec3(0), vec3(0), 0, 0);
   const float unit = WEFT_WHOLE_WEIGHT * collision_settings.quantum / float(sum.w);
   const float depths = max(float(collision_depths[i]), 1), alike = dot(vec3(sum.xyz), vec3(sum.xyz)) / (depths * depths);
   const vec3 out_of = unit / clamp(alike, kLeastAlike, 1) * vec3(sum.xyz);
-  const bool is_by_growth = collision_depths[i] == 0;
-  const Asked asked = Asked(out_of, unit * vec3(collision_sums[2 * i + 1].xyz), is_by_growth, uint(collision_sums[2 * i + 1].w));
+  const Asked asked = Asked(out_of, unit * vec3(collision_sums[2 * i + 1].xyz), collision_depths[i] == 0 ? 0 : alike, uint(collision_sums[2 * i + 1].w));
   collision_sums[2 * i] = collision_sums[2 * i + 1] = ivec4(0);
   collision_depths[i] = 0;
   return asked;
@@ -78,7 +77,7 @@ void finalize(uint i, vec4 p) {
     start += asked.out_of;
     const vec3 before = p.xyz;
     p.xyz += asked.out_of + asked.friction;
-    put_out = asked.is_by_growth ? vec3(0) : asked.out_of;
+    put_out = clamp(2 * asked.alike - 1, 0, 1) * asked.out_of;
     if (asked.out_of != vec3(0)) held = 0;   // triangle_collide has rubbed by it
     if (reacts && asked.body > 0) {
       const Particle particle = Particle(push.fraction_from, push.fraction_to, start, material.z, material.y);
