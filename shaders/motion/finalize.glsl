@@ -27,7 +27,7 @@ WRITE(vec4, ways_out)
 // What a particle's triangles ask for together (triangle_collide): out of the collider, and friction (m).
 struct Asked {
   vec3 out_of, friction;
-  float alike;
+  float alike;   // how much those that are no growth's are one way: of opposite ones nothing
   uint body;   // reactions: one of the bodies that they met, counted from 1 (triangle/bodies.glsl)
 };
 
@@ -77,7 +77,7 @@ void finalize(uint i, vec4 p) {
     start += asked.out_of;
     const vec3 before = p.xyz;
     p.xyz += asked.out_of + asked.friction;
-    put_out = clamp(2 * asked.alike - 1, 0, 1) * asked.out_of;
+    put_out = clamp(2 * asked.alike - 1, 0, 1) * asked.out_of;   // between two sides of an edge nothing is held
     if (asked.out_of != vec3(0)) held = 0;   // triangle_collide has rubbed by it
     if (reacts && asked.body > 0) {
       const Particle particle = Particle(push.fraction_from, push.fraction_to, start, material.z, material.y);
