@@ -18,11 +18,15 @@ const float kHardly = 5e-5;
 // the next made it shiver on the corners of boxes, at a metre a second.
 const float kRenewed = 0.3, kKept = 0.5;
 
-// What holds a particle in the next substep: by how far colliders have put it out, and what was held besides, as what is held is not put out.
+// m. More would hold no better, and would be let go too late: fast bodies passed between particles that were still held by where they had been.
+const float kMost = 0.002;
+
+// What holds a particle in the next substep: by how far colliders have put it out, and what was held besides, as what is held is not put out. What
+// was pulled off them, and has not met one since, is let go.
 vec3 renewed(vec4 support, vec3 put_out) {
-  if (put_out == vec3(0)) return kKept * support.xyz;
+  if (put_out == vec3(0)) return support.w < 0 ? vec3(0) : kKept * support.xyz;
   const vec3 now = support.w > 0 ? put_out + support.w * normalize(support.xyz) : put_out;
-  return mix(support.xyz, now, kRenewed);
+  return mix(support.xyz, now * min(1, kMost / length(now)), kRenewed);
 }
 
 vec3 support_from(vec3 put_out) {
