@@ -6,14 +6,13 @@
 #include "collide/mask.glsl"
 #include "reaction/reaction.glsl"
 
-// m, how far colliders have put the particle out that hold it (support/support.glsl). One that grows does not: cloth that it pushes ahead of itself
-// would not slip round its edges.
+// m, how far colliders have put the particle out, which then hold it (support/support.glsl).
 vec3 put_out = vec3(0);
 
 // p, which was `before` until that collider moved it.
 vec3 reacted(uint collider, Particle v, vec3 before, vec3 p, float inverse_mass) {
   if (reacts) react(collider, v, before, p, inverse_mass);
-  if (has_supports && p != before && !changes_size(collider, v.from, v.to)) put_out += last_put_out;
+  if (has_supports && p != before) put_out += last_put_out;
   return p;
 }
 

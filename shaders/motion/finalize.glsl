@@ -27,7 +27,7 @@ WRITE(vec4, ways_out)
 // What a particle's triangles ask for together (triangle_collide): out of the collider, and friction (m).
 struct Asked {
   vec3 out_of, friction;
-  float alike;   // how much those that are no growth's are one way: of opposite ones nothing
+  float alike;   // 1: all one way, 1/2: half of them at right angles to the others
   uint body;   // reactions: one of the bodies that they met, counted from 1 (triangle/bodies.glsl)
 };
 
@@ -48,7 +48,7 @@ Asked asked_by_triangles(uint i) {
   const float unit = WEFT_WHOLE_WEIGHT * collision_settings.quantum / float(sum.w);
   const float depths = max(float(collision_depths[i]), 1), alike = dot(vec3(sum.xyz), vec3(sum.xyz)) / (depths * depths);
   const vec3 out_of = unit / clamp(alike, kLeastAlike, 1) * vec3(sum.xyz);
-  const Asked asked = Asked(out_of, unit * vec3(collision_sums[2 * i + 1].xyz), collision_depths[i] == 0 ? 0 : alike, uint(collision_sums[2 * i + 1].w));
+  const Asked asked = Asked(out_of, unit * vec3(collision_sums[2 * i + 1].xyz), alike, uint(collision_sums[2 * i + 1].w));
   collision_sums[2 * i] = collision_sums[2 * i + 1] = ivec4(0);
   collision_depths[i] = 0;
   return asked;
