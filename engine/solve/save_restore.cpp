@@ -255,7 +255,7 @@ Result<std::optional<Simulation::State::Torn>> Simulation::State::check(const Sn
         return good.take_error();
     if (row == &buffers::velocities)
       if (auto good = check_values("velocities", elements<gpu::vec4>(*bytes), present.velocities); !good) return good.take_error();
-    if (row == &buffers::detected_positions || row == &buffers::trajectories || row == &buffers::skin_ends)
+    if (row == &buffers::detected_positions || row == &buffers::trajectories || row == &buffers::skin_ends || row == &buffers::supports)
       for (const gpu::vec4& at : elements<gpu::vec4>(*bytes))
         if (!is_finite(at)) return unfit("its buffer ", buffer.name, " has a vector that is not finite");
     if (row == &buffers::displacement_bounds || row == &buffers::near_bounds)

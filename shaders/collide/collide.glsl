@@ -35,15 +35,15 @@ Surface surface_at(Collider collider, Particle v) {
 }
 
 // m, of the particle at hand: how far the last collider that it met has put it out, and what of its steps into colliders the solve has held
-// back (support.glsl).
+// back, outwards (support.glsl). In passes of contacts nothing is, as finalize has counted it.
 vec3 last_put_out = vec3(0);
-float held = 0;
+vec3 held = vec3(0);
 
 // Coulomb friction: reduces the tangential part of the motion from x to p relative to a surface that itself moved by `carried`, by `depth`,
 // which was corrected along the normal, and by what is held besides.
 vec3 with_friction(vec3 x, vec3 p, vec3 carried, vec3 normal, float depth, float friction) {
   last_put_out = depth * normal;
-  const float pressed = max(depth + held, 0);
+  const float pressed = has_supports ? max(depth + dot(held, normal), 0) : depth;
   const vec3 motion = p - x - carried;
   const vec3 slip = motion - dot(motion, normal) * normal;
   const float len = length(slip);

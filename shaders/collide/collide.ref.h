@@ -119,15 +119,16 @@ inline Vector carried(const Body& body, const Vector& p) {
 }
 
 /// Coulomb: `to` is on the surface, put there by `depth` along `normal`; x is where the substep began; `held`: as in out_of_body.
-inline Vector rub(const Body& body, const Vector& x, const Vector& to, const Vector& normal, double depth, double held) {
+inline Vector rub(const Body& body, const Vector& x, const Vector& to, const Vector& normal, double depth,
+                  const Vector& held) {
   const Vector motion = to - x - carried(body, to);
   const Vector slip = (Eigen::Matrix3d::Identity() - normal * normal.transpose()) * motion;
-  const double taken_back = std::min(slip.norm(), body.friction * std::max(depth + held, 0.0));
+  const double taken_back = std::min(slip.norm(), body.friction * std::max(depth + held.dot(normal), 0.0));
   return slip.norm() > 1e-12 ? Vector(to - taken_back * slip.normalized()) : to;
 }
 
 /// As out_of_body, for a body with axes, where the point may have to stay in front of its entry.
-inline Vector out_of_convex(const Body& body, const Vector& x, const Vector& p, double thickness, double held) {
+inline Vector out_of_convex(const Body& body, const Vector& x, const Vector& p, double thickness, const Vector& held) {
   const Vector a = body.own_before(x), b = body.own_after(p);
   double distance = own_distance(body, b);
   Vector normal = own_gradient(body, b);
@@ -143,9 +144,10 @@ inline Vector out_of_convex(const Body& body, const Vector& x, const Vector& p, 
   return rub(body, x, p + (thickness - distance) * out, out, thickness - distance, held);
 }
 
-/// Where p, which was at x when the substep began, must be for the body. `held`: what of its steps into the body the solve held back
-/// (m, support.ref.h).
-inline Vector out_of_body(const Body& body, const Vector& x, const Vector& p, double thickness, double held = 0) {
+/// Where p, which was at x when the substep began, must be for the body. `held`: what of its steps into bodies the solve held back,
+/// outwards (m, support.ref.h).
+inline Vector out_of_body(const Body& body, const Vector& x, const Vector& p, double thickness,
+                          const Vector& held = Vector::Zero()) {
   if (body.has_axes()) return out_of_convex(body, x, p, thickness, held);
   Vector deepest = p;
   if (signed_distance(body, p) >= thickness) {

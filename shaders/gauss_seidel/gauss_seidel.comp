@@ -26,8 +26,8 @@ GATHER_WRITE(supports)
 // Of the patch's particles. A place is rounded as a float of its size is; how far a particle has gone is small, and rounded the less. Links add to
 // that alone, so that a place is rounded once for all of them: rounded by each, the centre of mass walked.
 shared vec4 begins[WEFT_PATCH];   // xyz: where it was when the dispatch began (m), w: inverse mass (1/kg)
-shared vec4 gone[WEFT_PATCH];     // xyz: how far it has gone since, w: how much of its steps in this substep was held (m)
-shared vec3 held_by[WEFT_PATCH];  // support.glsl
+shared vec3 gone[WEFT_PATCH];     // how far it has gone since (m)
+shared vec4 holds[WEFT_PATCH];    // xyz: what holds it (support.glsl), w: how much of its steps in this substep is held (m)
 
 // The change of a link's multiplier, which is renewed.
 float change_of(PatchLink link, float len, float weight, inout float lambda) {
@@ -38,14 +38,19 @@ float change_of(PatchLink link, float len, float weight, inout float lambda) {
   return change;
 }
 
-// What of a step member m goes, and what of it is held.
-vec4 step_by(uint m, vec3 step) { return has_supports ? vec4(yields(held_by[m], step), held_of(held_by[m], step)) : vec4(step, 0); }
+// What of a step member m goes.
+vec3 step_of(uint m, vec3 step) {
+  if (!has_supports) return step;
+  const vec3 support = holds[m].xyz;
+  holds[m].w += held_of(support, step);
+  return yields(support, step);
+}
 
 void project(uint k) {
   const PatchLink link = unpack_patch_link(FETCH_UINT2(patch_links, k));
   const vec4 p = begins[link.a], q = begins[link.b];
-  const vec4 p_gone = gone[link.a], q_gone = gone[link.b];
-  vec3 d = (p.xyz - q.xyz) + (p_gone.xyz - q_gone.xyz);
+  const vec3 p_gone = gone[link.a], q_gone = gone[link.b];
+  vec3 d = (p.xyz - q.xyz) + (p_gone - q_gone);
   const float squared = dot(d, d);
   const bool together = squared < 1e-20;
   float lambda = 0;
@@ -59,17 +64,20 @@ void project(uint k) {
     const float len = together ? 1e-10 : sqrt(squared);
     float weight = p.w + q.w;
     if (has_supports) {
-      const float taken = p.w * heaviness_along(held_by[link.a], d / len) + q.w * heaviness_along(held_by[link.b], d / len);
+      const float taken = p.w * heaviness_along(holds[link.a].xyz, d / len) + q.w * heaviness_along(holds[link.b].xyz, d / len);
       weight -= min(taken, kMostTaken * weight);
     }
     const vec3 impulse = (change_of(link, len, weight, lambda) / len) * d;
-    gone[link.a] = p_gone + step_by(link.a, p.w * impulse);
-    gone[link.b] = q_gone + step_by(link.b, -q.w * impulse);
+    gone[link.a] = p_gone + step_of(link.a, p.w * impulse);
+    gone[link.b] = q_gone + step_of(link.b, -q.w * impulse);
   }
   if (is_iterated) patch_lambda[k] = lambda;
 }
 
 #include "gauss_seidel/turn.glsl"
+
+// Of its inverse mass, what a support takes of a particle that hands on momentum.
+const float kAnchored = 0.1;
 
 uint particle_of(Patch whole, uint m) { return patch_members[whole.first_member + m]; }
 
@@ -79,8 +87,8 @@ void main() {
   for (uint m = here; m < whole.members; m += workgroup) {
     begins[m] = FETCH(predicted, particle_of(whole, m));
     const vec4 support = has_supports ? FETCH(supports, particle_of(whole, m)) : vec4(0);
-    if (has_supports) held_by[m] = support_from(support.xyz);
-    gone[m] = vec4(0, 0, 0, support.w);
+    if (has_supports) holds[m] = vec4(support_from(support.xyz), support.w);
+    gone[m] = vec3(0);
   }
   uint begin = patch_colour_ends[whole.first_colour];
   for (uint colour = 1; colour <= whole.colours; ++colour) {
@@ -93,15 +101,15 @@ void main() {
   TurnSums sums = TurnSums(vec4(0), vec3(0), vec3(0), vec3(0));
   const vec3 origin = FETCH(positions, particle_of(whole, 0)).xyz;   // finite, as predictions may not be
   for (uint m = here; m < whole.members; m += workgroup) {
-    const bool is_held = has_supports && held_by[m] != vec3(0);
-    add(sums, FETCH(positions, particle_of(whole, m)).xyz - origin, is_held ? 0 : begins[m].w, gone[m].xyz);
+    const bool is_held = has_supports && dot(holds[m].xyz, holds[m].xyz) > kAnchored;
+    add(sums, FETCH(positions, particle_of(whole, m)).xyz - origin, is_held ? 0 : begins[m].w, gone[m]);
   }
   sum_turns(here, sums);
   const Turn turn = turn_of_patch();
   for (uint m = here; m < whole.members; m += workgroup) {
     const uint i = particle_of(whole, m);
     const vec3 turned = cross(turn.angle, FETCH(positions, i).xyz - origin - turn.centre);
-    predicted[i].xyz = begins[m].xyz + (gone[m].xyz + turned);
-    if (has_supports && held_by[m] != vec3(0)) supports[i].w = gone[m].w;
+    predicted[i].xyz = begins[m].xyz + (gone[m] + turned);
+    if (has_supports && holds[m].xyz != vec3(0)) supports[i].w = holds[m].w;
   }
 }

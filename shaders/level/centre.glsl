@@ -2,15 +2,14 @@
 // points of the finer level, CENTRE_OF and MIDDLE_OF. Differences are summed, which round as lengths do and not as places.
 //
 // Forces between centres, handed on by those same shares, turn nothing: what a node gives its points has no moment about their centre.
-// Lengths are measured between middles (engine/effects/level/centres.cpp).
+// Lengths are measured between middles (engine/effects/level/centres.cpp). Where what it carries is held (support.glsl), it is held by the
+// mean of what put that out.
 //
 // A thread waits for memory once for kAtOnce of them. Measured on a GPU (H200): eight at once more than halve the time of the one workgroup of
 // level_low, which has nothing else to do meanwhile, and more than double that of level_centre, whose workgroups have each other.
 
 GATHER_UINT4(level_nodes)
 GATHER_UINT2(level_gathers)
-
-// Where what it carries is held (support.glsl), it is held by the mean of what put that out.
 
 struct LevelPlace {
   vec3 centre, middle, put_out;   // m

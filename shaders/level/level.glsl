@@ -19,8 +19,6 @@ const float kEager = WEFT_EAGER_LEVELS;
 // rest: it moved by half a metre a second. So beside contacts links are a little slack, and leave to the threads what is left.
 const float kSlack = has_contacts ? WEFT_LEVEL_SLACK : 1;
 
-vec3 support_of(uint k) { return has_supports ? support_from(PUT_OUT(k).xyz) : vec3(0); }
-
 // How far the next coarser level's, STEP, would carry node k, and what of their steps was held, over what put it out.
 vec4 carried_freely(uint k, LevelNode node) {
   const uvec4 packed = FETCH(level_node_shares, k);
@@ -30,7 +28,10 @@ vec4 carried_freely(uint k, LevelNode node) {
 }
 
 // How far they carry it.
-vec3 carried_of(uint k, LevelNode node) { return yields(support_of(k), carried_freely(k, node).xyz); }
+vec3 carried_of(uint k, LevelNode node) {
+  const vec3 step = carried_freely(k, node).xyz;
+  return has_supports ? yields(support_from(PUT_OUT(k).xyz), step) : step;
+}
 
 // How far node k goes, and what of it was held, over what put it out: what the node carries has been put out by parts of that.
 vec4 step_of(uint k) {

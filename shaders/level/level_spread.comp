@@ -12,7 +12,8 @@ GATHER_WRITE(supports)
 void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.count) return;
-  vec4 support = has_supports ? FETCH(supports, i) : vec4(0);
-  predicted[i].xyz = FETCH(predicted, i).xyz + spread(i, support.xyz, support_from(support.xyz), support.w);
-  if (has_supports && support.xyz != vec3(0)) supports[i].w = support.w;
+  vec4 put_out = has_supports ? FETCH(supports, i) : vec4(0);
+  const vec3 support = support_from(put_out.xyz);
+  predicted[i].xyz = FETCH(predicted, i).xyz + spread(i, put_out.xyz, support, put_out.w);
+  if (has_supports && support != vec3(0)) supports[i].w = put_out.w;
 }

@@ -14,10 +14,9 @@ vec3 spread(uint i, vec3 put_out, vec3 support, inout float held) {
   const uvec4 packed = FETCH(level_shares, i);
   if (packed.x == WEFT_NONE) return vec3(0);
   const LevelShare share = unpack_level_share(packed);
-  const vec4 sum = share.part0 * FETCH(level_steps, share.node0) + share.part1 * FETCH(level_steps, share.node1) +
-                   share.part2 * FETCH(level_steps, share.node2);
-  const vec3 step = lightness(i) * sum.xyz;
-  if (!has_supports) return step;
-  held += held_of(support, step) + sum.w * length(put_out);
-  return yields(support, step);
+  const vec4 step = lightness(i) * (share.part0 * FETCH(level_steps, share.node0) + share.part1 * FETCH(level_steps, share.node1) +
+                                    share.part2 * FETCH(level_steps, share.node2));
+  if (!has_supports) return step.xyz;
+  held += held_of(support, step.xyz) + step.w * length(put_out);
+  return yields(support, step.xyz);
 }

@@ -1,5 +1,5 @@
-// finalize: what a particle can do alone at the end of an iteration: [tethers] [motion constraints] [colliders] and, after a substep's last
-// iteration, the velocity update. Fused into the last pass that moves the particle, because each part costs less than reading the particle
+// finalize: what a particle can do alone at the end of an iteration: [tethers] [motion constraints] [colliders, and what they hold] and, after
+// a substep's last iteration, the velocity update. Fused into the last pass that moves the particle, because each part costs less than reading the particle
 // again, and specialised to the parts that the scene has. Where triangles collide (triangle_collide), tethers come before that, in the last
 // pass of the constraints. With contacts a particle is kept within its displacement bound first, and one that has candidates ends its
 // substep after these, in the pass contact_finalize.
@@ -61,6 +61,7 @@ void finalize(uint i, vec4 p) {
   const bool ends = last && (bits & WEFT_PAIRED) == 0;
   if (triangles_collide > 0 && i == 0) collisions[0] = Collisions(Groups(0, 0, 0), 0);   // for the next iteration
   if (p.w == 0) {
+    if (has_supports) supports[i] = vec4(0);   // it may have been pinned
     if (ends) positions[i].xyz = p.xyz;
     next_iterate[i] = p;
     return;
@@ -70,7 +71,7 @@ void finalize(uint i, vec4 p) {
   const vec4 material = FETCH(materials, floatBitsToUint(v.w));
   vec3 start = x.xyz;
   const vec4 support = has_supports ? supports[i] : vec4(0);
-  held = support.w;
+  held = held_by(support);
   if (triangles_collide > 0) {
     // The way round a box's edge is no way into the box, nor a slip: the particle begins where its triangles put it.
     const Asked asked = asked_by_triangles(i);
@@ -78,7 +79,7 @@ void finalize(uint i, vec4 p) {
     const vec3 before = p.xyz;
     p.xyz += asked.out_of + asked.friction;
     put_out = clamp(2 * asked.alike - 1, 0, 1) * asked.out_of;   // between two sides of an edge nothing is held
-    if (asked.out_of != vec3(0)) held = 0;   // triangle_collide has rubbed by it
+    if (asked.out_of != vec3(0)) held = vec3(0);   // triangle_collide has rubbed by it
     if (reacts && asked.body > 0) {
       const Particle particle = Particle(push.fraction_from, push.fraction_to, start, material.z, material.y);
       p.xyz = reacted(planes + asked.body - 1, particle, before, p.xyz, x.w);

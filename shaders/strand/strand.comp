@@ -38,8 +38,8 @@ Walker taken(uint i) {
 
 void move(inout Walker walker, vec3 impulse) {
   const vec3 step = walker.w * impulse;
-  walker.gone += has_supports ? yields(walker.support, step) : step;
-  if (has_supports) walker.held += held_of(walker.support, step);
+  walker.gone += yields(walker.support, step);
+  walker.held += held_of(walker.support, step);
 }
 
 // Puts a particle where it has gone, and hands on what rounding leaves of its momentum (kg m): a line rounds it once, not at every particle.
@@ -81,9 +81,14 @@ void main() {
       strand_lambda[k] = lambda + change;
     }
     const vec3 impulse = squared < 1e20 ? (change / len) * d : vec3(0);
-    move(here, impulse);
-    there.gone += there.w * put(i, here);
-    move(there, -impulse);
+    if (has_supports) {
+      move(here, impulse);
+      there.gone += there.w * put(i, here);
+      move(there, -impulse);
+    } else {
+      here.gone += here.w * impulse;
+      there.gone += there.w * (put(i, here) - impulse);
+    }
     here = there;
     i = link.other;
   }

@@ -98,9 +98,9 @@ void main() {
   vec3 step = share * sum;
   if (has_supports) {
     const vec4 support = supports[i];
-    const vec3 held_by = support_from(support.xyz);
-    supports[i].w = support.w + held_of(held_by, step);
-    step = yields(held_by, step);
+    const vec3 s = support_from(support.xyz);
+    if (s != vec3(0)) supports[i].w = support.w + held_of(s, step);
+    step = yields(s, step);
   }
   leave(i, vec4(p.xyz + step, p.w));
 }

@@ -1,14 +1,15 @@
-// support: what colliders hold. A solve that knows nothing of colliders pulls cloth into them, and they put it out again; so they give it, in a
-// substep, what the particles on them weigh, and not what hangs on these. On a capsule's end a few carried a sheet, and stood at twelve times
-// their distance, the farther the finer the cloth was.
+// support: what colliders hold. A solve that knows nothing of colliders pulls cloth into them, and they put it out again; so they give
+// it, in a substep, what the particles on them weigh, and not what hangs on these. On a capsule's end a few carried a sheet, and stood at
+// twelve times their distance, the farther the finer the cloth was.
 //
-// So what colliders have put out by d along n in the last substeps is heavier against them in this one's solve: of its inverse mass w is left
+// So what colliders have put out by d along n in the last substeps is heavier against them in this one's solve: of its inverse mass w is
+// left
 //     W = w (I - d / (d + kHardly) n n^T),
 // which where d is long is a constraint's of Baraff and Witkin (1998, "Large steps in cloth simulation": mass modification). So are the
 // nodes of coarse levels that carry it, by the mean of d n over what they carry. A support is one vector s: W = w (I - s s^T).
 //
-// What is held is what colliders would have corrected, so friction counts it as depth. Its momentum goes to nobody: scenes that tell colliders
-// what they are given have no supports (engine/effects/support/support.cpp).
+// What is held is what colliders would have corrected, so friction counts it as depth. Its momentum goes to nobody: scenes that tell
+// colliders what they are given have no supports (engine/effects/support/support.cpp).
 
 // m. What is put out by as little is hardly held, so that cloth at rest, which gravity moves by a few hundredths of a millimetre in a
 // substep, comes off without a tug.
@@ -18,20 +19,33 @@ const float kHardly = 5e-5;
 // the next made it shiver on the corners of boxes, at a metre a second.
 const float kRenewed = 0.3, kKept = 0.5;
 
-// m. More would hold no better, and would be let go too late: fast bodies passed between particles that were still held by where they had been.
+// m. More would hold no better, and would be let go too late: fast bodies passed between particles that were still held by where they had
+// been.
 const float kMost = 0.002;
 
-// What holds a particle in the next substep: by how far colliders have put it out, and what was held besides, as what is held is not put out. What
-// was pulled off them, and has not met one since, is let go.
+// m, of `put_out`: less has no direction, and is nothing.
+const float kNothing = 1e-9;
+
+// What was held (m), with its direction: support.xyz is what has been put out, support.w how much was held.
+vec3 held_by(vec4 support) {
+  const float d = length(support.xyz);
+  return d > kNothing ? support.w / d * support.xyz : vec3(0);
+}
+
+// What holds a particle in the next substep: by how far colliders have put it out, and what was held besides, as what is held is not put
+// out. What was pulled off them, and has not met one since, is let go. So is what is not finite.
 vec3 renewed(vec4 support, vec3 put_out) {
-  if (put_out == vec3(0)) return support.w < 0 ? vec3(0) : kKept * support.xyz;
-  const vec3 now = support.w > 0 ? put_out + support.w * normalize(support.xyz) : put_out;
-  return mix(support.xyz, now * min(1, kMost / length(now)), kRenewed);
+  vec3 next = support.w < 0 ? vec3(0) : kKept * support.xyz;
+  if (put_out != vec3(0)) {
+    const vec3 now = put_out + max(support.w, 0) * held_by(vec4(support.xyz, 1));
+    next = mix(support.xyz, now * min(1, kMost / length(now)), kRenewed);
+  }
+  return length(next) > kNothing && length(next) < 1 ? next : vec3(0);
 }
 
 vec3 support_from(vec3 put_out) {
   const float d = length(put_out);
-  return d > 1e-9 ? inversesqrt(d * (d + kHardly)) * put_out : vec3(0);
+  return d > kNothing ? inversesqrt(d * (d + kHardly)) * put_out : vec3(0);
 }
 
 // What a support leaves of a step, or of an impulse.

@@ -1,8 +1,11 @@
-// Twin of support.glsl: what colliders have put out by d along n in the last substep has the inverse mass w (I - d / (d + 0.05 mm) n n^T) in
-// this one's solve. After: Baraff and Witkin 1998, "Large steps in cloth simulation", whose constraints are I - n n^T.
+// Twin of support.glsl: what colliders have put out by d along n in the last substeps has the inverse mass w (I - d / (d + 0.05 mm) n n^T)
+// in this one's solve. After: Baraff and Witkin 1998, "Large steps in cloth simulation", whose constraints are I - n n^T.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 #include "shaders/jacobi.ref.h"
 
@@ -31,6 +34,14 @@ struct Supports {
     return yields(i, step);
   }
 };
+
+/// Of a particle, in the next substep (m): colliders have put it out by `put_out`, and `held` of it was held before by `before`.
+inline Vector renewed(const Vector& before, double held, const Vector& put_out) {
+  if (put_out.isZero(0)) return held < 0 ? Vector(Vector::Zero()) : Vector(0.5 * before);
+  Vector now = put_out;
+  if (before.norm() > 1e-9) now += std::max(held, 0.0) * before.normalized();
+  return 0.7 * before + 0.3 * std::min(1.0, 0.002 / now.norm()) * now;
+}
 
 /// The inverse mass of a link along the unit u, its ends' being w_a and w_b without supports: a quarter of that at least.
 inline double supported_weight(const Supports& supports, std::size_t a, double w_a, std::size_t b, double w_b, const Vector& u) {

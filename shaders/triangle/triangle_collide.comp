@@ -28,6 +28,7 @@ READ_WRITE(int, collision_depths)
 
 #include "triangle/bodies.glsl"
 #include "triangle/gap.glsl"
+#include "support/support.glsl"
 
 // What is inside comes out at once; of what a gap is then still short, so much is made up for in a substep. All at once it would turn into
 // speed, and cloth that lies over an edge would shiver, at 6 cm/s. Of a box that grows all: what is left over adds up, substep after substep.
@@ -63,8 +64,9 @@ void correct(Body body, bool is_resized, uint particle, vec3 a, vec3 b, vec3 nor
   const float weight = ceil(WEFT_WHOLE_WEIGHT * min(squared(depth / WEFT_WHOLE_DEPTH), 1));
   const vec3 motion = b - a, slip = motion - dot(motion, normal) * normal;
   const float len = length(slip);
-  add(2 * particle, depth * rotate(body.pose.rotation_to, normal), weight / WEFT_WHOLE_WEIGHT);
-  const float pressed = max(depth + (has_supports ? FETCH(supports, particle).w : 0), 0);
+  const vec3 outwards = rotate(body.pose.rotation_to, normal);
+  add(2 * particle, depth * outwards, weight / WEFT_WHOLE_WEIGHT);
+  const float pressed = has_supports ? max(depth + dot(held_by(FETCH(supports, particle)), outwards), 0) : depth;
   const vec3 rubbed = -min(1, body.friction * pressed / max(len, 1e-12)) * slip;
   add(2 * particle + 1, rotate(body.pose.rotation_to, rubbed), weight / WEFT_WHOLE_WEIGHT);
   atomicAdd(collision_sums[2 * particle].w, int(weight));

@@ -53,6 +53,7 @@ inline Needs setup_for(const Calls& calls, bool texels) {
   setup.constants[constant::skins_move_anchors] = calls.has(Id::skin) && calls.has(Id::anchor);
   if (calls.has(Id::skin) && calls.has(Id::contact)) setup.constants[constant::morphs] = calls.has(Id::motion_constraint) ? 2 : 1;
   setup.constants[constant::takes_targets] = setup.constants[constant::morphs] > 0;
+  setup.constants[constant::has_supports] = calls.has(Id::support);
   setup.constants[constant::grab_count] = calls.has(Id::grab);
   setup.constants[constant::reacts] = calls.has(Id::reaction);
   setup.constants[constant::first_mesh_body] = calls.has(Id::reaction) && calls.has(Id::contact);
@@ -90,6 +91,10 @@ inline std::vector<Calls> combinations() {
       found.push_back(with(calls, {Id::stretch, Id::skin, Id::motion_constraint}));
       found.push_back(with(calls, {Id::gauss_seidel, Id::skin, Id::motion_constraint}));
       if (calls.has(Id::collide)) found.push_back(with(calls, {Id::stretch, Id::reaction}));
+    }
+    if (calls.has(Id::collide) && !calls.iterated) {
+      found.push_back(with(calls, {Id::gauss_seidel, Id::level, Id::support}));
+      found.push_back(with(calls, {Id::stretch, Id::strand, Id::level, Id::support}));
     }
     found.push_back(with(calls, {Id::gauss_seidel}));
     found.push_back(with(calls, {Id::gauss_seidel, Id::level}));

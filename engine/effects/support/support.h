@@ -6,10 +6,12 @@
 
 namespace weft::buffers {
 
-/// xyz: how far colliders put each particle out in the last substep; w: what of its steps into them this substep's solve has held back (m).
+/// xyz: how far colliders have put each particle out in the last substeps, a running mean; w: what of its steps into them this substep's solve
+/// has held back (m).
 inline constexpr Buffer supports = buffer<gpu::vec4>("supports", Lifetime::persistent, lengths::particles);
 
-/// Of each node of coarse levels, the mean of the former over what it carries (m).
-inline constexpr Buffer level_supports = scratch<gpu::vec4>("level_supports", [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); });
+/// Of each node of coarse levels, the mean of xyz over what it carries (m).
+inline constexpr Buffer level_supports =
+    scratch<gpu::vec4>("level_supports", [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); });
 
 }  // namespace weft::buffers

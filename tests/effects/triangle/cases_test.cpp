@@ -112,8 +112,8 @@ Scene over(const Collider& collider, std::uint32_t cells) {
 }
 
 // Where the sheet lies. Where it strikes at 2 m/s an edge may be in the body by half its thickness, 1 mm, for a substep or two. At a box's
-// corner triangles about one particle are put out in unlike directions: where it took the plain mean, fine cells rested 1 mm inside. What
-// the finest still do is a limitation that engine/README.md tells of.
+// corner triangles about one particle are put out in unlike directions: where it took the plain mean, fine cells rested 1 mm inside. Where
+// what a corner or a thin end carries was not held (Supports), the finest were stretched twofold there, and rested 1.8 mm inside.
 TEST_F(TriangleCollision, nothing_shows_through_a_draped_sheet_at_any_cell_size) {
   Collider turned = box({0, 0, 0}, {0.4f, 0.5f, 0.3f});
   turned.axis = {0.6f, 0.8f, 0};
@@ -124,16 +124,15 @@ TEST_F(TriangleCollision, nothing_shows_through_a_draped_sheet_at_any_cell_size)
                                 tapered(capsule({0, 0.1f, 0}, 0.2, 0.1, {0.96f, -0.28f, 0}), 0.05),
                                 box({0, 0, 0}, {0.4f, 0.5f, 0.3f}), turned};
   for (const Collider& collider : colliders)
-    for (const std::uint32_t cells : {1u, 3u, 10u, 20u, 25u, 35u, 50u, 64u, 80u}) {
+    for (const std::uint32_t cells : {1u, 3u, 10u, 20u, 25u, 35u, 50u, 64u, 80u, 100u}) {
       SCOPED_TRACE("shape " + std::to_string(int(collider.shape)) + ", cells " + std::to_string(cells));
       const auto simulation = must(Simulation::create(device(), over(collider, cells)));
       const reference::Body body = body_of(collider, simulation->colliders()[0]);
-      const bool finest_over_corner = collider.shape == ColliderShape::box && cells > 64;
       for (int k = 0; k < 12; ++k) {
         run(*simulation, 0.1);
-        ASSERT_LT(deepest(*simulation, body), finest_over_corner ? 0.0012 : 0.001) << "after " << 0.1 * (k + 1) << " s";
+        ASSERT_LT(deepest(*simulation, body), 0.001) << "after " << 0.1 * (k + 1) << " s";
       }
-      EXPECT_LT(deepest(*simulation, body), finest_over_corner ? 0.0008 : 0);
+      EXPECT_LT(deepest(*simulation, body), 0);
     }
 }
 
