@@ -92,10 +92,6 @@ inline std::vector<Calls> combinations() {
       found.push_back(with(calls, {Id::gauss_seidel, Id::skin, Id::motion_constraint}));
       if (calls.has(Id::collide)) found.push_back(with(calls, {Id::stretch, Id::reaction}));
     }
-    if (calls.has(Id::collide) && !calls.iterated) {
-      found.push_back(with(calls, {Id::gauss_seidel, Id::level, Id::support}));
-      found.push_back(with(calls, {Id::stretch, Id::strand, Id::level, Id::support}));
-    }
     found.push_back(with(calls, {Id::gauss_seidel}));
     found.push_back(with(calls, {Id::gauss_seidel, Id::level}));
     found.push_back(with(calls, {Id::stretch, Id::level}));
@@ -110,6 +106,9 @@ inline std::vector<Calls> combinations() {
     found.push_back(with(calls, {Id::spring, Id::implicit}));
     found.back().relaxed = true;
   }
+  for (Calls& calls : found)
+    if (calls.has(Id::collide) && (calls.has(Id::gauss_seidel) || calls.has(Id::strand)) && !calls.iterated && !calls.has(Id::reaction))
+      calls.effects.insert(Id::support);
   return found;
 }
 
@@ -117,7 +116,7 @@ inline std::vector<Calls> combinations() {
 inline std::vector<Id> others() {
   constexpr Id kKnown[] = {Id::anchor,   Id::level,     Id::strand, Id::stretch, Id::gauss_seidel, Id::bend,   Id::dihedral, Id::spring,
                            Id::implicit, Id::chebyshev, Id::tether, Id::collide, Id::triangle,     Id::motion, Id::contact,  Id::surface,
-                           Id::untangle, Id::skin,      Id::motion_constraint, Id::reaction};
+                           Id::untangle, Id::skin,      Id::motion_constraint, Id::reaction, Id::support};
   std::vector<Id> found;
   for (std::size_t k = 0; k < kEffects; ++k)
     if (std::find(std::begin(kKnown), std::end(kKnown), Id(k)) == std::end(kKnown)) found.push_back(Id(k));
