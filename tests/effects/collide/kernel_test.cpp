@@ -92,6 +92,32 @@ TEST_F(CollideKernel, planes_do_what_their_twin_does) {
   }
 }
 
+// A support that is not finite would stay so, and hold back whoever shares a node with it.
+TEST_F(CollideKernel, what_is_not_finite_is_not_held) {
+  Random random(13);
+  Scene scene = loose_scene(4);
+  scene.solver.method = Method::strands;
+  const auto colliders = bodies(random, ColliderShape::plane, 0);
+  scene.colliders.resize(colliders.size());
+  const CookedFabric fabric = loose_particles(random, 600, scene.solver);
+  auto p = moved(random, fabric, 0.03);
+  for (std::size_t i = 0; i < p.size(); i += 5) p[i].y = i % 2 == 0 ? NAN : INFINITY;
+  SinglePass passes(device(), scene, fabric);
+  passes.put_iterate(p);
+  std::vector<gpu::vec4> supports(p.size());
+  for (gpu::vec4& support : supports) support = anywhere(random, 0.001, 0.001f);
+  supports[0].w = NAN;
+  passes.put(buffers::supports, supports);
+  FrameInput input = falling(4);
+  input.colliders = colliders;
+  passes.begin(input);
+  passes.run("stretch", kBodySubstep);
+  for (const gpu::vec4& support : passes.particles(buffers::supports)) {
+    ASSERT_TRUE(std::isfinite(support.x + support.y + support.z));
+    ASSERT_EQ(support.w, 0);
+  }
+}
+
 TEST_F(CollideKernel, spheres_do_what_their_twin_does_inside_outside_and_swept) {
   for (const double speed : {0.0, 0.2, 20.0}) {   // 5 m in this substep
     compare_colliders(device(), ColliderShape::sphere, speed, false, 21);
