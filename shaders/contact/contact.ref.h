@@ -52,8 +52,8 @@ inline bool is_pushed(const Pair& pair, const Vector& normal, const Points& x, c
   return false;
 }
 
-/// By how much more than predicted a pair may approach each other (m): 0.35 of the displacement bounds of both sides, `most` at most, and half
-/// of the separation where all of it gives way; a tenth of the separation at least.
+/// By how much more than predicted a pair may approach each other (m): 0.35 of the displacement bounds of both sides, `most` at most, and
+/// half of the separation where all of it gives way; a tenth of the separation at least.
 struct Straying {
   std::span<const double> bounds = {};   // one a particle
   double most = 0;

@@ -55,7 +55,8 @@ inline Points relax_stretch(std::span<const Stretch> links, const Points& p, std
   return copies.averaged(p);
 }
 
-/// A sweep of Gauss-Seidel: one link after another, in their order, moves its ends. `lambda`: one a link, renewed. `supports`: of particles.
+/// A sweep of Gauss-Seidel: one link after another, in their order, moves its ends. `lambda`: one a link, renewed. `supports`: of
+/// particles.
 inline void sweep_stretch(std::span<const Stretch> links, Points& p, std::span<const double> inverse_masses,
                           std::span<double> lambda, double h, double omega, Supports* supports = nullptr) {
   for (std::size_t e = 0; e < links.size(); ++e) {
@@ -64,7 +65,8 @@ inline void sweep_stretch(std::span<const Stretch> links, Points& p, std::span<c
     const bool together = (p[link.a] - p[link.b]).norm() <= kCoincident;
     const Vector gradient = together ? apart() : stretch_gradient(p[link.a], p[link.b]);
     const double weight = supports ? supported_weight(*supports, link.a, weight_a, link.b, weight_b, gradient) : weight_a + weight_b;
-    double next = lambda[e] + change_of_multiplier(stretch_value(link, p[link.a], p[link.b]), lambda[e], weight / omega, link.compliance, h);
+    const double c = stretch_value(link, p[link.a], p[link.b]);
+    double next = lambda[e] + change_of_multiplier(c, lambda[e], weight / omega, link.compliance, h);
     if (link.only_pulls) next = std::min(next, 0.0);
     const Vector impulse = (next - lambda[e]) * gradient;
     p[link.a] += supports ? supports->move(link.a, weight_a * impulse) : Vector(weight_a * impulse);

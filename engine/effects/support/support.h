@@ -6,8 +6,8 @@
 
 namespace weft::buffers {
 
-/// xyz: how far colliders have put each particle out in the last substeps, a running mean; w: what of its steps into them this substep's solve
-/// has held back (m).
+/// xyz: how far colliders have put each particle out in the last substeps, a running mean; w: what of its steps into them this substep's
+/// solve has held back (m).
 inline constexpr Buffer supports = buffer<gpu::vec4>("supports", Lifetime::persistent, lengths::particles);
 
 /// Of each node of coarse levels, the mean of xyz over what it carries (m).

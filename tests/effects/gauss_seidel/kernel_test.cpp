@@ -21,8 +21,8 @@ struct CrumpledPatches {
 };
 
 // `supported`: a collider, far away, is there, so that particles may be held.
-CrumpledPatches crumpled(std::uint32_t iterations, double stretch, Random& random, Method method = Method::gauss_seidel, std::uint32_t cells = 14,
-                         bool supported = false) {
+CrumpledPatches crumpled(std::uint32_t iterations, double stretch, Random& random, Method method = Method::gauss_seidel,
+                         std::uint32_t cells = 14, bool supported = false) {
   CrumpledPatches c;
   if (supported) c.scene.colliders = {plane(-100)};
   c.scene.solver = {.rate = 600, .substeps = 1, .iterations = iterations, .method = method, .relaxation = 1.1};

@@ -1,6 +1,9 @@
 // What colliders hold: a thin end carries a whole sheet, friction is what it was, and nothing sticks.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "tests/support/sheets.h"
 
 namespace weft {
@@ -8,17 +11,17 @@ namespace {
 
 using Supports = GpuTest;
 
-// A free sheet falls on the upper end of a capsule that is a hundredth as wide, and slips off. Without supports a few particles pulled the
-// rest with their own mass alone: edges there stood at 12 times their length, and stayed so.
+// A free sheet of 1 m falls on the upper end of a capsule of 4 cm, and slips off. Without supports a few particles pulled the rest with their
+// own mass alone: edges there stood at 12 times their length, and stayed so.
 TEST_F(Supports, a_thin_end_carries_a_sheet_however_fine_it_is) {
   for (const Method method : {Method::by_default, Method::strands})
     for (const std::uint32_t cells : {32u, 64u, 100u})
       for (const double friction : {0.0, 0.1, 0.4}) {
-        SCOPED_TRACE(std::to_string(cells) + " cells, friction " + std::to_string(friction) + (method == Method::strands ? ", strands" : ""));
-        Scene scene;
+        SCOPED_TRACE(std::to_string(cells) + " cells, friction " + std::to_string(friction) +
+                     (method == Method::strands ? ", strands" : ""));
+        Scene scene = sheet(cells);
         scene.solver.method = method;
-        Cloth& cloth = scene.cloths.emplace_back();
-        cloth.grid = Grid{{1, 1}, cells, cells, Topology::diagonal, false};
+        Cloth& cloth = scene.cloths[0];
         cloth.transform.translate = {0.02f, 0.45f, 0.01f};
         cloth.fabric.damping = 1;
         cloth.fabric.friction = 0.5;
@@ -53,8 +56,8 @@ double slipped(const compute::Device& device, Method method, double friction) {
   return 1.2 / 96 * std::abs(double(highest) - 40);
 }
 
-// A ribbon over a rod, 0.7 m on one side and 0.5 on the other: as with a rope around a post (the capstan equation: it holds where the pull of one
-// side is at most e^(pi mu) times the other's, here 1.5), with some to spare as it falls there. That the rod holds it in the solve
+// A ribbon over a rod, 0.7 m on one side and 0.5 on the other: as with a rope around a post (the capstan equation: it holds where the pull
+// of one side is at most e^(pi mu) times the other's, here 1.5), with some to spare as it falls there. That the rod holds it in the solve
 // takes no friction away.
 TEST_F(Supports, a_ribbon_over_a_rod_holds_by_friction_alone) {
   for (const Method method : {Method::by_default, Method::strands}) {
@@ -65,27 +68,39 @@ TEST_F(Supports, a_ribbon_over_a_rod_holds_by_friction_alone) {
   }
 }
 
-// A sheet that lies on a table is thrown up and leaves the table at its own speed.
-TEST_F(Supports, nothing_sticks) {
+// A sheet between two corners, over a ball.
+Scene over_a_ball(Method method) {
+  Scene scene = sheet(20);
+  scene.solver.method = method;
+  scene.cloths[0].tethers = false;
+  scene.cloths[0].anchors = {held_at({Corner::low_low, Corner::high_high})};
+  scene.colliders = {sphere({0.05f, -0.2f, 0.02f}, 0.25)};
+  return scene;
+}
+
+double farthest_apart(const Simulation& a, const Simulation& b) {
+  const auto x = must(a.read_positions()), y = must(b.read_positions());
+  double most = 0;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    most = std::max(most, std::hypot(double(x[i].x) - y[i].x, double(x[i].y) - y[i].y, double(x[i].z) - y[i].z));
+  return most;
+}
+
+// The ball is taken away: the sheet swings down as another does that begins there and never had one, but for the few substeps until it is
+// let go: 2 to 3 cm in a fall of 20 (5 and 7, where supports lose only 3 % a substep).
+TEST_F(Supports, what_no_collider_meets_any_more_is_free) {
   for (const Method method : {Method::by_default, Method::strands}) {
     SCOPED_TRACE(method == Method::strands ? "strands" : "default");
-    Scene scene;
-    scene.solver.method = method;
-    Cloth& cloth = scene.cloths.emplace_back();
-    cloth.grid = Grid{{1, 1}, 40, 40, Topology::diagonal, false};
-    cloth.transform.translate = {0, 0.005f, 0};
-    cloth.fabric.damping = 0;
-    scene.colliders = {plane(0)};
-    const auto simulation = must(Simulation::create(device(), scene));
-    run(*simulation, 0.5);
-    const auto before = must(simulation->read_positions());
-    auto v = must(simulation->read_velocities());
-    for (gpu::vec4& each : v) each.y = 2;
-    must(simulation->write_velocities(v));
-    run(*simulation, 0.1);
-    const auto after = must(simulation->read_positions());
-    const double h = 1.0 / 600, risen = 2 * 0.1 - 9.81 * 0.1 * (0.1 + h) / 2;   // of symplectic Euler
-    for (std::size_t i = 0; i < before.size(); ++i) ASSERT_NEAR(after[i].y - before[i].y, risen, 0.001) << i;
+    Scene scene = over_a_ball(method);
+    const auto held = must(Simulation::create(device(), scene));
+    run(*held, 1);
+    scene.colliders[0].centre.y = -50;
+    const auto free = must(Simulation::create(device(), scene));
+    must(free->write_positions(must(held->read_positions())));
+    must(free->write_velocities(must(held->read_velocities())));
+    must(held->place_collider(0, {.centre = {0, -50, 0}}));
+    for (Simulation* simulation : {held.get(), free.get()}) run(*simulation, 0.2);
+    EXPECT_LT(farthest_apart(*held, *free), 0.04);
   }
 }
 
