@@ -8,11 +8,15 @@
 
 // m, how far colliders have put the particle out, which then hold it (support/support.glsl).
 vec3 put_out = vec3(0);
+uint last_met = 0;   // the last of them
 
 // p, which was `before` until that collider moved it.
 vec3 reacted(uint collider, Particle v, vec3 before, vec3 p, float inverse_mass) {
   if (reacts) react(collider, v, before, p, inverse_mass);
-  if (has_supports && p != before) put_out += last_put_out;
+  if (has_supports && p != before && !changes_size(collider, push.fraction_from, push.fraction_to)) {
+    put_out += last_put_out;
+    last_met = collider;
+  }
   return p;
 }
 

@@ -15,7 +15,7 @@ struct LevelPlace {
   vec3 centre, middle, put_out;   // m
 };
 
-LevelPlace place_of_point(uint i) { return LevelPlace(CENTRE_OF(i).xyz, MIDDLE_OF(i).xyz, has_supports ? PUT_OUT_OF(i).xyz : vec3(0)); }
+LevelPlace place_of_point(uint i) { return LevelPlace(CENTRE_OF(i).xyz, MIDDLE_OF(i).xyz, nodes_are_held ? PUT_OUT_OF(i).xyz : vec3(0)); }
 
 LevelPlace place_of(uint k) {
   const uint begin = unpack_level_node(FETCH(level_nodes, k)).first_gather, end = unpack_level_node(FETCH(level_nodes, k + 1)).first_gather;

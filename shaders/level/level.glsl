@@ -5,7 +5,6 @@
 // level_steps, it hands on to the finer level and at last to the particles, by their shares. Where colliders hold what it carries it goes
 // less far (support.glsl).
 
-#include "support/support.glsl"
 
 GATHER_UINT4(level_node_shares)
 GATHER_UINT4(level_links)
@@ -30,7 +29,7 @@ vec4 carried_freely(uint k, LevelNode node) {
 // How far they carry it.
 vec3 carried_of(uint k, LevelNode node) {
   const vec3 step = carried_freely(k, node).xyz;
-  return has_supports ? yields(support_from(PUT_OUT(k).xyz), step) : step;
+  return nodes_are_held ? yields(support_from(PUT_OUT(k).xyz), step) : step;
 }
 
 // How far node k goes, and what of it was held, over what put it out: what the node carries has been put out by parts of that.
@@ -66,7 +65,7 @@ vec4 step_of(uint k) {
     }
   }
   vec4 gone = vec4(carried.xyz + node.inverse_mass * sum, 0);
-  if (has_supports) {
+  if (nodes_are_held) {
     const vec3 put_out = PUT_OUT(k).xyz, support = support_from(put_out);
     gone = carried_freely(k, node) + vec4(node.inverse_mass * sum, 0);
     gone.w += held_of(support, gone.xyz) / max(length(put_out), 1e-9);

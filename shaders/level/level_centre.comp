@@ -12,6 +12,7 @@ const uint kAtOnce = 1;
 #define CENTRE_OF(i) FETCH(predicted, i)
 #define MIDDLE_OF(i) FETCH(predicted, i)
 #define PUT_OUT_OF(i) FETCH(supports, i)
+#include "support/support.glsl"
 #include "level/centre.glsl"
 
 void main() {
@@ -20,5 +21,5 @@ void main() {
   const LevelPlace place = place_of(k);
   level_centres[k].xyz = place.centre;
   level_middles[k].xyz = place.middle;
-  if (has_supports) level_supports[k].xyz = place.put_out;
+  if (nodes_are_held) level_supports[k].xyz = place.put_out;
 }

@@ -11,6 +11,7 @@ const uint kAtOnce = 1;
 #define CENTRE_OF(k) FETCH(level_centres, k)
 #define MIDDLE_OF(k) FETCH(level_middles, k)
 #define PUT_OUT_OF(k) FETCH(level_supports, k)
+#include "support/support.glsl"
 #include "level/centre.glsl"
 
 void main() {
@@ -19,5 +20,5 @@ void main() {
   const LevelPlace place = place_of(k);
   level_centres[k].xyz = place.centre;
   level_middles[k].xyz = place.middle;
-  if (has_supports) level_supports[k].xyz = place.put_out;
+  if (nodes_are_held) level_supports[k].xyz = place.put_out;
 }

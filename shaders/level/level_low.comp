@@ -14,6 +14,7 @@ const uint kAtOnce = 8, kLinksAtOnce = 4;
 #define CENTRE_OF(k) level_centres[k]
 #define MIDDLE_OF(k) level_middles[k]
 #define PUT_OUT_OF(k) level_supports[k]
+#include "support/support.glsl"
 #include "level/centre.glsl"
 #define CENTRE(k) level_centres[k]
 #define MIDDLE(k) level_middles[k]
@@ -35,7 +36,7 @@ void main() {
       const LevelPlace place = place_of(k);
       level_centres[k].xyz = place.centre;
       level_middles[k].xyz = place.middle;
-      if (has_supports) level_supports[k].xyz = place.put_out;
+      if (nodes_are_held) level_supports[k].xyz = place.put_out;
     }
     wait();
   }

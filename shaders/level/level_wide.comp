@@ -15,6 +15,7 @@ const uint kLinksAtOnce = 1;
 #define STEP(k) FETCH(level_steps, k)
 #define CARRIED(k, node) vec4(carried_of(k, node), node.inverse_mass * float(node.links))
 #define PUT_OUT(k) FETCH(level_supports, k)
+#include "support/support.glsl"
 #include "level/level.glsl"
 
 void main() {

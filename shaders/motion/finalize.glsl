@@ -19,6 +19,7 @@ READ_WRITE(Detection, detection)
 
 READ_WRITE(vec4, chebyshev_iterates)
 READ_WRITE(vec4, supports)
+READ_WRITE(uint, support_bodies)
 READ_WRITE(ivec4, collision_sums)
 READ_WRITE(int, collision_depths)
 READ_WRITE(Collisions, collisions)
@@ -72,13 +73,17 @@ void finalize(uint i, vec4 p) {
   vec3 start = x.xyz;
   const vec4 support = has_supports ? supports[i] : vec4(0);
   held = held_by(support);
+  if (has_supports && reacts && held != vec3(0)) {   // the collider that has put it out of late holds it
+    const Particle particle = Particle(push.fraction_from, push.fraction_to, start, material.z, material.y);
+    react(support_bodies[i], particle, p.xyz - held, p.xyz, x.w);
+  }
   if (triangles_collide > 0) {
     // The way round a box's edge is no way into the box, nor a slip: the particle begins where its triangles put it.
     const Asked asked = asked_by_triangles(i);
     start += asked.out_of;
     const vec3 before = p.xyz;
     p.xyz += asked.out_of + asked.friction;
-    put_out = clamp(2 * asked.alike - 1, 0, 1) * asked.out_of;   // between two sides of an edge nothing is held
+    if (asked.alike <= 1.001) put_out = clamp(2 * asked.alike - 1, 0, 1) * asked.out_of;   // between two sides of an edge nothing is held
     if (asked.out_of != vec3(0)) held = vec3(0);   // triangle_collide has rubbed by it
     if (reacts && asked.body > 0) {
       const Particle particle = Particle(push.fraction_from, push.fraction_to, start, material.z, material.y);
@@ -89,6 +94,7 @@ void finalize(uint i, vec4 p) {
   if (motion_constraints > 0) p.xyz = within_motion_constraint(i, p.xyz);
   if (has_colliders) p.xyz = out_of_colliders(start, p.xyz, material, x.w);
   if (has_supports) supports[i] = vec4(renewed(support, put_out), 0);
+  if (has_supports && reacts && put_out != vec3(0)) support_bodies[i] = last_met;
   if (is_accelerated) chebyshev_iterates[3 * i + 1] = vec4(p.xyz, 0);
   if (has_contacts && last) {
     const float bound = uintBitsToFloat(bits & ~WEFT_PAIRED);

@@ -69,15 +69,14 @@ void main() {
       d = 1e-10 * vec3(0.36, 0.48, 0.8);
     }
     const float len = sqrt(max(squared, 1e-20));
-    float response = link.response;
-    if (has_supports) {
-      const float taken = here.w * heaviness_along(here.support, d / len) + there.w * heaviness_along(there.support, d / len);
-      response /= 1 - response * min(taken, kMostTaken * (here.w + there.w));
-    }
-    float change = (link.rest - len) * response;
+    float taken = 0;   // of the link's inverse mass
+    if (has_supports)
+      taken = min(here.w * heaviness_along(here.support, d / len) + there.w * heaviness_along(there.support, d / len),
+                  kMostTaken * (here.w + there.w));
+    float change = (link.rest - len) * (has_supports ? link.response / (1 - link.response * taken) : link.response);
     if (is_iterated) {
       const float alpha = link.response * motion.inverse_h2, lambda = (push.flags & WEFT_FIRST_ITERATION) != 0 ? 0 : strand_lambda[k];
-      change = (link.rest - len - alpha * lambda) / max(here.w + there.w + alpha, 1e-20);
+      change = (link.rest - len - alpha * lambda) / max(here.w + there.w - taken + alpha, 1e-20);
       strand_lambda[k] = lambda + change;
     }
     const vec3 impulse = squared < 1e20 ? (change / len) * d : vec3(0);

@@ -11,6 +11,8 @@
 // What is held is what colliders would have corrected, so friction counts it as depth. Its momentum goes to nobody: scenes that tell
 // colliders what they are given have no supports (engine/effects/support/support.cpp).
 
+const bool nodes_are_held = has_supports && !reacts;
+
 // m. What is put out by as little is hardly held, so that cloth at rest, which gravity moves by a few hundredths of a millimetre in a
 // substep, comes off without a tug.
 const float kHardly = 5e-5;

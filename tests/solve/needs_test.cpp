@@ -38,6 +38,7 @@ Sheet sheet_for(const Calls& calls) {
   Cloth& cloth = made.scene.cloths.emplace_back();
   cloth.grid = Grid{{1, 1}, 5, 4, Topology::diagonal, true};
   if (calls.has(Id::level)) cloth.grid->cells_x = 9;   // enough for one
+  if (calls.has(Id::support)) cloth.grid->cells_x = cloth.grid->cells_y = 40;
   cloth.bending = calls.has(Id::bend);
   cloth.tethers = calls.has(Id::tether);
   if (calls.has(Id::dihedral)) {
@@ -53,6 +54,10 @@ Sheet sheet_for(const Calls& calls) {
   if (calls.has(Id::motion_constraint)) made.scene.cloths[0].motion_constraints.emplace().backstop_radius = 1;
   if (calls.has(Id::collide)) made.scene.colliders.resize(3);
   made.scene.reactions = calls.has(Id::reaction);
+  if (calls.has(Id::support)) {   // one that is thin for the sheet, and not for its cells
+    made.scene.colliders[0].shape = ColliderShape::sphere;
+    made.scene.colliders[0].radius = 0.1;
+  }
   if (calls.has(Id::triangle)) made.scene.colliders[0].shape = ColliderShape::box;
   made.scene.contacts.enabled = calls.has(Id::contact);
   made.scene.contacts.untangle = calls.has(Id::untangle);
@@ -84,7 +89,7 @@ TEST(NeedsOf, a_scene_calls_for_what_it_has) {
                           constant::has_levels, constant::has_colliders, constant::triangles_collide, constant::has_contacts, constant::untangles,
                           constant::motion_constraints, constant::skins_move_anchors})
       EXPECT_EQ(got.constants[id], wanted.constants[id]) << "constant " << id;
-    EXPECT_EQ(got.constants[constant::planes], calls.has(Id::triangle) ? 2u : calls.has(Id::collide) ? 3u : 0u);
+    EXPECT_EQ(got.constants[constant::planes], calls.has(Id::triangle) || calls.has(Id::support) ? 2u : calls.has(Id::collide) ? 3u : 0u);
   }
   const Sheet unheld = sheet_for({{Id::stretch, Id::tether}});
   EXPECT_FALSE(needs_of(unheld.subject(), kWorkgroup, true).has(Id::tether));

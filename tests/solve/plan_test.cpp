@@ -196,7 +196,8 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
                     &b::level_middles, &b::level_carried, &b::level_steps});
     expect(levels && calls.iterated, {&b::level_lambda});
     expect(calls.has(Id::support), {&b::supports});
-    expect(calls.has(Id::support) && levels, {&b::level_supports});
+    expect(calls.has(Id::support) && calls.has(Id::reaction), {&b::support_bodies});
+    expect(calls.has(Id::support) && levels && !calls.has(Id::reaction), {&b::level_supports});
     expect(strands, {&b::strand_starts, &b::strand_links});
     expect(strands && calls.iterated, {&b::strand_lambda});
     expect(patches, {&b::patches, &b::patch_members, &b::patch_colour_ends, &b::patch_links});

@@ -106,9 +106,12 @@ inline std::vector<Calls> combinations() {
     found.push_back(with(calls, {Id::spring, Id::implicit}));
     found.back().relaxed = true;
   }
-  for (Calls& calls : found)
-    if (calls.has(Id::collide) && (calls.has(Id::gauss_seidel) || calls.has(Id::strand)) && !calls.iterated && !calls.has(Id::reaction))
-      calls.effects.insert(Id::support);
+  // Fine cloth, which colliders hold: with one in four.
+  for (std::size_t k = 0, coarse = found.size(); k < coarse; ++k) {
+    const Calls calls = found[k];
+    if (!calls.has(Id::collide) || calls.has(Id::spring) || calls.has(Id::chebyshev)) continue;
+    if (calls.has(Id::anchor) && calls.has(Id::bend) == calls.has(Id::tether)) found.push_back(with(calls, {Id::support}));
+  }
   return found;
 }
 

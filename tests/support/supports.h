@@ -6,10 +6,18 @@
 #include <span>
 #include <vector>
 
+#include "engine/effects/support/support.h"
 #include "shaders/support/support.ref.h"
 #include "tests/support/single_pass.h"
 
 namespace weft {
+
+/// A collider that holds cloth, far away.
+inline void let_colliders_hold(Scene& scene, CookedFabric& fabric) {
+  scene.colliders.resize(1);
+  scene.colliders[0].centre = {0, -100, 0};
+  fabric.own.of<SupportLists>().holds = true;
+}
 
 /// Every third particle has been put out, by up to 5 mm; of every sixth the solve has held 1 mm.
 inline reference::Supports put_supports(SinglePass& passes, Random& random, const CookedFabric& fabric) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "engine/effects/support/support.h"
 #include "shaders/support/support.ref.h"
 #include "tests/support/bodies.h"
 
@@ -15,12 +16,12 @@ void compare_colliders(const compute::Device& device, ColliderShape shape, doubl
                        bool tapered = false) {
   Random random(seed);
   Scene scene = loose_scene(4);
-  scene.solver.method = Method::strands;   // there colliders hold
   const auto colliders = bodies(random, shape, speed, tapered);
   scene.colliders.resize(colliders.size());
   for (Collider& described : scene.colliders) described.shape = shape;
   if (tapered) scene.colliders[0].radius_end = 0.1;   // that one is, whatever its radii
-  const CookedFabric fabric = loose_particles(random, 600, scene.solver);
+  CookedFabric fabric = loose_particles(random, 600, scene.solver);
+  fabric.own.of<SupportLists>().holds = true;
   const auto p = moved(random, fabric, fast_particles ? 1 : 0.03);
   SinglePass passes(device, scene, fabric, seed % 2 == 0);
   passes.put(buffers::velocities, leading_to(p, fabric));
@@ -96,10 +97,10 @@ TEST_F(CollideKernel, planes_do_what_their_twin_does) {
 TEST_F(CollideKernel, what_is_not_finite_is_not_held) {
   Random random(13);
   Scene scene = loose_scene(4);
-  scene.solver.method = Method::strands;
   const auto colliders = bodies(random, ColliderShape::plane, 0);
   scene.colliders.resize(colliders.size());
-  const CookedFabric fabric = loose_particles(random, 600, scene.solver);
+  CookedFabric fabric = loose_particles(random, 600, scene.solver);
+  fabric.own.of<SupportLists>().holds = true;
   auto p = moved(random, fabric, 0.03);
   for (std::size_t i = 0; i < p.size(); i += 5) p[i].y = i % 2 == 0 ? NAN : INFINITY;
   SinglePass passes(device(), scene, fabric);

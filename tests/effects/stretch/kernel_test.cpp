@@ -13,6 +13,7 @@
 #include "shaders/tether/tether.ref.h"
 #include "shaders/triangle/gap.ref.h"
 #include "tests/support/single_pass.h"
+#include "tests/support/supports.h"
 
 namespace weft {
 namespace {
@@ -103,6 +104,50 @@ TEST_F(Kernel, stretch_does_what_its_twin_does_on_random_links) {
                                                                   << static_cast<int>(compliance) << ", " << iterations << " iterations";
         EXPECT_EQ(outcome.miscounted, 0);
       }
+}
+
+// What colliders hold goes less far. Where an iteration ends they have met nothing: what they hold is renewed, and nothing of it held yet.
+TEST_F(Kernel, stretch_moves_what_colliders_hold_as_its_twin_does) {
+  for (const std::uint32_t iterations : {1u, 3u})
+    for (const bool storage : {false, true}) {
+      SCOPED_TRACE(std::to_string(iterations) + " iterations");
+      Random random(50 + iterations);
+      Scene scene = plain_scene(Averaging::mass_split, iterations);
+      CookedFabric fabric = loose_particles(random, 150, scene.solver);
+      link_up(fabric, random_links(random, 150, 600, Compliance::mixed), Averaging::mass_split, iterations);
+      let_colliders_hold(scene, fabric);
+      gpu::Collider body{};
+      body.centre_from = body.centre_to = {0, -100, 0};
+      body.normal_from = body.normal_to = {0, 1, 0};
+      SinglePass passes(device(), scene, fabric, storage);
+      passes.put_iterate(fabric.positions);
+      FrameInput input = frame_of(1);
+      input.colliders = std::span(&body, 1);
+      passes.begin(input);
+      reference::Supports supports = put_supports(passes, random, fabric);
+      reference::Points twin = points(fabric.positions);
+      const auto links = twins_of(scene, fabric);
+      const auto masses = inverse_masses(fabric);
+      std::vector<double> lambda(links.size());
+      double held = 0;
+      for (std::uint32_t k = 0; k < iterations; ++k) {
+        std::uint32_t skipped = 0;
+        const auto free = reference::relax_stretch(links, twin, masses, lambda, fabric.h, scene.solver.relaxation,
+                                                   reference::Averaged::mass_split, skipped);
+        for (std::size_t i = 0; i < twin.size(); ++i) {
+          twin[i] += supports.move(i, free[i] - twin[i]);
+          held = std::max(held, (free[i] - twin[i]).norm());
+          supports.put_out[i] = reference::renewed(supports.put_out[i], supports.held[i], reference::Vector::Zero());
+          supports.held[i] = 0;
+        }
+        passes.run("stretch", static_cast<int>(k));
+      }
+      EXPECT_GT(held, 1e-3) << "nothing to compare";
+      EXPECT_LT(largest_gap(passes.iterate(), twin), 40 * kRounding * 3.5 * iterations);
+      const auto renewed = passes.particles(buffers::supports);
+      EXPECT_LT(largest_gap(renewed, supports.put_out), 40 * kRounding);
+      EXPECT_EQ(largest_gap_of_held(passes, supports), 0);
+    }
 }
 
 TEST_F(Kernel, stretch_counts_coincident_ends_and_bears_slivers_and_anchors) {
