@@ -38,9 +38,11 @@ struct Supports {
 /// Of a particle, in the next substep (m): colliders have put it out by `put_out`, and `held` of it was held before by `before`.
 inline Vector renewed(const Vector& before, double held, const Vector& put_out) {
   if (put_out.isZero(0)) return held < 0 ? Vector(Vector::Zero()) : Vector(0.5 * before);
-  Vector now = put_out;
-  if (before.norm() > 1e-9) now += std::max(held, 0.0) * before.normalized();
-  return 0.7 * before + 0.3 * std::min(1.0, 0.002 / now.norm()) * now;
+  const Vector n = put_out.normalized();
+  const double length = before.norm(), along = before.dot(n);
+  const double now = std::min(put_out.norm() + (length > 0 ? std::max(held, 0.0) * std::max(along, 0.0) / length : 0), 0.002);
+  if (along > 0.98 * length) return (0.7 * length + 0.3 * now) * n;
+  return 0.7 * before + 0.3 * now * n;
 }
 
 /// The inverse mass of a link along the unit u, its ends' being w_a and w_b without supports: a quarter of that at least.

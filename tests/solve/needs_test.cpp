@@ -38,7 +38,7 @@ Sheet sheet_for(const Calls& calls) {
   Cloth& cloth = made.scene.cloths.emplace_back();
   cloth.grid = Grid{{1, 1}, 5, 4, Topology::diagonal, true};
   if (calls.has(Id::level)) cloth.grid->cells_x = 9;   // enough for one
-  if (calls.has(Id::support)) cloth.grid->cells_x = cloth.grid->cells_y = 40;
+  if (calls.has(Id::support)) cloth.grid->cells_x = cloth.grid->cells_y = 52;
   cloth.bending = calls.has(Id::bend);
   cloth.tethers = calls.has(Id::tether);
   if (calls.has(Id::dihedral)) {

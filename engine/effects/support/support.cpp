@@ -13,7 +13,7 @@ constexpr const Buffer* kBuffers[] = {&buffers::supports, &buffers::support_bodi
 constexpr double kThin = 0.125;
 
 // Triangles. So few a solve manages without: a sheet of 32 x 32 cells stretches as much at a thin end, and at rest over a box moves less.
-constexpr std::uint32_t kFew = 3000;
+constexpr std::uint32_t kFew = 5000;
 
 bool carries_by_little(const Collider& collider, const Weave& weave) {
   return weave.triangles > kFew && (collider.shape == ColliderShape::box || collider.resizes || is_thin(collider, weave, kThin));

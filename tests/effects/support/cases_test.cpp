@@ -15,7 +15,7 @@ using Supports = GpuTest;
 // own mass alone: edges there stood at 12 times their length, and stayed so.
 TEST_F(Supports, a_thin_end_carries_a_sheet_however_fine_it_is) {
   for (const Method method : {Method::by_default, Method::strands})
-    for (const std::uint32_t cells : {40u, 64u, 100u})
+    for (const std::uint32_t cells : {52u, 64u, 100u})
       for (const double friction : {0.0, 0.1, 0.4}) {
         SCOPED_TRACE(std::to_string(cells) + " cells, friction " + std::to_string(friction) +
                      (method == Method::strands ? ", strands" : ""));
@@ -36,8 +36,8 @@ TEST_F(Supports, a_thin_end_carries_a_sheet_however_fine_it_is) {
       }
 }
 
-// How far the middle of a ribbon's long edge has slipped over a rod, in metres of ribbon.
-double slipped(const compute::Device& device, Method method, double friction) {
+// How far the middle of a ribbon has slipped over a rod, in metres of ribbon.
+double slipped(const compute::Device& device, Method method, double friction, double seconds) {
   Scene scene;
   scene.solver.method = method;
   Cloth& cloth = scene.cloths.emplace_back();
@@ -47,7 +47,7 @@ double slipped(const compute::Device& device, Method method, double friction) {
   cloth.fabric.friction = friction;
   scene.colliders = {capsule({0, 0.51f, 0}, 0.04, 0.3, {0, 0, 1}, friction)};
   const auto simulation = must(Simulation::create(device, scene));
-  run(*simulation, 2.5);
+  run(*simulation, seconds);
   const auto x = must(simulation->read_positions());
   std::uint32_t highest = 0;
   for (std::uint32_t k = 0; k <= 192; ++k)
@@ -58,19 +58,21 @@ double slipped(const compute::Device& device, Method method, double friction) {
 
 // A ribbon over a rod, 0.7 m on one side and 0.5 on the other: as with a rope around a post (the capstan equation: it holds where the pull
 // of one side is at most e^(pi mu) times the other's, here 1.5), with some to spare as it falls there. That the rod holds it in the solve
-// takes no friction away.
+// takes no friction away, and adds none: it slips off as fast as it did without (held by normals of where it had come from it was dragged,
+// and fell off after 3 s without friction).
 TEST_F(Supports, a_ribbon_over_a_rod_holds_by_friction_alone) {
-  for (const Method method : {Method::by_default, Method::strands}) {
-    SCOPED_TRACE(method == Method::strands ? "strands" : "default");
-    EXPECT_LT(slipped(device(), method, 0.5), 0.02);
-    EXPECT_LT(slipped(device(), method, 0.3), 0.04);
-    EXPECT_GT(slipped(device(), method, 0.05), 0.3);
+  for (const Method method : {Method::by_default, Method::strands, Method::jacobi}) {
+    SCOPED_TRACE(int(method));
+    EXPECT_LT(slipped(device(), method, 0.5, 2.5), 0.02);
+    EXPECT_LT(slipped(device(), method, 0.3, 2.5), 0.04);
+    EXPECT_GT(slipped(device(), method, 0.05, 1), 0.3);
+    EXPECT_GT(slipped(device(), method, 0, 0.8), 0.3);
   }
 }
 
 // A sheet between two corners, over a ball.
 Scene over_a_ball(Method method) {
-  Scene scene = sheet(48);
+  Scene scene = sheet(52);
   scene.solver.method = method;
   scene.cloths[0].tethers = false;
   scene.cloths[0].anchors = {held_at({Corner::low_low, Corner::high_high})};

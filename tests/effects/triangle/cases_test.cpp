@@ -136,6 +136,26 @@ TEST_F(TriangleCollision, nothing_shows_through_a_draped_sheet_at_any_cell_size)
     }
 }
 
+// The finest where colliders tell what they are given, or may change their size, and by jacobi: by what a thin body or a corner carries.
+TEST_F(TriangleCollision, nothing_shows_through_where_bodies_react_or_resize_or_cloth_gives_way) {
+  const Collider colliders[] = {capsule({0, 0.2f, 0}, 0.04, 0.5, {0.8f, 0.6f, 0}), box({0, 0, 0}, {0.4f, 0.5f, 0.3f})};
+  for (const Collider& collider : colliders)
+    for (int kind = 0; kind < 3; ++kind) {
+      SCOPED_TRACE("shape " + std::to_string(int(collider.shape)) + (kind == 0 ? ", reacts" : kind == 1 ? ", resizes" : ", by jacobi"));
+      Scene scene = over(collider, 100);
+      scene.reactions = kind == 0;
+      scene.colliders[0].resizes = kind == 1;
+      if (kind == 2) scene.solver.method = Method::jacobi;
+      const auto simulation = must(Simulation::create(device(), scene));
+      const reference::Body body = body_of(collider, simulation->colliders()[0]);
+      for (int k = 0; k < 12; ++k) {
+        run(*simulation, 0.1);
+        ASSERT_LT(deepest(*simulation, body), 0.001) << "after " << 0.1 * (k + 1) << " s";
+      }
+      EXPECT_LT(deepest(*simulation, body), 0);
+    }
+}
+
 // Small bodies through large cells, without a vertex near their way.
 TEST_F(TriangleCollision, no_body_passes_between_vertices_however_fast) {
   const Collider colliders[] = {sphere({0.13f, -0.5f, 0.09f}, 0.03), capsule({0.13f, -0.5f, 0.09f}, 0.02, 0.1, {0.8f, 0, 0.6f}),
