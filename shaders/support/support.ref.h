@@ -41,8 +41,8 @@ inline Vector renewed(const Vector& before, double held, const Vector& put_out) 
   const Vector n = put_out.normalized();
   const double length = before.norm(), along = before.dot(n);
   const double now = std::min(put_out.norm() + (length > 0 ? std::max(held, 0.0) * std::max(along, 0.0) / length : 0), 0.002);
-  if (along > 0.98 * length) return (0.7 * length + 0.3 * now) * n;
-  return 0.7 * before + 0.3 * now * n;
+  if (along > 0.98 * length) return (0.85 * length + 0.15 * now) * n;
+  return 0.85 * before + 0.15 * now * n;
 }
 
 /// The inverse mass of a link along the unit u, its ends' being w_a and w_b without supports: a quarter of that at least.

@@ -139,10 +139,8 @@ TEST_F(ReactionCase, contacts_change_nothing_about_the_balance_while_no_step_is_
   expect_balance(device(), scene, 20);
 }
 
-// By jacobi: by the default colliders hold cloth in the solve where nobody asks what they are given (engine/effects/support/support.cpp).
 TEST_F(ReactionCase, who_does_not_ask_has_no_byte_and_the_same_bits) {
   Scene scene = falling_sheet({sphere({0, -0.4f, 0}, 0.3), block({0.3f, -0.4f, 0}, {0.3f, 0.3f, 0.3f})});
-  scene.solver.method = Method::jacobi;
   const auto silent = must(Simulation::create(device(), scene));
   scene.reactions = true;
   const auto telling = must(Simulation::create(device(), scene));
