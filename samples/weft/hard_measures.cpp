@@ -76,6 +76,8 @@ double pins_off(const Glance& at) {
 
 double largest_strain(const Glance& at) { return 100 * measure_strain(at.fabric, at.positions).max; }
 
+double mean_strain(const Glance& at) { return 100 * measure_strain(at.fabric, at.positions).mean; }
+
 double top_speed(const Glance& at) {
   double fastest = 0;
   for (std::uint32_t i = 0; i < particles(at); ++i)

@@ -10,6 +10,7 @@ double crossings(const Glance& at);            // pairs of edge and triangle
 double contacts_overflowed(const Glance& at);
 double pins_off(const Glance& at);             // m, from where the scene has them
 double largest_strain(const Glance& at);       // %
+double mean_strain(const Glance& at);          // %
 double top_speed(const Glance& at);            // m/s
 
 double centre_moved(const Glance& at);         // m

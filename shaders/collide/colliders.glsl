@@ -8,7 +8,7 @@
 
 // m, how far colliders have put the particle out, which then hold it (support/support.glsl).
 vec3 put_out = vec3(0);
-uint last_met = 0;   // the last of them
+uint last_met = WEFT_NONE;   // the last of those
 
 // p, which was `before` until that collider moved it.
 vec3 reacted(uint collider, Particle v, vec3 before, vec3 p, float inverse_mass) {

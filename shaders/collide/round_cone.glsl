@@ -5,7 +5,7 @@
 // distance by cases). Where one sphere holds the other the host makes h and b 0, and c the height of the larger. Needs Hit and entry_root.
 //
 //        .--.        c + h, radius R - b h
-//       /    \
+//       /    \ .
 //      /      \    <- normals rise by b
 //     |   +    |     c - h, radius R + b h
 //      \      /

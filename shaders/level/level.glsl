@@ -3,8 +3,7 @@
 //
 // A node, whose centre and middle centre.glsl tells, goes first where the next coarser level carries it; what it has gone in the end,
 // level_steps, it hands on to the finer level and at last to the particles, by their shares. Where colliders hold what it carries it goes
-// less far (support.glsl).
-
+// less far (support.glsl), but not with reactions.
 
 GATHER_UINT4(level_node_shares)
 GATHER_UINT4(level_links)

@@ -28,7 +28,7 @@ WRITE(vec4, ways_out)
 // What a particle's triangles ask for together (triangle_collide): out of the collider, and friction (m).
 struct Asked {
   vec3 out_of, friction;
-  float alike;   // 1: all one way, 1/2: half of them at right angles to the others
+  float alike;   // 1: all one way, 1/2: half of them at right angles to the others; 0: no collider that keeps its size
   uint body;   // reactions: one of the bodies that they met, counted from 1 (triangle/bodies.glsl)
 };
 
@@ -47,9 +47,9 @@ Asked asked_by_triangles(uint i) {
   const ivec4 sum = collision_sums[2 * i];
   if (sum.w == 0) return Asked(vec3(0), vec3(0), 0, 0);
   const float unit = WEFT_WHOLE_WEIGHT * collision_settings.quantum / float(sum.w);
-  const float depths = max(float(collision_depths[i]), 1), alike = dot(vec3(sum.xyz), vec3(sum.xyz)) / (depths * depths);
+  const float depths = float(collision_depths[i]), alike = depths > 0 ? dot(vec3(sum.xyz), vec3(sum.xyz)) / (depths * depths) : 1;
   const vec3 out_of = unit / clamp(alike, kLeastAlike, 1) * vec3(sum.xyz);
-  const Asked asked = Asked(out_of, unit * vec3(collision_sums[2 * i + 1].xyz), alike, uint(collision_sums[2 * i + 1].w));
+  const Asked asked = Asked(out_of, unit * vec3(collision_sums[2 * i + 1].xyz), depths > 0 ? alike : 0, uint(collision_sums[2 * i + 1].w));
   collision_sums[2 * i] = collision_sums[2 * i + 1] = ivec4(0);
   collision_depths[i] = 0;
   return asked;
@@ -83,18 +83,19 @@ void finalize(uint i, vec4 p) {
     start += asked.out_of;
     const vec3 before = p.xyz;
     p.xyz += asked.out_of + asked.friction;
-    if (asked.alike <= 1.001) put_out = clamp(2 * asked.alike - 1, 0, 1) * asked.out_of;   // between two sides of an edge nothing is held
+    put_out = clamp(2 * asked.alike - 1, 0, 1) * asked.out_of;   // between two sides of an edge nothing is held
     if (asked.out_of != vec3(0)) held = vec3(0);   // triangle_collide has rubbed by it
     if (reacts && asked.body > 0) {
       const Particle particle = Particle(push.fraction_from, push.fraction_to, start, material.z, material.y);
       p.xyz = reacted(planes + asked.body - 1, particle, before, p.xyz, x.w);
+      if (put_out != vec3(0)) last_met = planes + asked.body - 1;
     }
     if (has_contacts) ways_out[i] = vec4(asked.out_of, 0);   // contact_apply puts the particle out once more
   }
   if (motion_constraints > 0) p.xyz = within_motion_constraint(i, p.xyz);
   if (has_colliders) p.xyz = out_of_colliders(start, p.xyz, material, x.w);
-  if (has_supports) supports[i] = vec4(renewed(support, put_out), 0);
-  if (has_supports && reacts && put_out != vec3(0)) support_bodies[i] = last_met;
+  if (has_supports) supports[i] = vec4(renewed(support, put_out, last), 0);
+  if (has_supports && reacts && last_met != WEFT_NONE) support_bodies[i] = last_met;
   if (is_accelerated) chebyshev_iterates[3 * i + 1] = vec4(p.xyz, 0);
   if (has_contacts && last) {
     const float bound = uintBitsToFloat(bits & ~WEFT_PAIRED);

@@ -17,7 +17,7 @@ const bool nodes_are_held = has_supports && !reacts;
 // substep, comes off without a tug.
 const float kHardly = 5e-5;
 
-// Of a support, what a substep renews, and what it leaves where no collider has met the particle: what held cloth in one substep and not in
+// Of a support, what an iteration renews, and what a substep leaves where no collider has met the particle: what held cloth in one substep and not in
 // the next made it shiver on the corners of boxes, at a metre a second.
 const float kRenewed = 0.15, kKept = 0.5;
 
@@ -40,9 +40,9 @@ vec3 held_by(vec4 support) {
 }
 
 // What holds a particle in the next substep: by how far colliders have put it out, and what was held besides, as what is held is not put
-// out. What was pulled off them, and has not met one since, is let go. So is what is not finite.
-vec3 renewed(vec4 support, vec3 put_out) {
-  vec3 next = support.w < 0 ? vec3(0) : kKept * support.xyz;
+// out. What was pulled off them, and has not met one since, is let go. So is what is not finite. `ends`: the substep does.
+vec3 renewed(vec4 support, vec3 put_out, bool ends) {
+  vec3 next = ends ? (support.w < 0 ? 0 : kKept) * support.xyz : support.xyz;
   if (put_out != vec3(0)) {
     const float depth = length(put_out), before = length(support.xyz);
     const vec3 n = put_out / depth;

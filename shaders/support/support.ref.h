@@ -35,9 +35,9 @@ struct Supports {
   }
 };
 
-/// Of a particle, in the next substep (m): colliders have put it out by `put_out`, and `held` of it was held before by `before`.
-inline Vector renewed(const Vector& before, double held, const Vector& put_out) {
-  if (put_out.isZero(0)) return held < 0 ? Vector(Vector::Zero()) : Vector(0.5 * before);
+/// Of a particle, after an iteration, which `ends` its substep or not (m): colliders have put it out by `put_out`, and `held` of it was held before by `before`.
+inline Vector renewed(const Vector& before, double held, const Vector& put_out, bool ends = true) {
+  if (put_out.isZero(0)) return ends ? Vector((held < 0 ? 0 : 0.5) * before) : before;
   const Vector n = put_out.normalized();
   const double length = before.norm(), along = before.dot(n);
   const double now = std::min(put_out.norm() + (length > 0 ? std::max(held, 0.0) * std::max(along, 0.0) / length : 0), 0.002);

@@ -44,7 +44,8 @@ Snapshot with_candidates(Simulation& simulation, int& frames) {
   for (; frames < 60; ++frames) {
     frame(simulation, frames);
     const Snapshot snapshot = must(simulation.save());
-    if (std::ranges::find(snapshot.contents, "candidates", &Snapshot::Content::name)->bytes.size() > 16 * sizeof(gpu::uvec4))
+    const auto candidates = std::ranges::find(snapshot.contents, "candidates", &Snapshot::Content::name);
+    if (candidates != snapshot.contents.end() && candidates->bytes.size() > 16 * sizeof(gpu::uvec4))
       return ++frames, snapshot;
   }
   ADD_FAILURE() << "every frame ended with a detection needed";
@@ -202,13 +203,16 @@ TEST_F(SimulationSnapshot, a_snapshot_that_does_not_fit_is_refused_and_changes_n
   refuse("another scene", [&](Snapshot& s) { s = must(other->save()); });
   // What no simulation writes, but a program that makes up a digest could.
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  const auto named = [](Snapshot& s, const char* name) { return std::ranges::find(s.contents, name, &Snapshot::Content::name); };
+  const auto named = [](Snapshot& s, const char* name) {
+    const auto at = std::ranges::find(s.contents, name, &Snapshot::Content::name);
+    if (at == s.contents.end()) throw std::runtime_error(std::string("no buffer ") + name);
+    return at;
+  };
   const auto poke = [](Snapshot::Content& content, std::size_t at, float value) {
     std::memcpy(content.bytes.data() + at, &value, sizeof value);
   };
   refuse("particle 2", [&](Snapshot& s) { poke(*named(s, "positions"), 36, nan); });
   refuse("velocities of particle 0", [&](Snapshot& s) { poke(*named(s, "velocities"), 12, 1e9f); });
-  refuse("supports has a vector that is not finite", [&](Snapshot& s) { poke(*named(s, "supports"), 36, nan); });
   refuse("buffer positions has 16", [&](Snapshot& s) { named(s, "positions")->bytes.resize(16); });
   refuse("buffer positions has 0", [&](Snapshot& s) { named(s, "positions")->name = "place"; });
   refuse("anchors", [&](Snapshot& s) { poke(s.contents.back(), 16, nan); });   // the first one's target
@@ -221,9 +225,21 @@ TEST_F(SimulationSnapshot, a_snapshot_that_does_not_fit_is_refused_and_changes_n
   refuse("colliders instead of 3", [](Snapshot& s) { s.colliders.clear(); });
   refuse("collider 1", [&](Snapshot& s) { s.colliders[1].pending.rotation.x = nan; });
 
+  const auto fine = must(Simulation::create(device(), fine_and_held()));
+  const auto refused_fine = [&](const char* word, auto&& change) {
+    Snapshot bad = must(fine->save());
+    change(bad);
+    const auto restored = fine->restore(bad);
+    ASSERT_FALSE(restored) << word;
+    EXPECT_NE(restored.error().find(word), std::string::npos) << restored.error();
+  };
+  refused_fine("supports has a vector that is not finite", [&](Snapshot& s) { poke(*named(s, "supports"), 36, nan); });
+  refused_fine("support_bodies has collider", [&](Snapshot& s) { poke(*named(s, "support_bodies"), 36, 1); });
+
   Scene contact_scene = moving(6);
   contact_scene.contacts.enabled = true;
   const auto contacts = must(Simulation::create(device(), contact_scene));
+  for (int k = 0; k < 30; ++k) must(contacts->advance(1.0 / 60));
   int frames = 0;
   const Snapshot found = with_candidates(*contacts, frames);
   const auto refused = [&](const char* word, auto&& change) {

@@ -37,6 +37,13 @@ struct Subject {
   Scene scene;
 };
 
+/// So fine that its small ball holds it in the solve, and is told so.
+inline Scene fine_and_held() {
+  Scene scene = moving(52);
+  scene.reactions = true;
+  return scene;
+}
+
 inline std::vector<Subject> subjects() {
   std::vector<Subject> all;
   all.push_back({"jacobi", moving()});
@@ -64,6 +71,7 @@ inline std::vector<Subject> subjects() {
   all.push_back({"implicit", springy(Method::implicit)});
   Scene& relaxed = all.emplace_back("implicit jacobi", springy(Method::implicit)).scene;
   relaxed.solver.linear = Linear::jacobi;
+  all.push_back({"fine and held", fine_and_held()});
   Scene& contacts = all.emplace_back("contacts", moving()).scene;
   contacts.contacts.enabled = true;
   contacts.contacts.capacity = 16;   // soon too small

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <span>
 
-#include "engine/effects/collide/collide.h"
 
 namespace weft {
 namespace {

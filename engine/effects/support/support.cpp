@@ -1,6 +1,7 @@
 #include "engine/effects/support/support.h"
 
 #include "engine/cook/cook_state.h"
+#include "engine/effects/collide/collide.h"
 #include "engine/effects/collide/weave.h"
 #include "engine/effects/effect.h"
 
@@ -16,11 +17,12 @@ constexpr double kThin = 0.125;
 constexpr std::uint32_t kFew = 5000;
 
 bool carries_by_little(const Collider& collider, const Weave& weave) {
-  return weave.triangles > kFew && (collider.shape == ColliderShape::box || collider.resizes || is_thin(collider, weave, kThin));
+  return weave.triangles > kFew && (collider.shape == ColliderShape::box || may_resize(collider) || is_thin(collider, weave, kThin));
 }
 
 void lay_out(cooking::CookState& state) {
   const Scene& scene = state.scene();
+  if (scene.colliders.empty() || state.fabric().cloth_triangles <= kFew) return;
   const std::vector<Weave> weaves = weaves_of(state.fabric());
   bool& holds = state.fabric().own.of<SupportLists>().holds;
   for (const Collider& collider : scene.colliders)

@@ -7,18 +7,17 @@
 namespace weft {
 
 struct SupportLists {
-  bool holds = false;   // some collider carries cloth by little of it: a box, by its edges, or one that is thin for it
+  bool holds = false;   // some collider carries cloth by little of it: a box, by its edges, one that is thin for it, or may become so
 };
 
 namespace buffers {
 
-/// xyz: how far colliders have put each particle out in the last substeps, a running mean; w: what of its steps into them this substep's
-/// solve has held back (m).
+/// xyz: how far colliders have put each particle out in the last substeps, a running mean; w: what of its steps into them the solve
+/// has held back since (m).
 inline constexpr Buffer supports = buffer<gpu::vec4>("supports", Lifetime::persistent, lengths::particles);
 
 /// With reactions: the collider that has put each particle out last.
-inline constexpr Buffer support_bodies =
-    buffer<gpu::uint>("support_bodies", Lifetime::persistent, [](const Cooked& s) { return s.scene.reactions ? lengths::particles(s) : 0; });
+inline constexpr Buffer support_bodies = buffer<gpu::uint>("support_bodies", Lifetime::persistent, lengths::particles);
 
 /// Of each node of coarse levels, the mean of xyz over what it carries (m).
 inline constexpr Buffer level_supports =

@@ -52,6 +52,24 @@ TEST_F(ReactionCase, moving_and_spinning_colliders_rub_it_along_and_are_given_wh
   expect_balance(device(), scene);
 }
 
+// What they hold back in the solve (shaders/support) they are given, too.
+TEST_F(ReactionCase, bodies_that_hold_fine_cloth_are_given_what_they_held) {
+  Collider thin = block({0.1f, -0.1f, 0.05f}, {1, 1, 1});
+  thin.shape = ColliderShape::capsule;
+  thin.radius = 0.04;
+  thin.axis = {0.8f, 0.6f, 0};
+  for (const Method method : {Method::jacobi, Method::strands, Method::gauss_seidel})
+    for (const std::uint32_t iterations : {1u, 3u})
+      for (const std::vector<Collider>& colliders : {std::vector{plane(-0.5f), thin}, {plane(-0.4f), block({0.1f, -0.3f, 0}, {0.3f, 0.4f, 0.3f})}}) {
+        SCOPED_TRACE(std::to_string(int(method)) + ", " + std::to_string(iterations) + " iterations");
+        Scene scene = falling_sheet(colliders, 52);
+        scene.solver.method = method;
+        scene.solver.iterations = iterations;
+        scene.solver.substeps = 10 / iterations;
+        expect_balance(device(), scene, 24);
+      }
+}
+
 TEST_F(ReactionCase, every_method_that_tells_them_balances) {
   for (const Method method : {Method::jacobi, Method::strands, Method::gauss_seidel}) {
     Scene scene = falling_sheet({sphere({0, -0.4f, 0}, 0.3), block({0.3f, -0.4f, 0}, {0.3f, 0.3f, 0.3f})});
@@ -139,6 +157,7 @@ TEST_F(ReactionCase, contacts_change_nothing_about_the_balance_while_no_step_is_
   expect_balance(device(), scene, 20);
 }
 
+// But fine cloth over thin bodies, where nodes are held only if nobody asks.
 TEST_F(ReactionCase, who_does_not_ask_has_no_byte_and_the_same_bits) {
   Scene scene = falling_sheet({sphere({0, -0.4f, 0}, 0.3), block({0.3f, -0.4f, 0}, {0.3f, 0.3f, 0.3f})});
   const auto silent = must(Simulation::create(device(), scene));
