@@ -106,5 +106,24 @@ TEST_F(Supports, what_no_collider_meets_any_more_is_free) {
   }
 }
 
+// A sheet on a ball, both carried elsewhere and turned on their side, with gravity: it goes on as if it were still there. Held along where
+// up was it would be dragged.
+TEST_F(Supports, a_teleport_turns_what_is_held) {
+  const Rotation aside{0, 0, std::sqrt(0.5f), std::sqrt(0.5f)};   // x becomes y, y becomes -x
+  const Scene scene = over_a_ball(Method::by_default);
+  const auto stays = must(Simulation::create(device(), scene)), goes = must(Simulation::create(device(), scene));
+  for (Simulation* simulation : {stays.get(), goes.get()}) run(*simulation, 1);
+  const Vec3 centre = scene.colliders[0].centre;
+  must(goes->teleport(0, {}, {{0, 2, 0}, aside}));
+  must(goes->place_collider(0, {.centre = {-centre.y, 2 + centre.x, centre.z}}));
+  must(goes->set_gravity({9.81f, 0, 0}));
+  for (Simulation* simulation : {stays.get(), goes.get()}) run(*simulation, kFrame);
+  const auto x = must(stays->read_positions()), y = must(goes->read_positions());
+  double most = 0;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    most = std::max(most, std::hypot(double(y[i].x) + x[i].y, double(y[i].y) - 2 - x[i].x, double(y[i].z) - x[i].z));
+  EXPECT_LT(most, 1e-4) << "rounding; held along where up was 1.5 mm";
+}
+
 }  // namespace
 }  // namespace weft
