@@ -1,6 +1,6 @@
 // finalize: what a particle can do alone at the end of an iteration: [tethers] [motion constraints] [colliders, and what they hold] and,
-// after a substep's last iteration, the velocity update. Fused into the last pass that moves the particle, because each part costs less than reading the particle
-// again, and specialised to the parts that the scene has. Where triangles collide (triangle_collide), tethers come before that, in the last
+// after a substep's last iteration, the velocity update. Fused into the last pass that moves the particle, because each part costs less
+// than reading the particle again, and specialised to the parts that the scene has. Where triangles collide (triangle_collide), tethers come before that, in the last
 // pass of the constraints. With contacts a particle is kept within its displacement bound first, and one that has candidates ends its
 // substep after these, in the pass contact_finalize.
 //

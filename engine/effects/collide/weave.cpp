@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <span>
 
-
 namespace weft {
 namespace {
 
 // Of the smallest circle about a triangle: about its longest side, or about all corners where no angle is obtuse.
 double circle_about(const gpu::vec4& a, const gpu::vec4& b, const gpu::vec4& c) {
-  const auto length = [](const gpu::vec4& p, const gpu::vec4& q) { return std::hypot(double(p.x) - q.x, double(p.y) - q.y, double(p.z) - q.z); };
+  const auto length = [](const gpu::vec4& p, const gpu::vec4& q) {
+    return std::hypot(double(p.x) - q.x, double(p.y) - q.y, double(p.z) - q.z);
+  };
   double sides[3] = {length(a, b), length(b, c), length(c, a)};
   std::ranges::sort(sides);
   const auto [k, m, n] = sides;

@@ -13,7 +13,7 @@ constexpr const Buffer* kBuffers[] = {&buffers::supports, &buffers::support_bodi
 // Of the cloth's width, the root of its area. The end of a body with a smaller radius carries more than twenty times what lies on it.
 constexpr double kThin = 0.125;
 
-// Triangles. So few a solve manages without: a sheet of 32 x 32 cells stretches as much at a thin end, and at rest over a box moves less.
+// Triangles. So few a solve manages without: a sheet of 48 x 48 cells stretches little more at a thin end, and at rest over a box moves less.
 constexpr std::uint32_t kFew = 5000;
 
 bool carries_by_little(const Collider& collider, const Weave& weave) {

@@ -60,9 +60,9 @@ TEST_F(ReactionCase, bodies_that_hold_fine_cloth_are_given_what_they_held) {
   thin.axis = {0.8f, 0.6f, 0};
   for (const Method method : {Method::jacobi, Method::strands, Method::gauss_seidel})
     for (const std::uint32_t iterations : {1u, 3u})
-      for (const std::vector<Collider>& colliders : {std::vector{plane(-0.5f), thin}, {plane(-0.4f), block({0.1f, -0.3f, 0}, {0.3f, 0.4f, 0.3f})}}) {
+      for (const Collider& body : {thin, block({0.1f, -0.3f, 0}, {0.3f, 0.4f, 0.3f})}) {
         SCOPED_TRACE(std::to_string(int(method)) + ", " + std::to_string(iterations) + " iterations");
-        Scene scene = falling_sheet(colliders, 52);
+        Scene scene = falling_sheet({plane(-0.5f), body}, 52);
         scene.solver.method = method;
         scene.solver.iterations = iterations;
         scene.solver.substeps = 10 / iterations;

@@ -153,7 +153,8 @@ TEST_F(Kernel, stretch_moves_what_colliders_hold_as_its_twin_does) {
           const double depth = material.thickness - reference::signed_distance(body, twin[i]);
           twin[i] = reference::out_of_body(body, x[i], twin[i], material.thickness, held_now);
           met += depth > 0 && supports.held[i] != 0;
-          supports.put_out[i] = reference::renewed(before, supports.held[i], std::max(depth, 0.0) * reference::Vector::UnitY(), k + 1 == iterations);
+          const reference::Vector put_out = std::max(depth, 0.0) * reference::Vector::UnitY();
+          supports.put_out[i] = reference::renewed(before, supports.held[i], put_out, k + 1 == iterations);
           supports.held[i] = 0;
         }
         passes.run("stretch", static_cast<int>(k));

@@ -15,8 +15,8 @@ using Supports = GpuTest;
 // own mass alone: edges there stood at 12 times their length, and stayed so.
 TEST_F(Supports, a_thin_end_carries_a_sheet_however_fine_it_is) {
   for (const Method method : {Method::by_default, Method::strands})
-    for (const std::uint32_t cells : {52u, 64u, 100u})
-      for (const double friction : {0.0, 0.1, 0.4}) {
+    for (const std::uint32_t cells : {52u, 100u})
+      for (const double friction : {0.0, 0.4}) {
         SCOPED_TRACE(std::to_string(cells) + " cells, friction " + std::to_string(friction) +
                      (method == Method::strands ? ", strands" : ""));
         Scene scene = sheet(cells);
