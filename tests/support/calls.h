@@ -106,11 +106,12 @@ inline std::vector<Calls> combinations() {
     found.push_back(with(calls, {Id::spring, Id::implicit}));
     found.back().relaxed = true;
   }
-  // Fine cloth, which colliders hold: with one in four.
+  // Fine cloth, which colliders hold: with one in eight.
   for (std::size_t k = 0, coarse = found.size(); k < coarse; ++k) {
     const Calls calls = found[k];
     if (!calls.has(Id::collide) || calls.has(Id::spring) || calls.has(Id::chebyshev)) continue;
-    if (calls.has(Id::anchor) && calls.has(Id::bend) == calls.has(Id::tether)) found.push_back(with(calls, {Id::support}));
+    if (calls.has(Id::anchor) && calls.has(Id::bend) == calls.has(Id::tether) && calls.iterated == calls.has(Id::contact))
+      found.push_back(with(calls, {Id::support}));
   }
   return found;
 }
