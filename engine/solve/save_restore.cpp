@@ -9,7 +9,6 @@
 #include <set>
 #include <tuple>
 
-#include "engine/effects/collide/collide.h"
 #include "engine/effects/ranges.h"
 #include "engine/effects/support/support.h"
 #include "engine/solve/sanitize.h"
@@ -260,10 +259,10 @@ Result<std::optional<Simulation::State::Torn>> Simulation::State::check(const Sn
     if (row == &buffers::detected_positions || row == &buffers::trajectories || row == &buffers::skin_ends || row == &buffers::supports)
       for (const gpu::vec4& at : elements<gpu::vec4>(*bytes))
         if (!is_finite(at)) return unfit("its buffer ", buffer.name, " has a vector that is not finite");
+    const std::size_t formulas = scene.colliders.size() - fabric.collider_meshes.size();
     if (row == &buffers::support_bodies)
       for (const std::uint32_t body : elements<std::uint32_t>(*bytes))
-        if (const std::uint64_t formulas = lengths::formulas(cooked_of(scene, fabric)); body >= formulas)
-          return unfit("its buffer ", buffer.name, " has collider ", body, " of ", formulas);
+        if (body >= formulas) return unfit("its buffer ", buffer.name, " has collider ", body, " of ", formulas);
     if (row == &buffers::displacement_bounds || row == &buffers::near_bounds)
       for (const std::uint32_t bits : elements<std::uint32_t>(*bytes))
         if (const float bound = std::bit_cast<float>(bits & ~WEFT_PAIRED); !(bound >= 0 && bound < kTooLarge))

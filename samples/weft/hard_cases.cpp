@@ -39,8 +39,12 @@ constexpr Check kHinges[] = {{"angle left", 1e-3, "rad", at_end, bend_angle}, kF
 constexpr Check kComeBack[] = {kHeld, {"top speed", 300, "m/s", always, top_speed}, kPins, kFinite};
 constexpr Check kTwist[] = {kApart, kMeanStrain, kStrain, kNoOverflow, kPins, kFinite};
 // Half of what it was by Jacobi alone, whose contacts stopped short what the solve left undone: 13 and 211 %.
-constexpr Check kTowel[] = {kApart,      {"mean strain", 6.5, "%", at_end, mean_strain}, {"largest strain", 105, "%", at_end, largest_strain},
-                            kNoOverflow, kPins, kFinite};
+constexpr Check kTowel[] = {kApart,
+                            {"mean strain", 6.5, "%", at_end, mean_strain},
+                            {"largest strain", 105, "%", at_end, largest_strain},
+                            kNoOverflow,
+                            kPins,
+                            kFinite};
 constexpr Check kStack[] = {kApart,
                             kMeanStrain,
                             kStrain,
@@ -52,7 +56,8 @@ constexpr Check kDrop[] = {kApart, kMeanStrain, kStrain, kNoOverflow, kFinite};
 constexpr Check kSurvives[] = {kPins, kFinite};
 constexpr Check kSticks[] = {{"slid, of a slide without friction", 1e-3, "", at_end, slide_error}, kFinite};
 constexpr Check kSlides[] = {{"slid, against Coulomb's law", 0.01, "", at_end, slide_error}, kFinite};
-constexpr Check kBullet[] = {kApart, kMeanStrain, kStrain, kNoOverflow, kPins, kFinite, {"top speed at the end", 20, "m/s", at_end, top_speed}};
+constexpr Check kBullet[] = {kApart, kMeanStrain, kStrain, kNoOverflow, kPins, kFinite,
+                             {"top speed at the end", 20, "m/s", at_end, top_speed}};
 constexpr Check kAppears[] = {{"depth", 1e-5, "m", at_end, deepest}, kPins, kFinite};
 constexpr Check kHitch[] = {{"seconds nobody tells of", 1e-9, "s", always, unaccounted}, kHeld, kPins, kFinite};
 // Links of eight edges take half of the edges' load and give way evenly where the edges would not: they shift strain by up to
@@ -67,7 +72,8 @@ constexpr Check kCusick[] = {{"drape over that of the next stiffer", 1, "", at_e
 constexpr Check kBelow[] = {{"depth", 1e-5, "m", at_end, deepest}, kFinite};
 // Positions of up to 0.5 m are rounded by 9e-9 m (rms) in a substep of 1/600 s, which is velocity: over 600 substeps and 752
 // particles 5e-6 m/s in the mean, of 0.2 m/s 2.5e-5; twice that.
-constexpr Check kFolded[] = {{"momentum, of all motion", 5e-5, "", always, momentum_change}, kApart, kMeanStrain, kStrain, kNoOverflow, kFinite};
+constexpr Check kFolded[] = {{"momentum, of all motion", 5e-5, "", always, momentum_change},
+                             kApart, kMeanStrain, kStrain, kNoOverflow, kFinite};
 
 // Edges may reach the 30 % at which the cloth tears, and what three frames add to them at 1.3 m/s.
 constexpr Check kTorn[] = {{"largest strain", 60, "%", at_end, largest_strain}, kNoOverflow, kPins, kFinite};

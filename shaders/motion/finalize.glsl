@@ -1,8 +1,8 @@
 // finalize: what a particle can do alone at the end of an iteration: [tethers] [motion constraints] [colliders, and what they hold] and,
 // after a substep's last iteration, the velocity update. Fused into the last pass that moves the particle, because each part costs less
-// than reading the particle again, and specialised to the parts that the scene has. Where triangles collide (triangle_collide), tethers come before that, in the last
-// pass of the constraints. With contacts a particle is kept within its displacement bound first, and one that has candidates ends its
-// substep after these, in the pass contact_finalize.
+// than reading the particle again, and specialised to the parts that the scene has. Where triangles collide (triangle_collide), tethers
+// come before that, in the last pass of the constraints. With contacts a particle is kept within its displacement bound first, and one
+// that has candidates ends its substep after these, in the pass contact_finalize.
 //
 // `predicted` is the iterate at hand and `next_iterate` the next; the host swaps them after a pass that changes iterates.
 //

@@ -8,8 +8,8 @@
 // which where d is long is a constraint's of Baraff and Witkin (1998, "Large steps in cloth simulation": mass modification). So are the
 // nodes of coarse levels that carry it, by the mean of d n over what they carry. A support is one vector s: W = w (I - s s^T).
 //
-// What is held is what colliders would have corrected, so friction counts it as depth, and with reactions the collider that has put the particle
-// out last is told its momentum. A node's acts at its centre, which no collider is told: there only particles are held.
+// What is held is what colliders would have corrected, so friction counts it as depth, and with reactions the collider that has put the
+// particle out last is told its momentum. A node's would act at the node's centre, beside the particles: with reactions these alone are held.
 
 const bool nodes_are_held = has_supports && !reacts;
 
@@ -17,13 +17,13 @@ const bool nodes_are_held = has_supports && !reacts;
 // substep, comes off without a tug.
 const float kHardly = 5e-5;
 
-// Of a support, what an iteration renews, and what a substep leaves where no collider has met the particle: what held cloth in one substep and not in
-// the next made it shiver on the corners of boxes, at a metre a second.
+// Of a support, what an iteration renews, and what a substep leaves where no collider has met the particle: what held cloth in one substep
+// and not in the next made it shiver on the corners of boxes, at a metre a second.
 const float kRenewed = 0.15, kKept = 0.5;
 
-// The cosine up to which a support turns at once with the collider's normal. What slides over a thin rod turns by a few degrees in a substep;
-// held along where it has come from it is dragged back, and fell off after 3 s instead of 0.8. Over a box's edges normals leap, and only
-// their mean is quiet.
+// The cosine up to which a support turns at once with the collider's normal. What slides over a thin rod turns by a few degrees in a
+// substep; held along where it had come from it was dragged, and fell off after 3 s instead of 0.8. Over a box's edges normals leap, and
+// only their mean is quiet.
 const float kTurnsAtOnce = 0.98;
 
 // m. More would hold no better, and would be let go too late: fast bodies passed between particles that were still held by where they had

@@ -35,7 +35,8 @@ struct Supports {
   }
 };
 
-/// Of a particle, after an iteration, which `ends` its substep or not (m): colliders have put it out by `put_out`, and `held` of it was held before by `before`.
+/// Of a particle, after an iteration, which `ends` its substep or not (m): colliders have put it out by `put_out`, and `held` of it was held
+/// before by `before`.
 inline Vector renewed(const Vector& before, double held, const Vector& put_out, bool ends = true) {
   if (put_out.isZero(0)) return ends ? Vector((held < 0 ? 0 : 0.5) * before) : before;
   const Vector n = put_out.normalized();

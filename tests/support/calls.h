@@ -91,6 +91,7 @@ inline std::vector<Calls> combinations() {
       found.push_back(with(calls, {Id::stretch, Id::skin, Id::motion_constraint}));
       found.push_back(with(calls, {Id::gauss_seidel, Id::skin, Id::motion_constraint}));
       if (calls.has(Id::collide)) found.push_back(with(calls, {Id::stretch, Id::reaction}));
+      if (calls.has(Id::collide)) found.push_back(with(calls, {Id::stretch, Id::strand, Id::level, Id::reaction}));
     }
     found.push_back(with(calls, {Id::gauss_seidel}));
     found.push_back(with(calls, {Id::gauss_seidel, Id::level}));
