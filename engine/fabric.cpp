@@ -33,11 +33,17 @@ std::vector<double> point_masses(const Mesh& mesh, double area_density, const st
   return masses;
 }
 
+// Of a substep: exact in first order, and as the formula has it in second.
+float damping_factor(const Cloth& cloth, const Scene& scene, const CookedFabric& fabric) {
+  const double part = cloth.fabric.damping * solve_step(scene, fabric);
+  return static_cast<float>(scene.solver.order == 2 ? 1 / (1 + part) : std::exp(-part));
+}
+
 // The materials of a cloth: one, or where maps vary it one of each kind of point.
 class Materials {
  public:
-  Materials(const Cloth& cloth, std::uint32_t index, const cooking::Factors& factors, CookedFabric& fabric)
-      : cloth_(cloth), factors_(factors), fabric_(fabric), body_(static_cast<float>(index)) {}
+  Materials(const Scene& scene, const Cloth& cloth, std::uint32_t index, const cooking::Factors& factors, CookedFabric& fabric)
+      : scene_(scene), cloth_(cloth), factors_(factors), fabric_(fabric), body_(static_cast<float>(index)) {}
 
   /// Its index. Errors: a figure that is beyond its limit.
   Result<std::uint32_t> of(std::uint32_t point) {
@@ -50,12 +56,13 @@ class Materials {
     const auto [known, is_new] =
         known_.try_emplace(std::pair(friction, thickness), static_cast<std::uint32_t>(fabric_.materials.size()));
     if (is_new)
-      fabric_.materials.push_back({static_cast<float>(std::exp(-cloth_.fabric.damping * fabric_.h)), static_cast<float>(friction),
+      fabric_.materials.push_back({damping_factor(cloth_, scene_, fabric_), static_cast<float>(friction),
                                    static_cast<float>(thickness), body_});
     return known->second;
   }
 
  private:
+  const Scene& scene_;
   const Cloth& cloth_;
   const cooking::Factors& factors_;
   CookedFabric& fabric_;
@@ -70,7 +77,7 @@ Result<void> add_particles(CookState& state, std::uint32_t index, std::span<cons
   std::vector<double> masses = point_masses(mesh, cloth.fabric.area_density, factors.mass);
   if (cloth.springs && cloth.springs->mass > 0)
     for (std::uint32_t p = 0; p < masses.size(); ++p) masses[p] = cooking::factor(factors.mass, p) * cloth.springs->mass;
-  Materials materials(cloth, index, factors, fabric);
+  Materials materials(state.scene(), cloth, index, factors, fabric);
   for (const std::uint32_t point : order) {
     const Vec3 x = mesh.points[point];
     if (!(masses[point] > 0))
@@ -167,7 +174,7 @@ Result<void> fit_substep(CookState& state) {
   fabric.h = wanted / parts;
   for (gpu::Material& material : fabric.materials)
     if (const auto body = static_cast<std::size_t>(material.body); body < scene.cloths.size())
-      material.damping_factor = static_cast<float>(std::exp(-scene.cloths[body].fabric.damping * fabric.h));
+      material.damping_factor = damping_factor(scene.cloths[body], scene, fabric);
   fabric.notes.push_back(fail("solver: a substep of ", 1e3 * wanted, " ms is longer than ", 1e3 * fabric.largest_step,
                                " ms, up to which its springs are stable: each is taken in ", parts, " parts.").message);
   return {};

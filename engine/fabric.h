@@ -147,6 +147,9 @@ struct CookedFabric {
 /// Substeps a frame, with the default filled in.
 std::uint32_t substeps_of(const SolverSettings& solver);
 
+/// s, over which forces and constraints of a substep act: all of it, or in second order two thirds (shaders/bdf2/bdf2.glsl).
+inline double solve_step(const Scene& scene, const CookedFabric& fabric) { return scene.solver.order == 2 ? 2 * fabric.h / 3 : fabric.h; }
+
 /// Loads or generates every cloth's mesh and puts it where its transform says; after these, in the order of the scene, the meshes of
 /// its mesh colliders, scaled, in their own axes, and then the render meshes that cloths carry, in the order of these. Errors, which name
 /// the cloth or the collider: a grid and a mesh, or neither; a grid of no size or too many cells; what load_mesh refuses; more vertices

@@ -267,6 +267,7 @@ struct SolverSettings {
   Averaging averaging = Averaging::mass_split;
   double relaxation = 0;        // over-relaxation omega, below most_relaxation; 0: relaxation_of
   double rho = 0;               // Chebyshev only: the spectral radius it takes Jacobi's iteration to have, below 1; 0: rho_of
+  std::uint32_t order = 1;      // 1 or 2: of the error in time, by implicit Euler or by BDF2 (shaders/bdf2/bdf2.glsl)
   std::optional<bool> levels = {};   // coarse levels before each iteration (has_levels); not set: levels_of
   double longest_advance = 0.1; // s: a longer advance() is clamped to this, and the surplus reported
 };

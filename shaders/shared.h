@@ -55,7 +55,8 @@
   X(35, bool, takes_targets)    /* 1: the host may say in a buffer where points of skins are (skin/host_targets.glsl) */ \
   X(36, uint, first_mesh_body)  /* the body number of the first mesh collider (motion/body.glsl); 0: none is told what it is given (reaction/mesh.glsl) */ \
   X(37, uint, wake_count)       /* cloths and mesh colliders that have wakes in the air (air/wake.comp) */ \
-  X(38, bool, has_supports)     /* 1: what colliders hold weighs more against them in the solve (support/support.glsl) */
+  X(38, bool, has_supports)     /* 1: what colliders hold weighs more against them in the solve (support/support.glsl) */ \
+  X(39, bool, is_second_order)  /* 1: in time (bdf2/bdf2.glsl) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
@@ -491,11 +492,13 @@ struct Push {
 /// Slices of one uniform buffer, written where a frame begins.
 struct Motion {
   vec3 gravity;       // m/s^2
-  float h;            // s, substep
+  float h;            // s, over which forces and constraints act: a substep, or two thirds of it (bdf2/bdf2.glsl)
   vec3 origin;        // m: what is added to particles' positions for the renderer
   float inverse_h;    // 1/s
   float inverse_h2;   // 1/s^2
   float relaxation;   // over-relaxation of Jacobi and Gauss-Seidel; the weight of the damped Jacobi of the method implicit
+  float substep;      // s
+  float inverse_substep;   // 1/s
 };
 
 struct ContactSettings {
@@ -554,7 +557,7 @@ static_assert(sizeof(Grab) == 44 && sizeof(Collider) == 112 && sizeof(BodySize) 
 static_assert(sizeof(SkinPoint) == 76 && sizeof(Joint) == 96 && sizeof(MotionLimits) == 8 && sizeof(Reaction) == 48);
 static_assert(sizeof(MorphDelta) == 16 && sizeof(Carried) == 48 && sizeof(FrameChange) == 96);
 static_assert(sizeof(Gas) == 32 && sizeof(GasPart) == 16 && sizeof(GasState) == 8 && sizeof(GasSum) == 24);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 40);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 48);
 static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 332 && sizeof(Acceleration) == 48);
 // As std430 and std140 have them.
 static_assert(offsetof(Collider, normal_from) == 32 && offsetof(Collider, rotation_from) == 80 && offsetof(Collider, half_size) == 96);

@@ -20,7 +20,10 @@ namespace cooking {
 
 CookState::CookState(const Scene& scene) : scene_(scene) { fabric_.h = 1 / (scene.solver.rate * substeps_of(scene.solver)); }
 
-double CookState::softening() const { return relaxation_of(scene_) / (fabric_.h * fabric_.h); }
+double CookState::softening() const {
+  const double h = solve_step(scene_, fabric_);
+  return relaxation_of(scene_) / (h * h);
+}
 
 std::vector<std::uint32_t> particles_of(const CookedFabric& fabric, const ClothRange& cloth, const Mesh& mesh) {
   std::vector<std::uint32_t> particles(mesh.points.size(), kNone);

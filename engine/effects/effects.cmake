@@ -2,7 +2,7 @@
 # CMakeLists.txt.
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/list.h)
 file(READ ${CMAKE_CURRENT_LIST_DIR}/list.h WEFT_EFFECTS)
-string(REGEX MATCHALL "\n  EFFECT\\([a-z_]+\\)" WEFT_EFFECTS "${WEFT_EFFECTS}")
+string(REGEX MATCHALL "\n  EFFECT\\([a-z0-9_]+\\)" WEFT_EFFECTS "${WEFT_EFFECTS}")
 list(TRANSFORM WEFT_EFFECTS REPLACE "^.*\\((.+)\\)$" "\\1")
 
 macro(weft_add_effects)

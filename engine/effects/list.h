@@ -23,6 +23,7 @@
   EFFECT(triangle) \
   EFFECT(inertia) \
   EFFECT(motion) \
+  EFFECT(bdf2) \
   EFFECT(grab) \
   EFFECT(air) \
   EFFECT(pressure) \

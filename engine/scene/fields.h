@@ -99,6 +99,7 @@ void fields(V& v, SolverSettings& solver) {
   v.choice("averaging", solver.averaging, kAveragings);
   v.number("relaxation", solver.relaxation, below(0, 2));
   v.number("rho", solver.rho, below(0, 1));
+  v.whole("order", solver.order, between(1, 2));
   v.optional_flag("levels", solver.levels);
   v.number("longest_advance", solver.longest_advance, above(0, 10, "s"));
 }

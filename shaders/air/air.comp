@@ -48,7 +48,7 @@ void main() {
   if (i >= push.count) return;
   const uvec2 row = air_stride > 0 ? uvec2(i * air_stride, air_stride) : FETCH_UINT2(air_rows, i);
   const vec4 x = FETCH(positions, i);
-  u = air_about(i) - (FETCH(velocities, i).xyz - 0.5 * float(air_every + 1) * motion.h * motion.gravity);
+  u = air_about(i) - (FETCH(velocities, i).xyz - 0.5 * float(air_every + 1) * motion.substep * motion.gravity);
   vec3 before = vec3(0);
   for (uint k = row.x; k < row.x + row.y; ++k) {
     const uvec4 pair = FETCH(air_fans, k);

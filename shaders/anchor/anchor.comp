@@ -81,5 +81,5 @@ void main() {
   const vec3 next = has_contacts ? among_contacts(target, anchor) : target;
   predicted[anchor.particle].xyz = next;
   // So that it flies on when it is released.
-  if (has_pins) velocities[anchor.particle].xyz = motion.inverse_h * (next - FETCH(positions, anchor.particle).xyz);
+  if (has_pins) velocities[anchor.particle].xyz = motion.inverse_substep * (next - FETCH(positions, anchor.particle).xyz);
 }

@@ -70,7 +70,7 @@ void main() {
   const vec3 end = allowed(i, x, p.xyz);
   settle(i, p.xyz, end);
   p.xyz = end;
-  p = update_velocity(i, x, p, v.xyz, FETCH(materials, floatBitsToUint(v.w)).x);
+  p = update_velocity(i, x, p, vec3(0), v.xyz, FETCH(materials, floatBitsToUint(v.w)).x);
   watch_bound(bound_of(i), expected_of(i, detection[0].steps), end, p.xyz);
   predicted[i] = p;
 }

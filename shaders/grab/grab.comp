@@ -17,6 +17,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 #include "motion/motion.glsl"
+#include "bdf2/bdf2.glsl"
 
 READ(Grab, grabs)
 GATHER(positions)
@@ -35,7 +36,7 @@ struct Pulled {
 
 vec3 target_of(Grab grab) { return unpack(grab.from) + push.fraction_to * (unpack(grab.to) - unpack(grab.from)); }
 vec3 target_velocity_of(Grab grab) {
-  return (push.fraction_to - push.fraction_from) * motion.inverse_h * (unpack(grab.to) - unpack(grab.from));
+  return (push.fraction_to - push.fraction_from) * motion.inverse_substep * (unpack(grab.to) - unpack(grab.from));
 }
 
 // m: inverse mass times this is what the particle weighs before this hand.
@@ -57,7 +58,7 @@ void tell(uint k) {
   const LastPull last = last_pulls[k];
   if (last.particle == WEFT_NONE) return;
   const vec3 q = FETCH(positions, last.particle).xyz, target = unpack(last.target);
-  const vec3 force = last.stiffness * (target - q) + last.damping * (unpack(last.velocity) - motion.inverse_h * (q - unpack(last.place)));
+  const vec3 force = last.stiffness * (target - q) + last.damping * (unpack(last.velocity) - motion.inverse_substep * (q - unpack(last.place)));
   last_pulls[k].particle = WEFT_NONE;
   if (!(dot(force, force) < 1e20)) return;
   const vec3 impulse = -reaction_settings.quanta * motion.h * motion.h * force;   // quanta are of m d / h
@@ -93,10 +94,11 @@ void main() {
     if (!is_pulled(grab)) continue;
     const uint i = grab.particle;
     const vec4 x = FETCH(positions, i);
+    const vec3 from = departure_of(i, x.xyz);
     // An iterate's weight falls as the mass grows.
     const float mass = grab.weight / (x.w * predicted[i].w);
-    const Pulled pulled = pull(grab, x.xyz, velocities[i].xyz, mass);
-    const vec3 p = predicted_position(x.xyz, pulled.velocity, motion.h);
+    const Pulled pulled = pull(grab, from, velocities[i].xyz, mass);
+    const vec3 p = predicted_position(from, pulled.velocity, motion.h);
     if (reacts) remember(k, grab, x.xyz, pulled.part);
     velocities[i].xyz = pulled.velocity;
     predicted[i] = vec4(p, predicted[i].w * (mass / pulled.mass));

@@ -71,6 +71,7 @@ void finalize(uint i, vec4 p) {
   const vec4 v = FETCH(velocities, i);
   const vec4 material = FETCH(materials, floatBitsToUint(v.w));
   vec3 start = x.xyz;
+  const vec3 solved = p.xyz;
   const vec4 support = has_supports ? supports[i] : vec4(0);
   held = held_by(support);
   if (has_supports && reacts && held != vec3(0)) {   // the collider that has put it out of late holds it
@@ -104,11 +105,11 @@ void finalize(uint i, vec4 p) {
     if (end != p.xyz) atomicAdd(counters[0].truncated, 1);
     p.xyz = end;
     if (ends) {
-      p = update_velocity(i, x.xyz, p, v.xyz, material.x);
+      p = update_velocity(i, x.xyz, p, vec3(0), v.xyz, material.x);
       watch_bound(bound, expected, end, p.xyz);
     }
   } else if (last) {
-    p = update_velocity(i, x.xyz, p, v.xyz, material.x);
+    p = update_velocity(i, x.xyz, p, p.xyz - solved, v.xyz, material.x);
   }
   next_iterate[i] = p;
 }

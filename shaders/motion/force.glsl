@@ -5,6 +5,7 @@
 // it then needs detection.
 
 #include "motion/motion.glsl"
+#include "bdf2/bdf2.glsl"
 
 GATHER(positions)
 GATHER_WRITE(velocities)
@@ -18,7 +19,7 @@ void add_velocity(uint i, vec3 dv) {
   const vec4 x = FETCH(positions, i);
   if (x.w == 0 || !(dot(dv, dv) < 1e20)) return;
   const vec3 v = FETCH(velocities, i).xyz + dv;
-  const vec3 p = predicted_position(x.xyz, v, motion.h);
+  const vec3 p = predicted_position(departure_of(i, x.xyz), v, motion.h);
   velocities[i].xyz = v;
   predicted[i].xyz = p;
   if (has_contacts && strays(p, expected_of(i, detection[0].steps).next, bound_of(i))) detection[0].needs_detection = 1;

@@ -1,4 +1,4 @@
-// predict: symplectic Euler, where every particle would go in the frame's first substep if nothing held it. The predictions of later
+// predict: symplectic Euler (or bdf2/bdf2.glsl), where every particle would go in the frame's first substep if nothing held it. The predictions of later
 // substeps are made at the end of the one before (update_velocity.glsl). A kinematic particle stays.
 // With contacts it also asks for a detection where a prediction is about to leave its displacement bound (displacement_bound.glsl); the
 // anchor pass does so for anchors.
@@ -6,6 +6,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 #include "motion/motion.glsl"
+#include "bdf2/bdf2.glsl"
 
 GATHER(positions)
 GATHER(materials)
@@ -18,9 +19,9 @@ READ_WRITE(Detection, detection)
 vec3 free_flight(uint i, vec3 x) {
   const vec4 v = FETCH(velocities, i);
   const float damping_factor = FETCH(materials, floatBitsToUint(v.w)).x;
-  const vec3 driven = driven_velocity(v.xyz, motion.gravity, damping_factor, motion.h);
-  velocities[i].xyz = driven;
-  return predicted_position(x, driven, motion.h);
+  const vec3 driven_v = driven(i, v.xyz, damping_factor);
+  velocities[i].xyz = driven_v;
+  return predicted_position(departure_of(i, x), driven_v, motion.h);
 }
 
 void main() {

@@ -4,26 +4,30 @@
 // rounding does not enter it. A particle that is not finite is put back to x, with velocity 0, and counted. Needs push and counters.
 
 #include "motion/motion.glsl"
+#include "bdf2/bdf2.glsl"
 
 GATHER_WRITE(positions)
 GATHER_WRITE(velocities)
 GATHER(materials)
 
-// x: position at the substep's start; p: last iterate; v: the velocity of the prediction. Returns the next substep's prediction, or p where
-// the frame ends.
-vec4 update_velocity(uint i, vec3 x, vec4 p, vec3 v, float damping_factor) {
-  const vec3 corrected = v + motion.inverse_h * (p.xyz - predicted_position(x, v, motion.h));
+// x: position at the substep's start; p: last iterate, `pushed` by colliders from where the solve left it; v: the velocity of the
+// prediction. Returns the next substep's prediction, or p where the frame ends.
+vec4 update_velocity(uint i, vec3 x, vec4 p, vec3 pushed, vec3 v, float damping_factor) {
+  const vec3 solved = is_second_order ? p.xyz - pushed : p.xyz;
+  vec3 corrected = v + motion.inverse_h * (solved - predicted_position(departure_of(i, x), v, motion.h));
+  if (is_second_order) corrected = stepped(i, x, p.xyz, pushed, corrected);
   if (dot(p.xyz, p.xyz) < 1e20 && dot(corrected, corrected) < 1e20) {
     v = corrected;
   } else {
     atomicAdd(counters[0].non_finite, 1);
     p.xyz = x;
     v = vec3(0);
+    if (is_second_order) forget_steps(i);
   }
   positions[i].xyz = p.xyz;
   if ((push.flags & WEFT_LAST_SUBSTEP) == 0) {
-    v = driven_velocity(v, motion.gravity, damping_factor, motion.h);
-    p.xyz = predicted_position(p.xyz, v, motion.h);
+    v = driven(i, v, damping_factor);
+    p.xyz = predicted_position(departure_of(i, p.xyz), v, motion.h);
   }
   velocities[i].xyz = v;
   return p;

@@ -26,12 +26,14 @@ constexpr Pass kPasses[] = {
 };
 
 Contents uniforms(const Cooked& s) {
-  const double h = s.fabric.h;
+  const double h = solve_step(s.scene, s.fabric);
   const SolverSettings& solver = s.scene.solver;
   gpu::Motion motion{};
   motion.h = static_cast<float>(h);
   motion.inverse_h = static_cast<float>(1 / h);
   motion.inverse_h2 = static_cast<float>(1 / (h * h));
+  motion.substep = static_cast<float>(s.fabric.h);
+  motion.inverse_substep = static_cast<float>(1 / s.fabric.h);
   motion.relaxation = static_cast<float>(solver.method == Method::implicit ? s.fabric.jacobi_weight : relaxation_of(s.scene));
   motion.gravity = {s.scene.gravity.x, s.scene.gravity.y, s.scene.gravity.z};
   return made(std::vector{motion});

@@ -29,6 +29,7 @@ void lay_out(cooking::CookState& state) {
   for (auto& strands : state.strands) {
     if (strands.empty()) continue;
     std::stable_sort(strands.begin(), strands.end(), [](const auto& a, const auto& b) { return a.links.size() > b.links.size(); });
+    const double h = solve_step(state.scene(), fabric);
     const std::size_t count = strands.size(), first = lists.links.size();
     lists.rounds.push_back({static_cast<std::uint32_t>(lists.starts.size()), static_cast<std::uint32_t>(count)});
     lists.links.resize(first + count * WEFT_STRAND_LINKS, gpu::uvec2{0, 0});
@@ -38,7 +39,7 @@ void lay_out(cooking::CookState& state) {
         StretchLink& link = fabric.links[strands[s].links[k].link];
         const std::uint32_t next = strands[s].links[k].next;
         const double weight = double(fabric.positions[link.a].w) + fabric.positions[link.b].w;
-        const double gain = weight > 0 ? 1 / (weight + link.own_compliance() / (fabric.h * fabric.h)) : 0;
+        const double gain = weight > 0 ? 1 / (weight + link.own_compliance() / (h * h)) : 0;
         const gpu::uvec2 packed = gpu::pack_link({next, link.rest, iterated ? link.own_compliance() : static_cast<float>(gain), link.only_pulls});
         if (!iterated) link.gain = gpu::unpack_link(packed.x, packed.y).response;
         lists.links[first + k * count + s] = packed;
