@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/effects/bdf2/bdf2.h"
+#include "engine/effects/support/support.h"
 #include "engine/finite.h"
 #include "engine/mesh/parts.h"
 #include "engine/solve/state.h"
@@ -64,17 +66,20 @@ Result<void> Simulation::move_frame(std::uint32_t cloth, const MovingFrame& fram
   return caught("the frame");
 }
 
-// What colliders hold turns with its cloth.
-Result<void> Simulation::State::turn_supports(const ClothRange& range, const RigidMap& carry) {
-  if (!solver->has(buffers::supports)) return {};
-  auto supports = read(buffers::supports, fabric.positions.size());
-  if (!supports) return supports.take_error();
-  for (std::uint32_t i = range.first_particle; i < range.first_particle + range.particles; ++i) {
-    gpu::vec4& support = (*supports)[i];
-    const Vec3 way = carry.way({support.x, support.y, support.z});
-    support = {way.x, way.y, way.z, support.w};
+// Directions that particles keep from substep to substep turn with their cloth: of what colliders hold, and of the last substep.
+Result<void> Simulation::State::turn_kept(const ClothRange& range, const RigidMap& carry) {
+  for (const Buffer* row : {&buffers::supports, &buffers::velocity_changes, &buffers::step_remainders}) {
+    if (!solver->has(*row)) continue;
+    auto kept = read(*row, fabric.positions.size());
+    if (!kept) return kept.take_error();
+    for (std::uint32_t i = range.first_particle; i < range.first_particle + range.particles; ++i) {
+      gpu::vec4& one = (*kept)[i];
+      const Vec3 way = carry.way({one.x, one.y, one.z});
+      one = {way.x, way.y, way.z, one.w};
+    }
+    if (auto done = compute::upload(*device, solver->buffer(*row), std::as_bytes(std::span(*kept))); !done) return done;
   }
-  return compute::upload(*device, solver->buffer(buffers::supports), std::as_bytes(std::span(*supports)));
+  return {};
 }
 
 Result<void> Simulation::teleport(std::uint32_t cloth, const MovingFrame& from, const MovingFrame& to) try {
@@ -111,7 +116,7 @@ Result<void> Simulation::teleport(std::uint32_t cloth, const MovingFrame& from, 
   if (auto done = s.put(*positions); !done) return done;
   if (auto done = write_velocities(*velocities); !done) return done;
   if (auto done = s.put(*tracks); !done) return done;
-  if (auto done = s.turn_supports(range, carry); !done) return done;
+  if (auto done = s.turn_kept(range, carry); !done) return done;
   for (std::size_t k = 0; k < targets.size(); ++k) {
     if (targets[k].particle == WEFT_NONE) continue;
     gpu::Anchor& anchor = s.kinematic.targets[k];

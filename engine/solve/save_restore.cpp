@@ -9,6 +9,7 @@
 #include <set>
 #include <tuple>
 
+#include "engine/effects/bdf2/bdf2.h"
 #include "engine/effects/ranges.h"
 #include "engine/effects/support/support.h"
 #include "engine/solve/sanitize.h"
@@ -256,7 +257,8 @@ Result<std::optional<Simulation::State::Torn>> Simulation::State::check(const Sn
         return good.take_error();
     if (row == &buffers::velocities)
       if (auto good = check_values("velocities", elements<gpu::vec4>(*bytes), present.velocities); !good) return good.take_error();
-    if (row == &buffers::detected_positions || row == &buffers::trajectories || row == &buffers::skin_ends || row == &buffers::supports)
+    if (row == &buffers::detected_positions || row == &buffers::trajectories || row == &buffers::skin_ends || row == &buffers::supports ||
+        row == &buffers::velocity_changes || row == &buffers::step_remainders)
       for (const gpu::vec4& at : elements<gpu::vec4>(*bytes))
         if (!is_finite(at)) return unfit("its buffer ", buffer.name, " has a vector that is not finite");
     const std::size_t formulas = scene.colliders.size() - fabric.collider_meshes.size();

@@ -277,7 +277,7 @@ struct Simulation::State {
   void move_skins(std::span<const Affine> pose, std::span<const float> weights, std::span<const ColliderPose> before, FrameInput& input);
   MovingFrame frame_of_joint(std::size_t cloth, std::span<const Affine> pose) const;
   void move_frames(std::span<const Affine> pose, double seconds, FrameInput& input);
-  Result<void> turn_supports(const ClothRange& range, const RigidMap& carry);
+  Result<void> turn_kept(const ClothRange& range, const RigidMap& carry);
   Result<void> check_frames(const Snapshot& snapshot) const;
   std::vector<Snapshot::FrameState> saved_frames() const;
   void put_frames_back(const Snapshot& snapshot);

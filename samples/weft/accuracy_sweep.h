@@ -24,6 +24,7 @@ inline constexpr SolverRow kSolverRows[] = {
     {"jacobi", "solver.method=jacobi"},
     {"jacobi not over-relaxed", "solver.method=jacobi solver.relaxation=1"},
     {"jacobi on levels", "solver.method=jacobi solver.levels=true"},
+    {"second order on levels", "solver.method=jacobi solver.levels=true solver.order=2"},
     {"count-averaged", "solver.method=jacobi solver.averaging=count solver.relaxation=1"},
     {"strands", "solver.method=strands"},
     {"gauss_seidel", "solver.method=gauss_seidel"},

@@ -25,6 +25,7 @@ const EffectRow kRows[] = {
     {"level", "coarse levels", {{"solver.levels", "true"}}, {{"solver.levels", "false"}}},
     {"strand", "method strands, with its levels", {{"solver.method", "strands"}}, {{"solver.method", "jacobi"}}},
     {"gauss_seidel", "method gauss_seidel", {{"solver.method", "gauss_seidel"}}, {{"solver.method", "jacobi"}}},
+    {"bdf2", "second order in time", {{"solver.order", "2"}}, {{"solver.order", "1"}}},
     {"chebyshev", "method chebyshev, 2 substeps of 5 iterations",
      {{"solver.method", "chebyshev"}, {"solver.substeps", "2"}, {"solver.iterations", "5"}},
      {{"solver.method", "jacobi"}}},

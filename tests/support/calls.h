@@ -54,6 +54,7 @@ inline Needs setup_for(const Calls& calls, bool texels) {
   if (calls.has(Id::skin) && calls.has(Id::contact)) setup.constants[constant::morphs] = calls.has(Id::motion_constraint) ? 2 : 1;
   setup.constants[constant::takes_targets] = setup.constants[constant::morphs] > 0;
   setup.constants[constant::has_supports] = calls.has(Id::support);
+  setup.constants[constant::is_second_order] = calls.has(Id::bdf2);
   setup.constants[constant::grab_count] = calls.has(Id::grab);
   setup.constants[constant::reacts] = calls.has(Id::reaction);
   setup.constants[constant::first_mesh_body] = calls.has(Id::reaction) && calls.has(Id::contact);
@@ -96,6 +97,7 @@ inline std::vector<Calls> combinations() {
     found.push_back(with(calls, {Id::gauss_seidel}));
     found.push_back(with(calls, {Id::gauss_seidel, Id::level}));
     found.push_back(with(calls, {Id::stretch, Id::level}));
+    if (!calls.has(Id::contact) && !calls.iterated) found.push_back(with(calls, {Id::stretch, Id::level, Id::bdf2}));
     found.push_back(with(calls, {Id::stretch, Id::strand}));
     found.push_back(with(calls, {Id::stretch, Id::strand, Id::level}));
     found.push_back(with(calls, {Id::stretch, Id::dihedral}));
@@ -121,7 +123,7 @@ inline std::vector<Calls> combinations() {
 inline std::vector<Id> others() {
   constexpr Id kKnown[] = {Id::anchor,   Id::level,     Id::strand, Id::stretch, Id::gauss_seidel, Id::bend,   Id::dihedral, Id::spring,
                            Id::implicit, Id::chebyshev, Id::tether, Id::collide, Id::triangle,     Id::motion, Id::contact,  Id::surface,
-                           Id::untangle, Id::skin,      Id::motion_constraint, Id::reaction, Id::support};
+                           Id::untangle, Id::skin,      Id::motion_constraint, Id::reaction, Id::support, Id::bdf2};
   std::vector<Id> found;
   for (std::size_t k = 0; k < kEffects; ++k)
     if (std::find(std::begin(kKnown), std::end(kKnown), Id(k)) == std::end(kKnown)) found.push_back(Id(k));

@@ -65,6 +65,7 @@ inline std::vector<Subject> subjects() {
   Scene& levels = all.emplace_back("gauss_seidel on levels", moving()).scene;
   levels.solver.method = Method::gauss_seidel;
   levels.solver.levels = true;
+  all.emplace_back("second order", moving()).scene.solver.order = 2;
   all.emplace_back("hinges", moving()).scene.cloths[0].bend_rest = BendRest::mesh;
   all.push_back({"mass_spring", springy(Method::mass_spring)});
   all.push_back({"verlet", springy(Method::verlet)});

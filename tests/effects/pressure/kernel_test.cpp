@@ -12,7 +12,7 @@ namespace {
 using KernelPressure = GpuTest;
 
 // Two gases in cloths of several parts, with a cloth between them that has none, and some particles held.
-struct Subject {
+struct Gases {
   Scene scene;
   CookedFabric fabric;
   std::vector<gpu::vec4> places;   // where the substep begins
@@ -20,8 +20,8 @@ struct Subject {
   std::vector<gpu::GasState> states;
 };
 
-Subject subject_of(Random& random, double size, std::uint32_t substeps) {
-  Subject s;
+Gases gases_of(Random& random, double size, std::uint32_t substeps) {
+  Gases s;
   s.scene = gas_scene();
   s.scene.solver.method = Method::jacobi;
   s.scene.solver.substeps = substeps;
@@ -38,7 +38,7 @@ Subject subject_of(Random& random, double size, std::uint32_t substeps) {
 }
 
 // What the passes do to the velocities of `s` (m/s), whose particles are `p` at the end of the substep if nothing holds them.
-std::vector<reference::Vector> given(SinglePass& passes, const Subject& s, const std::vector<gpu::vec4>& p) {
+std::vector<reference::Vector> given(SinglePass& passes, const Gases& s, const std::vector<gpu::vec4>& p) {
   const std::vector<gpu::vec4> before = leading_to(p, s.fabric);
   passes.put(buffers::positions, s.fabric.positions);
   passes.put(buffers::velocities, before);
@@ -67,7 +67,7 @@ struct Wanted {
 };
 
 // Of the g-th gas. The volume is a sum of terms that cancel; `terms` is that of their sizes.
-Wanted wanted(const Subject& s, std::uint32_t g, const std::vector<gpu::vec4>& p) {
+Wanted wanted(const Gases& s, std::uint32_t g, const std::vector<gpu::vec4>& p) {
   const auto& gas = s.fabric.own.of<GasLists>().gases[g];
   const ClothRange& cloth = s.fabric.cloths[gas.cloth];
   std::vector<Triangle> triangles;
@@ -112,7 +112,7 @@ TEST_F(KernelPressure, does_what_its_twin_does_on_any_shapes_gases_and_substeps)
   for (int trial = 0; trial < 24; ++trial) {
     SCOPED_TRACE(trial);
     const double size = std::pow(10, between(random, -2, 1));
-    Subject s = subject_of(random, size, 1u << (random() % 6));
+    Gases s = gases_of(random, size, 1u << (random() % 6));
     // As it is, crushed, or turned inside out.
     const double height = trial % 3 == 0 ? 1 : trial % 3 == 1 ? 1e-2 : -0.5;
     for (gpu::vec4& p : s.fabric.positions) {
@@ -149,7 +149,7 @@ TEST_F(KernelPressure, does_what_its_twin_does_on_any_shapes_gases_and_substeps)
 TEST_F(KernelPressure, gives_a_free_cloth_no_momentum_and_turns_it_nowhere) {
   Random random(2);
   for (const float away : {0.f, 50.f}) {
-    Subject s = subject_of(random, 1, 10);
+    Gases s = gases_of(random, 1, 10);
     s.fabric = must(cook(s.scene, std::vector{ball(0.5, 4, {away, 0, 0}), ball(1, 1), ball(1, 2, {away, 0, 3})}));
     for (gpu::vec4& p : s.fabric.positions) {
       const gpu::vec4 off = anywhere(random, 0.05, 0);
@@ -178,7 +178,7 @@ TEST_F(KernelPressure, gives_a_free_cloth_no_momentum_and_turns_it_nowhere) {
 
 TEST_F(KernelPressure, does_nothing_where_there_is_nothing_to_push_or_a_place_is_not_finite) {
   Random random(3);
-  Subject s = subject_of(random, 0.5, 10);
+  Gases s = gases_of(random, 0.5, 10);
   for (const ClothRange& cloth : s.fabric.cloths)
     for (std::uint32_t k = 0; k < cloth.particles; ++k) {
       gpu::vec4& p = s.fabric.positions[cloth.first_particle + k];
@@ -189,7 +189,7 @@ TEST_F(KernelPressure, does_nothing_where_there_is_nothing_to_push_or_a_place_is
     for (const auto& change : given(passes, s, s.fabric.positions)) EXPECT_EQ(change.norm(), 0);
   }
   for (const float bad : {NAN, INFINITY, 1e30f}) {
-    Subject t = subject_of(random, 0.5, 10);
+    Gases t = gases_of(random, 0.5, 10);
     t.fabric.positions[7] = {bad, 0, 0, 1};
     SinglePass passes(device(), t.scene, t.fabric);
     const auto change = given(passes, t, t.fabric.positions);
