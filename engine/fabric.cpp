@@ -272,6 +272,7 @@ static Result<CookedFabric> cooked(const Scene& scene, std::span<const Mesh> mes
     return fail("solver.rate: ", scene.solver.rate, " is not above 0 (Hz)");
   if (scene.solver.iterations < 1) return fail("solver.iterations: 0 is less than 1");
   if (const std::string fault = method_fault(scene); !fault.empty()) return fail("solver.method: ", fault);
+  if (const std::string fault = order_fault(scene); !fault.empty()) return fail("solver.order: ", fault);
   if (const std::string fault = relaxation_fault(scene); !fault.empty()) return fail("solver.relaxation: ", fault);
   const auto part = [&](std::size_t k) {
     if (k < cloths) return fail("cloths[", k, "]: its mesh").message;

@@ -416,6 +416,9 @@ double rho_of(const SolverSettings& solver);
 /// Why the scene's relaxation is refused, as what follows "solver.relaxation: "; empty if it is not.
 std::string relaxation_fault(const Scene& scene);
 
+/// Why a scene of second order in time is refused, as what follows "solver.order: "; empty if it is not.
+std::string order_fault(const Scene& scene);
+
 /// Why the scene's method cannot solve it, as what follows "solver.method: "; empty if it can.
 std::string method_fault(const Scene& scene);
 

@@ -77,6 +77,22 @@ std::string relaxation_fault(const Scene& scene) {
   return text.str();
 }
 
+std::string order_fault(const Scene& scene) {
+  const SolverSettings& solver = scene.solver;
+  if (solver.order != 2) return {};
+  if (solver.method != Method::jacobi && solver.method != Method::by_default)
+    return "2 goes with the method \"jacobi\", and solver.method is \"" +
+           std::string(scene_fields::kMethods[static_cast<std::size_t>(solver.method)]) + '"';
+  if (contacts_on(scene)) return "2 does not go with contacts, which stop particles as only 1 expects it: leave one of the two away";
+  if (scene.reactions) return "2 does not go with reactions, which are of impulses that only 1 gives: leave one of the two away";
+  const bool is_pushed =
+      !scene.colliders.empty() || std::ranges::any_of(scene.cloths, [](const Cloth& cloth) { return cloth.motion_constraints.has_value(); });
+  if (is_pushed && solver.iterations > 1)
+    return "2 with colliders or motion constraints takes one iteration a substep, and solver.iterations is " +
+           std::to_string(solver.iterations) + ": take substeps instead";
+  return {};
+}
+
 std::string method_fault(const Scene& scene) {
   const std::string named = '"' + std::string(scene_fields::kMethods[static_cast<std::size_t>(scene.solver.method)]) + '"';
   const Method method = scene.solver.method;
@@ -88,17 +104,6 @@ std::string method_fault(const Scene& scene) {
     return named + " chooses substeps and iterations, and solver has some: leave them away";
   const bool is_relaxation =
       method == Method::by_default || method == Method::jacobi || method == Method::strands || method == Method::gauss_seidel;
-  if (scene.solver.order == 2) {
-    if (method != Method::jacobi && method != Method::by_default)
-      return named + " is of first order, and solver.order is 2: \"jacobi\" goes with it";
-    if (contacts_on(scene)) return "solver.order is 2, and contacts stop particles as only 1 expects it: leave one of the two away";
-    if (scene.reactions) return "solver.order is 2, and reactions are of impulses that only 1 gives: leave one of the two away";
-    const bool is_pushed = !scene.colliders.empty() ||
-                           std::ranges::any_of(scene.cloths, [](const Cloth& cloth) { return cloth.motion_constraints.has_value(); });
-    if (is_pushed && scene.solver.iterations > 1)
-      return "solver.order is 2, with colliders or motion constraints, and solver.iterations is " + std::to_string(scene.solver.iterations) +
-             ", not 1: take substeps instead";
-  }
   if (levels_of(scene) && !is_relaxation)
     return named + " has no levels, and solver.levels is true: \"jacobi\", \"strands\" and \"gauss_seidel\" may have them";
   for (std::size_t i = 0; i < scene.cloths.size(); ++i) {

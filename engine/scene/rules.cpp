@@ -124,6 +124,7 @@ void check(const Read& read, const Scene& scene) {
   check_names(scene, read.faults);
   if (const std::string fault = size_fault(scene); !fault.empty()) read.faults.add("cloths", fault);
   if (const std::string fault = method_fault(scene); !fault.empty()) read.faults.add("solver.method", fault);
+  if (const std::string fault = order_fault(scene); !fault.empty()) read.faults.add("solver.order", fault);
   if (const std::string fault = relaxation_fault(scene); !fault.empty()) read.faults.add("solver.relaxation", fault);
   if (const auto meshes = mesh_colliders(scene); !meshes.empty() && !scene.contacts.enabled && read.has("contacts", false))
     read.faults.add("contacts", join("are off, and colliders[", meshes.front(), "] is a mesh, which cloth meets through contacts alone"));

@@ -70,6 +70,7 @@ Sheet sheet_for(const Calls& calls) {
                              : calls.has(Id::strand)       ? Method::strands
                                                            : Method::jacobi;
   made.scene.solver.levels = calls.has(Id::level);
+  made.scene.solver.order = calls.has(Id::bdf2) ? 2 : 1;
   const auto meshes = make_meshes(made.scene);
   auto fabric = cook(made.scene, *meshes);
   EXPECT_TRUE(fabric) << fabric.error();
@@ -87,6 +88,7 @@ TEST(NeedsOf, a_scene_calls_for_what_it_has) {
     EXPECT_EQ(got.effects, wanted.effects);
     for (const auto id : {constant::workgroup, constant::through_texels, constant::is_iterated, constant::is_accelerated,
                           constant::has_levels, constant::has_colliders, constant::triangles_collide, constant::has_contacts, constant::untangles,
+                          constant::is_second_order,
                           constant::motion_constraints, constant::skins_move_anchors})
       EXPECT_EQ(got.constants[id], wanted.constants[id]) << "constant " << id;
     EXPECT_EQ(got.constants[constant::planes], calls.has(Id::triangle) || calls.has(Id::support) ? 2u : calls.has(Id::collide) ? 3u : 0u);

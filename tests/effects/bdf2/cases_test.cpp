@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "tests/support/ways.h"
@@ -59,11 +60,12 @@ Turning turning_of(const Simulation& simulation) {
   return sum;
 }
 
-// At 6 rad/s for five seconds, in its own plane: 8 % of the angular momentum and 16 % of the energy would be gone in the first second
-// alone in first order.
+// At 6 rad/s for five seconds, in its own plane. In first order a fifth of the angular momentum and a third of the energy go.
 TEST_F(Bdf2, a_free_sheet_that_turns_goes_on_turning) {
-  for (const bool levels : {true, false}) {
-    Scene scene = in_second_order(sheet(24));
+  for (const auto& [order, levels] : {std::pair(1u, false), {2u, false}, {2u, true}}) {
+    Scene scene = sheet(24);
+    scene.solver.order = order;
+    scene.solver.method = Method::jacobi;
     scene.gravity = {0, 0, 0};
     scene.cloths[0].grid->upright = true;
     scene.cloths[0].start.imperfection = 0;
@@ -79,19 +81,25 @@ TEST_F(Bdf2, a_free_sheet_that_turns_goes_on_turning) {
     const Turning start = turning_of(*simulation);
     run(*simulation, 5);
     const Turning end = turning_of(*simulation);
-    EXPECT_NEAR(end.momentum / start.momentum, 1, 2e-3);
-    EXPECT_NEAR(end.energy / start.energy, 1, 1e-2);
+    const double momentum = end.momentum / start.momentum, energy = end.energy / start.energy;
+    std::printf("order %u%s: %.4f of the angular momentum and %.4f of the energy are left\n", order, levels ? ", levels" : "", momentum, energy);
+    if (order == 1) {
+      EXPECT_LT(momentum, 0.85);
+      EXPECT_LT(energy, 0.75);
+    } else {
+      EXPECT_NEAR(momentum, 1, 2e-3);
+      EXPECT_NEAR(energy, 1, 1e-2);
+    }
   }
 }
 
-// A sheet that swings down from the horizontal about one edge, after half a second: what is left of what it began with.
+// A sheet that swings down from the horizontal about one edge: what it has lost after 0.9 s, of the energy that it may fall by.
 TEST_F(Bdf2, a_sheet_that_swings_loses_a_fraction_of_what_it_loses_in_first_order) {
-  const auto lost = [&](std::uint32_t order) {
+  const auto lost = [&](std::uint32_t order, std::uint32_t substeps = 10) {
     Scene scene = sheet(24);
     scene.solver.order = order;
-    scene.cloths[0].anchors = {held_at({Corner::low_low, Corner::high_low})};
-    Anchor& edge = scene.cloths[0].anchors[0];
-    edge = {};
+    scene.solver.substeps = substeps;
+    Anchor& edge = scene.cloths[0].anchors.emplace_back();
     edge.box = Anchor::Box{{-1, -1, -0.501f}, {1, 1, -0.499f}};
     const auto simulation = must(Simulation::create(device(), scene));
     const auto energy_of = [&] {
@@ -109,9 +117,11 @@ TEST_F(Bdf2, a_sheet_that_swings_loses_a_fraction_of_what_it_loses_in_first_orde
     run(*simulation, 0.9);
     return start - energy_of();
   };
-  const double first = lost(1), second = lost(2);
+  const double first = lost(1), finer = lost(1, 40), second = lost(2);
+  std::printf("lost: %.4f in first order, %.4f with 40 substeps; %.4f in second\n", first, finer, second);
   EXPECT_GT(first, 0.05);
   EXPECT_LT(second, 0.3 * first);
+  EXPECT_LT(second, finer);
   EXPECT_GT(second, -0.01);
 }
 
@@ -190,15 +200,15 @@ TEST(SecondOrder, what_it_does_not_go_with_is_refused_by_name) {
   const auto fault_of = [](auto change) {
     Scene scene = in_second_order(sheet(4));
     change(scene);
-    return method_fault(scene);
+    return order_fault(scene);
   };
   EXPECT_EQ(fault_of([](Scene&) {}), "");
   EXPECT_EQ(fault_of([](Scene& s) { s.solver.method = Method::jacobi, s.solver.iterations = 4; }), "");
   EXPECT_NE(fault_of([](Scene& s) { s.contacts.enabled = true; }).find("contacts"), std::string::npos);
   EXPECT_NE(fault_of([](Scene& s) { s.reactions = true; }).find("reactions"), std::string::npos);
-  EXPECT_NE(fault_of([](Scene& s) { s.colliders = {plane(0)}, s.solver.iterations = 3; }).find("iterations is 3"), std::string::npos);
+  EXPECT_NE(fault_of([](Scene& s) { s.colliders = {plane(0)}, s.solver.iterations = 3; }).find("solver.iterations is 3"), std::string::npos);
   for (const Method method : {Method::strands, Method::gauss_seidel, Method::chebyshev, Method::mass_spring, Method::verlet, Method::implicit})
-    EXPECT_NE(fault_of([&](Scene& s) { s.solver.method = method; }).find("first order"), std::string::npos) << int(method);
+    EXPECT_NE(fault_of([&](Scene& s) { s.solver.method = method; }).find("solver.method is"), std::string::npos) << int(method);
 }
 
 }  // namespace
