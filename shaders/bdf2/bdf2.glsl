@@ -13,36 +13,55 @@
 //
 // `is_second_order` is a constant; without it none of this is there. Needs motion/motion.glsl.
 
-READ_WRITE(vec4, velocity_changes)
-READ_WRITE(vec4, step_remainders)
-READ_WRITE(vec4, velocities_before)
+GATHER_WRITE(velocity_changes)
+GATHER_WRITE(step_remainders)
+GATHER_WRITE(velocities_before)
 
 const float one_third = 1.0 / 3.0;
 
-// From where the prediction of particle i, at x when the substep begins, leaves (m).
-vec3 departure_of(uint i, vec3 x) {
-  if (!is_second_order) return x;
-  precise const vec3 from = x + one_third * (motion.substep * velocities_before[i].xyz + step_remainders[i].xyz);
+// What the next substep needs of the last one, and v, with which that one ended (m/s).
+struct Steps {
+  vec3 v, change, remainder;
+};
+
+// (4 x0 - x_) / 3, with x where the substep begins (m).
+vec3 departure(vec3 x, Steps steps) {
+  precise const vec3 from = x + one_third * (motion.substep * steps.v + steps.remainder);
   return from;
 }
 
-// v: when the substep begins (m/s). Returns v*.
-vec3 driven(uint i, vec3 v, float damping_factor) {
-  if (!is_second_order) return driven_velocity(v, motion.gravity, damping_factor, motion.h);
-  velocities_before[i] = vec4(v, 0);
-  return driven_velocity(v + one_third * velocity_changes[i].xyz, motion.gravity, damping_factor, motion.h);
+// From where the prediction of particle i, at x when the substep begins, leaves (m), as a pass before this one has made it.
+vec3 departure_of(uint i, vec3 x) {
+  if (!is_second_order) return x;
+  return departure(x, Steps(FETCH(velocities_before, i).xyz, vec3(0), FETCH(step_remainders, i).xyz));
+}
+
+// v* of particle i.
+vec3 driven(uint i, Steps steps, float damping_factor) {
+  if (!is_second_order) return driven_velocity(steps.v, motion.gravity, damping_factor, motion.h);
+  velocities_before[i] = vec4(steps.v, 0);
+  return driven_velocity(steps.v + one_third * steps.change, motion.gravity, damping_factor, motion.h);
+}
+
+// When a frame begins; v: its velocity then, which the host may have written.
+Steps kept_steps(uint i, vec3 v) {
+  if (!is_second_order) return Steps(v, vec3(0), vec3(0));
+  return Steps(v, FETCH(velocity_changes, i).xyz, FETCH(step_remainders, i).xyz);
 }
 
 // Ends the substep in which particle i went from x to p, the last part of it, `pushed`, pushed by colliders. `solved`: its velocity as
-// constraints left it. Returns that with the push.
-vec3 stepped(uint i, vec3 x, vec3 p, vec3 pushed, vec3 solved) {
-  vec3 v = solved;
+// constraints left it.
+Steps stepped(uint i, vec3 x, vec3 p, vec3 pushed, vec3 solved) {
+  if (!is_second_order) return Steps(solved, vec3(0), vec3(0));
+  Steps steps = Steps(solved, solved - FETCH(velocities_before, i).xyz, vec3(0));
   const float squared = dot(pushed, pushed);
-  if (squared > 0) v += max(dot(motion.inverse_substep * (p - x) - solved, pushed), 0) / squared * pushed;
-  velocity_changes[i] = vec4(solved - velocities_before[i].xyz, 0);
-  step_remainders[i] = vec4(p - x - motion.substep * v, 0);
-  return v;
+  if (squared > 0) steps.v += max(dot(motion.inverse_substep * (p - x) - solved, pushed), 0) / squared * pushed;
+  steps.remainder = p - x - motion.substep * steps.v;
+  return steps;
 }
 
-// A particle that was put back.
-void forget_steps(uint i) { velocity_changes[i] = step_remainders[i] = vec4(0); }
+void keep(uint i, Steps steps) {
+  if (!is_second_order) return;
+  velocity_changes[i] = vec4(steps.change, 0);
+  step_remainders[i] = vec4(steps.remainder, 0);
+}

@@ -19,9 +19,10 @@ READ_WRITE(Detection, detection)
 vec3 free_flight(uint i, vec3 x) {
   const vec4 v = FETCH(velocities, i);
   const float damping_factor = FETCH(materials, floatBitsToUint(v.w)).x;
-  const vec3 driven_v = driven(i, v.xyz, damping_factor);
-  velocities[i].xyz = driven_v;
-  return predicted_position(departure_of(i, x), driven_v, motion.h);
+  const Steps steps = kept_steps(i, v.xyz);
+  const vec3 predicted_v = driven(i, steps, damping_factor);
+  velocities[i].xyz = predicted_v;
+  return predicted_position(is_second_order ? departure(x, steps) : x, predicted_v, motion.h);
 }
 
 void main() {

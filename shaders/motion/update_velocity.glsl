@@ -14,20 +14,19 @@ GATHER(materials)
 // prediction. Returns the next substep's prediction, or p where the frame ends.
 vec4 update_velocity(uint i, vec3 x, vec4 p, vec3 pushed, vec3 v, float damping_factor) {
   const vec3 solved = is_second_order ? p.xyz - pushed : p.xyz;
-  vec3 corrected = v + motion.inverse_h * (solved - predicted_position(departure_of(i, x), v, motion.h));
-  if (is_second_order) corrected = stepped(i, x, p.xyz, pushed, corrected);
-  if (dot(p.xyz, p.xyz) < 1e20 && dot(corrected, corrected) < 1e20) {
-    v = corrected;
-  } else {
+  const vec3 corrected = v + motion.inverse_h * (solved - predicted_position(departure_of(i, x), v, motion.h));
+  Steps steps = stepped(i, x, p.xyz, pushed, corrected);
+  if (!(dot(p.xyz, p.xyz) < 1e20 && dot(steps.v, steps.v) < 1e20)) {
     atomicAdd(counters[0].non_finite, 1);
     p.xyz = x;
-    v = vec3(0);
-    if (is_second_order) forget_steps(i);
+    steps = Steps(vec3(0), vec3(0), vec3(0));
   }
   positions[i].xyz = p.xyz;
+  keep(i, steps);
+  v = steps.v;
   if ((push.flags & WEFT_LAST_SUBSTEP) == 0) {
-    v = driven(i, v, damping_factor);
-    p.xyz = predicted_position(departure_of(i, p.xyz), v, motion.h);
+    v = driven(i, steps, damping_factor);
+    p.xyz = predicted_position(is_second_order ? departure(p.xyz, steps) : p.xyz, v, motion.h);
   }
   velocities[i].xyz = v;
   return p;
