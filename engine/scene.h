@@ -51,7 +51,7 @@ struct Fabric {
   double stretch = 10e3;        // N/m: tension per width and strain; 0 is not "rigid": infinity is (JSON: "rigid")
   double shear = 45;            // N/m: shear force per width and angle (rad)
   double bend = 1e-5;           // N m: flexural rigidity (Kawabata's B); 0 with `bending: false` only
-  double damping = 0.1;         // 1/s: v *= exp(-damping h)
+  double damping = 0.1;         // 1/s: v *= exp(-damping h), in second order v /= 1 + 2/3 damping h
   double friction = 0.4;        // Coulomb, >= 0
   double thickness = 0.002;     // m: separation from colliders
   bool operator==(const Fabric&) const = default;
@@ -396,14 +396,16 @@ bool contacts_on(const Scene& scene);
 /// Methods that solve springs, the scene's or those that the fabric makes, instead of constraints.
 constexpr bool on_springs(Method method) { return method == Method::implicit || method == Method::mass_spring || method == Method::verlet; }
 
-/// Over-relaxation from here on can blow a scene up: 1 + 3^(-1/iterations), 4/3 with one iteration a substep; with Chebyshev 1 + rho.
+/// Over-relaxation from here on can blow a scene up: 1 + 3^(-1/iterations), 4/3 with one iteration a substep; in second order 1 +
+/// (9/55)^(1/iterations); with Chebyshev 1 + rho.
 /// engine/scene/method.cpp says why.
 double most_relaxation(const SolverSettings& solver);
 
 /// What the solver's relaxation is, with defaults filled in.
 double relaxation_of(const Scene& scene);
 
-/// The method that solves the scene: by default, where the scene has coarse levels, gauss_seidel, with contacts strands; jacobi elsewhere.
+/// The method that solves the scene: by default, where the scene has coarse levels, gauss_seidel, with contacts strands; jacobi elsewhere and
+/// in second order.
 Method method_of(const Scene& scene);
 
 /// Whether it has coarse levels. Methods jacobi, strands and gauss_seidel may; unless told otherwise strands does, and the default where tethers

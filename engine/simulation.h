@@ -376,7 +376,8 @@ class Simulation {
   /// particle stays where it is, or moves as its neighbours do, with velocity 0; no other particle is affected. A written
   /// position is also an anchor's target until keys or move_anchors set another: an anchor that cloth held back, written where
   /// it was read, gives up its former target. Errors: another number of values than particles; memory; what Vulkan refuses. Written
-  /// positions of which only the surface could not be made anew are written all the same.
+  /// positions of which only the surface could not be made anew are written all the same. With solver.order 2 what is kept of the last
+  /// substep stays as it is (shaders/bdf2/bdf2.glsl).
   Result<void> write_positions(std::span<const gpu::vec4> positions);
   Result<void> write_velocities(std::span<const gpu::vec4> velocities);
   /// The whole state, to continue from later or in another process (engine/snapshot.h). Waits; frames that a host has recorded

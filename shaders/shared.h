@@ -172,6 +172,7 @@ struct Patch {
 #define WEFT_EAGER_LEVELS 1.4f   // relaxation of coarse levels over that of other passes (level.glsl)
 #define WEFT_LEVEL_SLACK 1.03f   // how much longer than at rest a coarse link may be beside contacts (level.glsl)
 #define WEFT_MOST_EAGER 1.75f    // the most that it is
+#define WEFT_MOST_EAGER_2 1.2f   // in second order in time, in which a link that only pulls gains energy from 1.3 on
 #define WEFT_LOW_LEVEL 1024u   // nodes, at most, of a level that one workgroup does
 
 /// One-sided link to an anchor; anchor == WEFT_NONE ends a particle's list. Lists are padded to an even length.
@@ -238,7 +239,7 @@ struct Reaction {
 };
 
 struct Material {
-  float damping_factor;   // of the velocity in a substep: exp(-damping h)
+  float damping_factor;   // of the velocity in a substep: exp(-damping h); in second order 1 / (1 + 2/3 damping h)
   float friction;     // Coulomb
   float thickness;    // m
   float body;         // the number of the cloth, or cloths + that of the mesh collider: a cloth has several materials where maps vary them

@@ -33,7 +33,7 @@ class CookState {
   std::span<const std::uint32_t> particle_of() const { return particle_of_; }
   void set_particles(std::vector<std::uint32_t> particle_of) { particle_of_ = std::move(particle_of); }
 
-  /// s / alpha = omega / h^2 (1/s^2), for s in the step omega / (W + s) with which a single iteration corrects a constraint.
+  /// s / alpha = omega / h^2 (1/s^2), h being solve_step, for s in the step omega / (W + s) with which a single iteration corrects a constraint.
   /// Over-relaxation applies to the masses that Jacobi splits, W, and not to the cloth's compliance alpha: omega / (W + s) =
   /// 1 / (W / omega + alpha / h^2).
   double softening() const;

@@ -34,8 +34,11 @@ CurvePoint expected(const Samples& samples, std::uint64_t particles) {
   return at;
 }
 
-// Plain averaging lets a free cloth drift: it is on curves for comparison, and never chosen.
-bool offered(const CurvePoint& point) { return point.assignments.find("averaging=count") == std::string::npos; }
+// Plain averaging lets a free cloth drift, and second order in time does not go with all that a scene may have: they are on curves for
+// comparison, and never chosen.
+bool offered(const CurvePoint& point) {
+  return point.assignments.find("averaging=count") == std::string::npos && point.assignments.find("order=2") == std::string::npos;
+}
 
 std::map<SettingKey, Samples> settings_of(const Curve& curve, bool tethers) {
   std::map<SettingKey, Samples> settings;
@@ -78,6 +81,7 @@ Result<Choice> choose(const Curve& curve, double budget_ms, std::uint64_t partic
 
 Result<Scene> with_choice(const Scene& scene, std::uint64_t particles, const Curve& curve, std::string& note) try {
   if (scene.solver.method != Method::automatic) return scene;
+  if (const std::string fault = order_fault(scene); !fault.empty()) return fail("solver.order: ", fault);
   if (!scene.solver.budget_ms) return fail("solver.method: \"auto\" needs solver.budget_ms");
   const bool tethers =
       std::any_of(scene.cloths.begin(), scene.cloths.end(), [](const Cloth& c) { return c.tethers && !c.anchors.empty(); });

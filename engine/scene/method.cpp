@@ -46,7 +46,7 @@ bool levels_of(const Scene& scene) {
   return scene.solver.levels.value_or(by_default || scene.solver.method == Method::strands);
 }
 
-// In second order Jacobi, which corrects as much along a as along b what a and b share: what is left of a mode is a real part of it. A
+// In second order Jacobi, which corrects as much along a as along b what a and b share: what a pass leaves of a mode is a real part of it. A
 // sweep through links, one after another, leaves a part that is not, and in second order, which takes no energy, that grows (a sheet that
 // turns had 1.2 times its energy after five seconds by gauss_seidel on levels, and 12 times by strands).
 //
@@ -79,11 +79,12 @@ std::string relaxation_fault(const Scene& scene) {
 
 std::string order_fault(const Scene& scene) {
   const SolverSettings& solver = scene.solver;
-  if (solver.order != 2) return {};
+  if (solver.order == 1) return {};
+  if (solver.order != 2) return std::to_string(solver.order) + " is neither 1 nor 2";
   if (solver.method != Method::jacobi && solver.method != Method::by_default)
     return "2 goes with the method \"jacobi\", and solver.method is \"" +
            std::string(scene_fields::kMethods[static_cast<std::size_t>(solver.method)]) + '"';
-  if (contacts_on(scene)) return "2 does not go with contacts, which stop particles as only 1 expects it: leave one of the two away";
+  if (contacts_on(scene)) return "2 does not go with contacts, which a mesh collider has on, too, and which stop particles as only 1 expects it: leave one of the two away";
   if (scene.reactions) return "2 does not go with reactions, which are of impulses that only 1 gives: leave one of the two away";
   const bool is_pushed =
       !scene.colliders.empty() || std::ranges::any_of(scene.cloths, [](const Cloth& cloth) { return cloth.motion_constraints.has_value(); });

@@ -66,15 +66,18 @@ Result<void> Simulation::move_frame(std::uint32_t cloth, const MovingFrame& fram
   return caught("the frame");
 }
 
-// Directions that particles keep from substep to substep turn with their cloth: of what colliders hold, and of the last substep.
+// What particles keep from substep to substep turns with their cloth: what colliders hold, and what is kept of the last substep, but for
+// the part that gravity has in it (shaders/bdf2/bdf2.glsl).
 Result<void> Simulation::State::turn_kept(const ClothRange& range, const RigidMap& carry) {
   for (const Buffer* row : {&buffers::supports, &buffers::velocity_changes, &buffers::step_remainders}) {
     if (!solver->has(*row)) continue;
+    const auto h = static_cast<float>(fabric.h);
+    const Vec3 fall = row == &buffers::velocity_changes ? h * gravity : row == &buffers::step_remainders ? -0.5f * h * h * gravity : Vec3{};
     auto kept = read(*row, fabric.positions.size());
     if (!kept) return kept.take_error();
     for (std::uint32_t i = range.first_particle; i < range.first_particle + range.particles; ++i) {
       gpu::vec4& one = (*kept)[i];
-      const Vec3 way = carry.way({one.x, one.y, one.z});
+      const Vec3 way = carry.way(Vec3{one.x, one.y, one.z} - fall) + fall;
       one = {way.x, way.y, way.z, one.w};
     }
     if (auto done = compute::upload(*device, solver->buffer(*row), std::as_bytes(std::span(*kept))); !done) return done;

@@ -12,6 +12,10 @@
 // triangles, C being the most that a part of u can meet, the particle would lose b = t w S of its velocity against the air at most, and if
 // b is above 1 that would be turned round, and the more so the faster it is. So the change is divided by sqrt(1 + b^2), with which it
 // cannot, whatever wind and rate are; that too is 1 to the second order of t.
+//
+// In second order in time (bdf2/bdf2.glsl) a push is of 2/3 t, and half as much again comes of it in the substeps after it. The velocity of a
+// substep is then by another part of gravity ahead of the mean: at terminal velocity, where pushes and gravity repeat with period n, by
+// h g (n/2 + n / (3 (3^n - 1))) instead of h g (n + 1) / 2.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -25,6 +29,12 @@ GATHER(air_stirred)
 vec3 air_about(uint i) {
   if (air_wave_count + air_field_count == 0 && !has_lee) return air.wind;
   return air.wind + mix(FETCH(air_stirred, 2 * i).xyz, FETCH(air_stirred, 2 * i + 1).xyz, push.fraction_from);
+}
+
+// Over h g.
+float ahead_of_mean() {
+  const float n = float(air_every);
+  return is_second_order ? 0.5 * n + n / (3 * (pow(3, n) - 1)) : 0.5 * float(air_every + 1);
 }
 
 // Sums over a particle's triangles, a third of each (m^2): A; A (N . u)^2; A (N . u) N.
@@ -48,7 +58,7 @@ void main() {
   if (i >= push.count) return;
   const uvec2 row = air_stride > 0 ? uvec2(i * air_stride, air_stride) : FETCH_UINT2(air_rows, i);
   const vec4 x = FETCH(positions, i);
-  u = air_about(i) - (FETCH(velocities, i).xyz - 0.5 * float(air_every + 1) * motion.substep * motion.gravity);
+  u = air_about(i) - (FETCH(velocities, i).xyz - ahead_of_mean() * motion.substep * motion.gravity);
   vec3 before = vec3(0);
   for (uint k = row.x; k < row.x + row.y; ++k) {
     const uvec4 pair = FETCH(air_fans, k);
@@ -59,6 +69,6 @@ void main() {
   }
   const float squared_speed = dot(u, u), speed = sqrt(squared_speed);
   const float along_wind = air.friction * area + (air.drag - air.friction - air.lift) * squares / max(squared_speed, 1e-30);
-  const float share = float(air_every) * motion.h * x.w * air.half_density * speed, most = share * area * air.most;
+  const float share = float(air_every) * motion.h * x.w * air.half_density * speed, most = (is_second_order ? 1.5 : 1) * share * area * air.most;
   add_velocity(i, (share / sqrt(1 + most * most)) * (along_wind * u + air.lift * along_normals));
 }

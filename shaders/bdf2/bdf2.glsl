@@ -6,10 +6,12 @@
 //
 // What is kept of the substep before are two small differences, so that nothing is wrong where the host puts particles or throws them:
 //     c = v0 - v_,    r = x0 - x_ - h v0,    thus (4 v0 - v_) / 3 = v0 + c / 3,  (4 x0 - x_) / 3 = x0 + (h v0 + r) / 3.
-// In free fall c = h g and r = -h^2 g / 2, and the parabola is exact.
+// In free fall c = h g and r = -h^2 g / 2, and the parabola is exact. What is put somewhere keeps its c and r: where it lay before, it is
+// slower by h g / 2 for good, as if it had been let go half a substep later.
 //
-// A collider's push q is an event and no force: by the formula cloth that strikes a floor would leave it at up to half its speed. So
-// along q the velocity is that of the way, (x1 - x0) / h, as by implicit Euler, and c leaves that change out.
+// A collider's push q is an event and no force: by the formula cloth would leave a floor at up to 5/4 of the speed with which it strikes.
+// So along q the velocity is that of the way, (x1 - x0) / h, as by implicit Euler, and c leaves that change out. Tethers and links that
+// catch cloth are forces, and throw it back.
 //
 // `is_second_order` is a constant; without it none of this is there. Needs motion/motion.glsl.
 
@@ -58,6 +60,11 @@ Steps stepped(uint i, vec3 x, vec3 p, vec3 pushed, vec3 solved) {
   if (squared > 0) steps.v += max(dot(motion.inverse_substep * (p - x) - solved, pushed), 0) / squared * pushed;
   steps.remainder = p - x - motion.substep * steps.v;
   return steps;
+}
+
+// Of what is held: let go, it falls by the parabola.
+Steps steps_of_fall() {
+  return Steps(vec3(0), motion.substep * motion.gravity, -0.5 * motion.substep * motion.substep * motion.gravity);
 }
 
 void keep(uint i, Steps steps) {

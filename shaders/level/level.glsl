@@ -38,7 +38,7 @@ vec4 step_of(uint k) {
   const vec4 carried = CARRIED(k, node);   // m, and inverse mass times links (1/kg)
   const vec3 centre = CENTRE(k).xyz, middle = MIDDLE(k).xyz;
   const bool first = (push.flags & WEFT_FIRST_ITERATION) != 0;
-  const float omega = min(kEager * motion.relaxation, WEFT_MOST_EAGER);
+  const float omega = min(kEager * motion.relaxation, is_second_order ? WEFT_MOST_EAGER_2 : WEFT_MOST_EAGER);
   vec3 sum = vec3(0);
   const uint end = node.first_link + node.links;
   for (uint begin = node.first_link; begin < end; begin += kLinksAtOnce) {   // as in centre.glsl

@@ -64,6 +64,7 @@ void finalize(uint i, vec4 p) {
   if (p.w == 0) {
     if (has_supports) supports[i] = vec4(0);   // it may have been pinned
     if (ends) positions[i].xyz = p.xyz;
+    if (has_pins && ends) keep(i, steps_of_fall());
     next_iterate[i] = p;
     return;
   }

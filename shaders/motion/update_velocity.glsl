@@ -1,7 +1,7 @@
 // update_velocity: the end of a particle's substep: velocity, position and the prediction of the next substep.
 //
-// The velocity is corrected by what the constraints changed, v += (p - prediction) / h, not recomputed from positions, so that their
-// rounding does not enter it. A particle that is not finite is put back to x, with velocity 0, and counted. Needs push and counters.
+// The velocity is corrected by what the constraints changed, v += (p - prediction) / h (Motion::h), not recomputed from positions, so that
+// their rounding does not enter it; in second order what colliders have pushed comes extra. A particle that is not finite is put back to x, with velocity 0, and counted. Needs push and counters.
 
 #include "motion/motion.glsl"
 #include "bdf2/bdf2.glsl"

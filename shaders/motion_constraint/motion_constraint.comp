@@ -12,7 +12,7 @@
 void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.count || FETCH(motion_targets, 4 * i + 1).w < 1) return;
-  const vec3 p = predicted_position(FETCH(positions, i).xyz, FETCH(velocities, i).xyz, motion.h);
+  const vec3 p = predicted_position(departure_of(i, FETCH(positions, i).xyz), FETCH(velocities, i).xyz, motion.h);
   const vec3 within = within_motion_constraint(i, p);
   if (within != p) add_velocity(i, motion.inverse_h * (within - p));
 }

@@ -97,7 +97,10 @@ inline std::vector<Calls> combinations() {
     found.push_back(with(calls, {Id::gauss_seidel}));
     found.push_back(with(calls, {Id::gauss_seidel, Id::level}));
     found.push_back(with(calls, {Id::stretch, Id::level}));
-    if (!calls.has(Id::contact) && !calls.iterated) found.push_back(with(calls, {Id::stretch, Id::level, Id::bdf2}));
+    if (!calls.has(Id::contact) && !(calls.iterated && calls.has(Id::collide))) {
+      if (calls.has(Id::tether)) found.push_back(with(calls, {Id::stretch, Id::bdf2}));
+      else found.push_back(with(calls, {Id::stretch, Id::level, Id::bdf2}));
+    }
     found.push_back(with(calls, {Id::stretch, Id::strand}));
     found.push_back(with(calls, {Id::stretch, Id::strand, Id::level}));
     found.push_back(with(calls, {Id::stretch, Id::dihedral}));

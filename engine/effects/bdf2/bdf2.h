@@ -6,7 +6,7 @@
 namespace weft::buffers {
 namespace detail {
 
-// As if all had been in free fall.
+// As if all had been in free fall: what begins at rest then follows the parabola from its first substep on.
 inline std::vector<gpu::vec4> in_fall(const Cooked& s, double part) {
   const double h = s.fabric.h;
   const auto of = [&](float g) { return static_cast<float>(part * h * g); };
