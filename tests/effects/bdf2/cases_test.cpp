@@ -162,42 +162,40 @@ TEST_F(Bdf2, friction_is_coulombs) {
   }
 }
 
-// It falls from the horizontal until tethers catch it at once, and links. Formulas of second order throw back what is caught, but give nothing:
-// at no time is there more energy than in the beginning.
+// A sheet that hangs by two corners is thrown up, falls back and is caught by tethers and links at once. Formulas of second order throw back
+// what is caught, but give nothing: at no time is there more energy than in the beginning.
 TEST_F(Bdf2, what_tethers_catch_gains_no_energy) {
-  for (const float height : {0.2f, 0.201f, 0.202f, 0.203f}) {
-    Scene scene = in_second_order(sheet(16));
-    scene.cloths[0].anchors = {held_at({Corner::low_low, Corner::high_low})};
+  for (const float speed : {1.f, 2.f, 3.f}) {
+    Scene scene = in_second_order(sheet(20));
+    scene.cloths[0].grid->upright = true;
+    scene.cloths[0].anchors = {held_at({Corner::low_high, Corner::high_high})};
     const auto simulation = must(Simulation::create(device(), scene));
-    auto positions = must(simulation->read_positions());
-    for (gpu::vec4& x : positions)
-      if (x.w > 0) x.y += height * (x.z + 0.5f), x.z = -0.5f + 0.3f * (x.z + 0.5f);
-    must(simulation->write_positions(positions));
+    run(*simulation, 0.5);
+    auto velocities = must(simulation->read_velocities());
+    for (gpu::vec4& v : velocities) v.y += speed;
+    must(simulation->write_velocities(velocities));
     const double start = energy_of(*simulation);
-    for (int frame = 0; frame < 120; ++frame) {
+    double most = start;
+    for (int frame = 0; frame < 180; ++frame) {
       must(simulation->advance(kFrame));
-      ASSERT_LT(energy_of(*simulation), start + 0.02) << frame;   // of 1: what links hold at the start, compressed, is not counted
+      most = std::max(most, energy_of(*simulation));
     }
+    EXPECT_LT(most, start + 0.01) << speed << " m/s";
   }
 }
 
-// Stretched a little from four sides, all links of levels pull and are let go in turns.
-TEST_F(Bdf2, a_taut_sheet_on_levels_stays_as_it_is) {
+// Held at four sides, nearly all links of its levels pull. It sags and swings as a drum does, and comes to rest.
+TEST_F(Bdf2, a_taut_sheet_on_levels_comes_to_rest) {
   Scene scene = in_second_order(sheet(32));
   scene.solver.levels = true;
   scene.cloths[0].tethers = false;
+  scene.cloths[0].fabric.damping = 3;
   for (const auto& [low, high] : {std::pair(Vec3{-1, -1, -0.51f}, Vec3{1, 1, -0.49f}), {Vec3{-1, -1, 0.49f}, Vec3{1, 1, 0.51f}},
                                   {Vec3{-0.51f, -1, -1}, Vec3{-0.49f, 1, 1}}, {Vec3{0.49f, -1, -1}, Vec3{0.51f, 1, 1}}})
     scene.cloths[0].anchors.emplace_back().box = Anchor::Box{low, high};
   const auto simulation = must(Simulation::create(device(), scene));
-  run(*simulation, 4);
-  double fastest = 0;
-  for (int frame = 0; frame < 60; ++frame) {
-    must(simulation->advance(kFrame));
-    fastest = std::max(fastest, top_speed(*simulation));
-  }
-  EXPECT_LT(fastest, 0.5);
-  EXPECT_LT(strain_of(*simulation).max, 0.02);
+  run(*simulation, 8);
+  EXPECT_LT(top_speed(*simulation), 0.05);
 }
 
 // A corner is held while the sheet swings about it, for long, and let go: it falls by the parabola, and what it did before is forgotten.
