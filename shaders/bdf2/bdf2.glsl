@@ -26,13 +26,14 @@ struct Steps {
   vec3 v, change, remainder;
 };
 
-// (4 x0 - x_) / 3, with x where the substep begins (m).
+// From where a prediction leaves, with x where the substep begins: (4 x0 - x_) / 3 (m).
 vec3 departure(vec3 x, Steps steps) {
+  if (!is_second_order) return x;
   precise const vec3 from = x + one_third * (motion.substep * steps.v + steps.remainder);
   return from;
 }
 
-// From where the prediction of particle i, at x when the substep begins, leaves (m), as a pass before this one has made it.
+// That of particle i, whose prediction a pass before this one has made.
 vec3 departure_of(uint i, vec3 x) {
   if (!is_second_order) return x;
   return departure(x, Steps(FETCH(velocities_before, i).xyz, vec3(0), FETCH(step_remainders, i).xyz));

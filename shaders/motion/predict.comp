@@ -1,5 +1,5 @@
-// predict: symplectic Euler (or bdf2/bdf2.glsl), where every particle would go in the frame's first substep if nothing held it. The predictions of later
-// substeps are made at the end of the one before (update_velocity.glsl). A kinematic particle stays.
+// predict: symplectic Euler, or in second order bdf2/bdf2.glsl: where every particle would go in the frame's first substep if nothing held
+// it. The predictions of later substeps are made at the end of the one before (update_velocity.glsl). A kinematic particle stays.
 // With contacts it also asks for a detection where a prediction is about to leave its displacement bound (displacement_bound.glsl); the
 // anchor pass does so for anchors.
 #version 460
@@ -22,7 +22,7 @@ vec3 free_flight(uint i, vec3 x) {
   const Steps steps = kept_steps(i, v.xyz);
   const vec3 predicted_v = driven(i, steps, damping_factor);
   velocities[i].xyz = predicted_v;
-  return predicted_position(is_second_order ? departure(x, steps) : x, predicted_v, motion.h);
+  return predicted_position(departure(x, steps), predicted_v, motion.h);
 }
 
 void main() {

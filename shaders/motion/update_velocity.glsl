@@ -1,7 +1,8 @@
 // update_velocity: the end of a particle's substep: velocity, position and the prediction of the next substep.
 //
 // The velocity is corrected by what the constraints changed, v += (p - prediction) / h (Motion::h), not recomputed from positions, so that
-// their rounding does not enter it; in second order what colliders have pushed comes extra. A particle that is not finite is put back to x, with velocity 0, and counted. Needs push and counters.
+// their rounding does not enter it; in second order what colliders have pushed comes extra. A particle that is not finite is put back to x,
+// with velocity 0, and counted. Needs push and counters.
 
 #include "motion/motion.glsl"
 #include "bdf2/bdf2.glsl"
@@ -26,7 +27,7 @@ vec4 update_velocity(uint i, vec3 x, vec4 p, vec3 pushed, vec3 v, float damping_
   v = steps.v;
   if ((push.flags & WEFT_LAST_SUBSTEP) == 0) {
     v = driven(i, steps, damping_factor);
-    p.xyz = predicted_position(is_second_order ? departure(p.xyz, steps) : p.xyz, v, motion.h);
+    p.xyz = predicted_position(departure(p.xyz, steps), v, motion.h);
   }
   velocities[i].xyz = v;
   return p;

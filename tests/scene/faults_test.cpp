@@ -77,6 +77,7 @@ TEST(BrokenScene, wrong_keys_types_and_figures_are_told_with_path_value_and_limi
              "solver.method: \"chebyshev\" does not go with contacts"},
       Broken{R"({"solver": {"method": "chebyshev", "iterations": 2}, "cloths": [{"grid": {}, "anchors": [{"top": 0}]}]})",
              "set cloths[0].tethers to false"},
+      Broken{R"({"solver": {"order": 2, "relaxation": 1.2}})", "solver.relaxation: 1.2 is not below 1.16364"},
       Broken{R"({"solver": {"order": 3}})", "solver.order: 3 is more than 2"},
       Broken{R"({"solver": {"rho": 1}})", "solver.rho: 1 is not below 1"},
       Broken{R"({"solver": {"method": "jakobi"}})", "(did you mean \"jacobi\"?)"},

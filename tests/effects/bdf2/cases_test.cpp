@@ -27,8 +27,8 @@ TEST_F(Bdf2, a_sheet_in_free_fall_follows_the_parabola) {
   }
 }
 
-// A sheet that falls through a medium, against the closed form: with half the substep a quarter of the error. In first order the velocity is
-// exact, and the error is that of the way: half of it.
+// A sheet that falls through a medium, against the closed form: with half the substep a quarter of the error. In first order the velocity
+// is exact, and the error is that of the way: half of it.
 TEST_F(Bdf2, its_error_falls_with_the_square_of_the_substep) {
   const auto error_of = [&](std::uint32_t order, std::uint32_t substeps) {
     Scene scene = sheet(4);
@@ -95,7 +95,8 @@ TEST_F(Bdf2, a_free_sheet_that_turns_goes_on_turning) {
     run(*simulation, 5);
     const Turning end = turning_of(*simulation);
     const double momentum = end.momentum / start.momentum, energy = end.energy / start.energy;
-    std::printf("order %u%s: %.4f of the angular momentum and %.4f of the energy are left\n", order, levels ? ", levels" : "", momentum, energy);
+    std::printf("order %u%s: %.4f of the angular momentum and %.4f of the energy are left\n", order, levels ? ", levels" : "", momentum,
+                energy);
     if (order == 1) {
       EXPECT_LT(momentum, 0.85);
       EXPECT_LT(energy, 0.75);
@@ -127,8 +128,8 @@ TEST_F(Bdf2, a_sheet_that_swings_loses_a_fraction_of_what_it_loses_in_first_orde
   EXPECT_GT(second, -0.01);
 }
 
-// By the formula alone it would leave the floor at up to 5/4 of the speed with which it strikes. The heights are spread over the 4.1 mm that a
-// substep goes there.
+// By the formula alone it would leave the floor at up to 5/4 of the speed with which it strikes. The heights are spread over the 4.1 mm
+// that a substep goes there.
 TEST_F(Bdf2, what_strikes_a_floor_stays_there) {
   for (const float height : {0.3f, 0.3007f, 0.3014f, 0.3021f, 0.3028f, 0.3035f}) {
     Scene scene = in_second_order(sheet(12));
@@ -162,8 +163,8 @@ TEST_F(Bdf2, friction_is_coulombs) {
   }
 }
 
-// A sheet that hangs by two corners is thrown up, falls back and is caught by tethers and links at once. Formulas of second order throw back
-// what is caught, but give nothing: at no time is there more energy than in the beginning.
+// A sheet that hangs by two corners is thrown up, falls back and is caught by tethers and links at once. Formulas of second order throw
+// back what is caught, but give nothing: at no time is there more energy than in the beginning.
 TEST_F(Bdf2, what_tethers_catch_gains_no_energy) {
   for (const float speed : {1.f, 2.f, 3.f}) {
     Scene scene = in_second_order(sheet(20));
@@ -198,8 +199,8 @@ TEST_F(Bdf2, a_taut_sheet_on_levels_comes_to_rest) {
   EXPECT_LT(top_speed(*simulation), 0.05);
 }
 
-// A sheet hangs by one edge, at rest, so that nothing changes its velocity. Then all of it is held, and let go: it falls by the parabola, as if
-// it had never hung there. (What it keeps of hanging would make it slower by h g / 2.)
+// A sheet hangs by one edge, at rest, so that nothing changes its velocity. Then all of it is held, and let go: it falls by the parabola,
+// as if it had never hung there. (What it keeps of hanging would make it slower by h g / 2.)
 TEST_F(Bdf2, what_is_released_falls_by_the_parabola) {
   Scene scene = in_second_order(sheet(2));
   scene.cloths[0].fabric.damping = 4;
@@ -232,7 +233,7 @@ TEST_F(Bdf2, what_is_thrown_flies_at_that_speed) {
   run(*simulation, 0.5);
   const Point end = centre_of_mass(must(simulation->read_positions()));
   EXPECT_NEAR(end.x, 4, 1e-4);
-  EXPECT_NEAR(end.y, 3 + 1 - 0.5 * 9.81 * 0.25, 1e-3);
+  EXPECT_NEAR(end.y, 3 + 1 - 0.5 * 9.81 * 0.25, 2e-4);
 }
 
 // A swinging sheet that is turned about the vertical at once goes on as if it had not been.
@@ -267,13 +268,14 @@ TEST(SecondOrder, what_it_does_not_go_with_is_refused_by_name) {
   EXPECT_EQ(fault_of([](Scene& s) { s.solver.method = Method::jacobi, s.solver.iterations = 4; }), "");
   EXPECT_NE(fault_of([](Scene& s) { s.contacts.enabled = true; }).find("contacts"), std::string::npos);
   EXPECT_NE(fault_of([](Scene& s) { s.reactions = true; }).find("reactions"), std::string::npos);
-  EXPECT_NE(fault_of([](Scene& s) { s.colliders = {plane(0)}, s.solver.iterations = 3; }).find("solver.iterations is 3"), std::string::npos);
+  const std::string pushed = fault_of([](Scene& s) { s.colliders = {plane(0)}, s.solver.iterations = 3; });
+  EXPECT_NE(pushed.find("solver.iterations is 3"), std::string::npos);
   const std::string constrained = fault_of([](Scene& s) { s.cloths[0].motion_constraints.emplace(), s.solver.iterations = 3; });
   EXPECT_NE(constrained.find("solver.iterations is 3"), std::string::npos);
   for (const std::uint32_t order : {0u, 3u})
     EXPECT_EQ(fault_of([&](Scene& s) { s.solver.order = order; }), std::to_string(order) + " is neither 1 nor 2");
-  for (const Method method : {Method::automatic, Method::strands, Method::gauss_seidel, Method::chebyshev, Method::mass_spring, Method::verlet,
-                              Method::implicit})
+  for (const Method method : {Method::automatic, Method::strands, Method::gauss_seidel, Method::chebyshev, Method::mass_spring,
+                              Method::verlet, Method::implicit})
     EXPECT_NE(fault_of([&](Scene& s) { s.solver.method = method; }).find("solver.method is"), std::string::npos) << int(method);
 }
 

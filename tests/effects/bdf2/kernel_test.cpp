@@ -79,7 +79,8 @@ TEST_F(Bdf2Kernel, a_substep_ends_as_its_twin_says_and_so_does_the_next_one) {
   passes.run("predict");
   passes.put_iterate(p);
   passes.run("stretch");   // of no links: what is left is finalize
-  const auto predicted = passes.iterate(), positions = passes.particles(buffers::positions), velocities = passes.particles(buffers::velocities);
+  const auto predicted = passes.iterate(), positions = passes.particles(buffers::positions);
+  const auto velocities = passes.particles(buffers::velocities);
   for (std::size_t i = 0; i < p.size(); ++i) {
     if (m.fabric.positions[i].w == 0) continue;
     const reference::Vector x = vector(m.fabric.positions[i]), next = vector(p[i]);
@@ -96,8 +97,8 @@ TEST_F(Bdf2Kernel, a_substep_ends_as_its_twin_says_and_so_does_the_next_one) {
   }
 }
 
-// A floor under half of them: along its push the velocity is that of the way, and the rest, and what the next substep keeps of this one, is as
-// without it.
+// A floor under half of them: along its push the velocity is that of the way, and the rest, and what the next substep keeps of this one,
+// is as without it.
 TEST_F(Bdf2Kernel, a_push_by_a_collider_is_no_force) {
   Moving m(3, 4);
   m.scene.colliders = {plane(0, 0)};
@@ -115,7 +116,8 @@ TEST_F(Bdf2Kernel, a_push_by_a_collider_is_no_force) {
   passes.run("predict");
   passes.put_iterate(p);
   passes.run("stretch");
-  const auto predicted = passes.iterate(), positions = passes.particles(buffers::positions), velocities = passes.particles(buffers::velocities);
+  const auto predicted = passes.iterate(), positions = passes.particles(buffers::positions);
+  const auto velocities = passes.particles(buffers::velocities);
   std::size_t pushed = 0;
   for (std::size_t i = 0; i < p.size(); ++i) {
     if (m.fabric.positions[i].w == 0 || vector(positions[i]) == vector(p[i])) continue;
