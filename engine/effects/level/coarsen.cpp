@@ -1,7 +1,11 @@
 // Coarsening a surface by its own geodesics, so that it works on any mesh: over holes, seams and gaps there is no way, and no link.
 //
-// Nodes are chosen farthest point first (Gonzalez 1985; on surfaces Peyre and Cohen 2006), in units of the local length of edges, so that
-// they are as dense as the mesh is. A point's share in the nodes comes from the smallest triangle of its nearest nodes that it lies in,
+// Where a mesh's edges follow threads, as grids' do, nodes lie where about one in three threads crosses one in three (threads.cpp), so that links lie
+// along threads. Woven cloth is stiff along these alone: a link ten degrees askew is as soft as the shear, and nodes anywhere carried no
+// more than a tenth of a pull. Elsewhere nodes are chosen farthest point first (Gonzalez 1985; on surfaces Peyre and Cohen 2006), in units of
+// the local length of edges, so that they are as dense as the mesh is.
+//
+// A point's share in the nodes comes from the smallest triangle of its nearest nodes that it lies in,
 // laid flat by geodesic distances: barycentric coordinates, which carry a linear displacement exactly. Where the surface unrolls flat these
 // triangles are Delaunay's. Their sides are the links of the level.
 #include "engine/effects/level/coarsen.h"
@@ -14,12 +18,16 @@
 #include <set>
 
 #include "engine/cook/parts.h"
+#include "engine/effects/level/threads.h"
 
 namespace weft::cooking {
 namespace {
 
 // Lengths of local edges: nodes are chosen until every point is nearer to one. On a grid a node has 14 particles.
 constexpr double kReach = 2.3;
+
+// The same where nodes lie at crossings of threads, the farthest points in the middle between four.
+constexpr double kReachWoven = 3.6;
 
 // Nearest nodes of a point that are looked at, and a spare one (geodesic.cpp); and of many points how far, in lengths of local edges: on a
 // flat surface the corners of the triangle that a point lies in are nearer than twice kReach, Delaunay's circles being empty.
@@ -38,6 +46,9 @@ constexpr double kSmaller = 0.1;
 
 // Of the sum of the ways from a corner to its neighbours on the rim: it turns there by 45 degrees, or more.
 constexpr double kCorner = 0.75;
+
+// How much a rectangle's diagonals may differ, relatively.
+constexpr double kRectangle = 1e-3;
 
 // Height over longest side: flatter triangles have no say.
 constexpr double kFlattest = 0.05;
@@ -69,16 +80,27 @@ IntrinsicSurface in_edges(const IntrinsicSurface& surface, std::size_t points) {
   return scaled;
 }
 
-// Farthest point first: of the points that are held, of these and the corners, of these and the rim's, then of all.
+// Farthest point first: of the points that are held, of these and the corners, of these and the rim's, then of all. Crossings of threads come
+// before others, those that are held before others that are.
 std::vector<std::uint32_t> choose_nodes(const IntrinsicSurface& surface, std::span<const Rank> ranks) {
   const auto points = static_cast<std::uint32_t>(ranks.size());
   const IntrinsicSurface scaled = in_edges(surface, points);
+  const Crossings crossings = crossings_of(surface, points);
   Waves waves(scaled, 1);
   const auto distance = [&](std::uint32_t p) {
     return p < points && !waves.at(p).empty() ? waves.at(p).front().distance : INFINITY;
   };
   std::vector<std::uint32_t> nodes;
+  const auto add_crossings = [&](bool held) {
+    const std::size_t before = nodes.size();
+    for (std::uint32_t p = 0; p < points; ++p)   // far enough from what is held, and no crossing
+      if (crossings.is_on[p] && (ranks[p] == Rank::held) == held && distance(p) > kThreadsApart / 2.0) nodes.push_back(p);
+    for (std::size_t n = before; n < nodes.size(); ++n) waves.add(nodes[n]);
+    waves.run();
+  };
+  add_crossings(true);
   for (const Rank least : {Rank::held, Rank::corner, Rank::rim, Rank::inner}) {
+    if (least == Rank::corner) add_crossings(false);
     std::priority_queue<std::pair<double, std::uint32_t>> farthest;   // with distances as they once were: they only shrink
     for (std::uint32_t p = points; p-- > 0;)
       if (ranks[p] >= least) farthest.emplace(INFINITY, p);
@@ -86,7 +108,7 @@ std::vector<std::uint32_t> choose_nodes(const IntrinsicSurface& surface, std::sp
       const auto [then, p] = farthest.top();
       farthest.pop();
       const double now = distance(p);
-      if (now <= kReach) continue;
+      if (now <= (crossings.is_woven[p] && least != Rank::held ? kReachWoven : kReach)) continue;
       if (now < then) {
         farthest.emplace(now, p);
         continue;
@@ -114,11 +136,13 @@ class Coarsening {
 
   Coarse finish(const IntrinsicSurface& fine, std::span<const Vec2> uvs) {
     for (const Triangle& t : fine.triangles) keep_corner(t);
+    cross_diagonals();
     for (const auto& [ends, link] : sides_) coarse_.links.push_back(link);
     IntrinsicSurface& surface = coarse_.surface;
     for (const std::uint32_t p : coarse_.points)
       if (!fine.points.empty()) surface.points.push_back(fine.points[p]);
-    for (const auto& nodes : triangles_) {
+    for (Three nodes : triangles_) {
+      if (is_mirrored(nodes, uvs)) std::swap(nodes[1], nodes[2]);
       const auto side = [&](int i, int j) { return between(nodes[i], nodes[j])->distance; };
       const auto corners = flat_triangle(side(0, 1), side(0, 2), side(1, 2));
       surface.triangles.push_back({nodes[0], nodes[1], nodes[2]});
@@ -137,6 +161,7 @@ class Coarsening {
   }
 
   using Three = std::array<std::uint32_t, 3>;
+  using Diagonal = std::pair<std::uint32_t, std::uint32_t>;   // nodes, the lower first
 
   std::span<const Waves::Arrived> near(std::uint32_t p) const {
     return p == kNone ? std::span<const Waves::Arrived>() : waves_.at(p).first(std::min<std::size_t>(kNearest, waves_.at(p).size()));
@@ -158,6 +183,7 @@ class Coarsening {
     Share best{{nodes[0].source, 0, 0}, {1, 0, 0}, {1, 0, 0}};
     if (nodes[0].distance == 0) return best;
     double smallest = INFINITY, least_outside = INFINITY;
+    Diagonal along;
     Apart apart;
     for (std::size_t i = 0; i < nodes.size(); ++i)
       for (std::size_t j = i + 1; j < nodes.size(); ++j) {
@@ -169,7 +195,7 @@ class Coarsening {
       const bool found = smallest < INFINITY;
       for (std::size_t i = h + 1; i < nodes.size(); ++i)
         for (std::size_t j = i + 1; j < nodes.size(); ++j)
-          try_triangle({nodes[h], nodes[i], nodes[j]}, {apart[h][i], apart[h][j], apart[i][j]}, found, best, smallest, least_outside);
+          try_triangle({nodes[h], nodes[i], nodes[j]}, {apart[h][i], apart[h][j], apart[i][j]}, found, best, smallest, least_outside, along);
     }
     if (smallest < INFINITY || least_outside < INFINITY) keep_triangle(best.node);
     else if (nodes.size() > 1) try_side(nodes[0], nodes[1], best);
@@ -179,7 +205,7 @@ class Coarsening {
   // The triangle of three nodes, if the point, with these distances from them, lies in it and it is the smallest so far; or outside of all
   // the one that it is least outside of.
   void try_triangle(const std::array<Waves::Arrived, 3>& to, const std::array<double, 3>& sides, bool found, Share& best, double& smallest,
-                    double& least_outside) const {
+                    double& least_outside, Diagonal& along) const {
     const auto& [ab, ac, bc] = sides;
     const double longest = std::max({ab, ac, bc});
     const auto corners = flat_triangle(ab, ac, bc);
@@ -196,11 +222,13 @@ class Coarsening {
     const double away = -width * height * std::min({a / bc, b / ac, c / ab}) + kSmaller * radius;
     const bool inside = outside < -kInside;
     if (!inside && smallest < INFINITY) return;
-    // Of nodes on one circle all points take the triangles of the first, or triangles would overlap and leave gaps.
+    // Of nodes on one circle all points take the triangles along the first of the diagonals, or triangles would overlap and leave gaps.
     const double size = inside ? radius : away, best_size = inside ? smallest : least_outside;
-    const std::uint32_t first = std::min({to[0].source, to[1].source, to[2].source});
+    const int opposite = ab >= std::max(ac, bc) ? 2 : ac >= bc ? 1 : 0;
+    const std::pair diagonal = std::minmax(to[(opposite + 1) % 3].source, to[(opposite + 2) % 3].source);
     const bool as_good = best_size < INFINITY && std::abs(size - best_size) < 1e-6 * best_size;
-    if (as_good ? first >= *std::min_element(best.node.begin(), best.node.end()) : found || size >= best_size) return;
+    if (as_good ? std::pair<std::uint32_t, std::uint32_t>(diagonal) >= along : found || size >= best_size) return;
+    along = diagonal;
     inside ? smallest = radius : least_outside = away;
     const double least = outside < kOutside ? -kOutside : 0;
     std::array<double, 3> parts{std::max(least, a), std::max(least, b), std::max(least, c)};
@@ -239,7 +267,40 @@ class Coarsening {
       nodes[k] = near(t[k]).front().source;
     }
     const auto& [a, b, c] = nodes;
-    if (a != b && b != c && c != a && between(a, b) && between(b, c) && between(c, a)) keep_triangle(nodes);
+    if (a == b || b == c || c == a || !between(a, b) || !between(b, c) || !between(c, a)) return;
+    // Four regions that meet in a point are covered by the triangles along a diagonal already.
+    for (int k = 0; k < 3; ++k)
+      for (const Waves::Arrived& other : near(coarse_.points[nodes[k]]))
+        if (has_triangle({nodes[k], nodes[(k + 1) % 3], other.source}) && has_triangle({nodes[k], nodes[(k + 2) % 3], other.source})) return;
+    keep_triangle(nodes);
+  }
+
+  bool has_triangle(Three nodes) const {
+    std::sort(nodes.begin(), nodes.end());
+    return triangles_.contains(nodes);
+  }
+
+  // Of four nodes on one circle that two triangles make a rectangle of, both diagonals are links, as on the mesh (stretch/links.cpp): one alone
+  // would let cloth shear the other way.
+  void cross_diagonals() {
+    std::map<Diagonal, std::uint32_t> third;   // by a triangle's longest side
+    for (const Three& nodes : triangles_) {
+      const auto length = [&](int opposite) { return between(nodes[(opposite + 1) % 3], nodes[(opposite + 2) % 3])->distance; };
+      int longest = 0;
+      for (const int k : {1, 2})
+        if (length(k) > length(longest)) longest = k;
+      const Diagonal side = std::minmax(nodes[(longest + 1) % 3], nodes[(longest + 2) % 3]);
+      const auto [known, is_first] = third.try_emplace(side, nodes[longest]);
+      if (is_first) continue;
+      const auto across = between(known->second, nodes[longest]);
+      if (across && std::abs(across->distance - length(longest)) < kRectangle * length(longest)) keep_side(known->second, nodes[longest]);
+    }
+  }
+
+  bool is_mirrored(const Three& nodes, std::span<const Vec2> uvs) const {
+    if (uvs.empty()) return false;
+    const Vec2 a = uvs[coarse_.points[nodes[0]]], b = uvs[coarse_.points[nodes[1]]], c = uvs[coarse_.points[nodes[2]]];
+    return (double(b.x) - a.x) * (double(c.y) - a.y) - (double(c.x) - a.x) * (double(b.y) - a.y) < 0;
   }
 
   Eigen::Vector2d warp_in(const std::array<Eigen::Vector2d, 3>& corners, const Three& nodes, std::span<const Vec2> uvs) const {

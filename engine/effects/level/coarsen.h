@@ -37,7 +37,7 @@ enum class Rank : std::uint8_t { inner, rim, corner, held };
 /// Of each point of a mesh; nothing is held yet.
 std::vector<Rank> ranks_of(const Mesh& mesh);
 
-/// Nodes about four edges apart. `uvs` are those of the points; empty or not finite where there is none.
+/// Nodes three to four edges apart. `uvs` are those of the points; empty or not finite where there is none.
 Coarse coarsen(const IntrinsicSurface& fine, std::span<const Rank> ranks, std::span<const Vec2> uvs);
 
 }  // namespace weft::cooking

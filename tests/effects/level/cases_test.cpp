@@ -40,6 +40,19 @@ TEST_F(LevelCase, cloth_without_tethers_does_not_stretch_and_no_more_on_a_finer_
   EXPECT_GT(after(device(), hung_free(99, Method::jacobi), 2).mean, 0.03);
 }
 
+// Cotton is two hundred times as stiff along its threads as it shears. With nodes anywhere it strained by 4.8 and 2.9 % at most.
+TEST_F(LevelCase, cotton_that_hangs_by_its_edge_is_carried_along_its_threads) {
+  for (const std::uint32_t cells : {50u, 99u}) {
+    Scene scene = sheet(cells);
+    scene.cloths[0].grid->upright = true;
+    scene.cloths[0].tethers = false;
+    scene.cloths[0].anchors.emplace_back().top = 0;
+    const Strain strain = after(device(), scene, 2);
+    EXPECT_LT(strain.max, 0.02) << cells;
+    EXPECT_LT(strain.mean, 0.002) << cells;
+  }
+}
+
 TEST_F(LevelCase, every_method_that_may_have_them_strains_less_with_them) {
   for (const Method method : {Method::jacobi, Method::strands, Method::gauss_seidel}) {
     Scene scene = hung_free(60, method);
@@ -73,12 +86,18 @@ TEST_F(LevelCase, momentum_of_a_free_closed_mesh_stays) {
       SCOPED_TRACE(std::to_string(segments) + " x " + std::to_string(rings));
       Scene scene;
       scene.gravity = {};
+      scene.solver.method = Method::gauss_seidel;
       scene.cloths.emplace_back().fabric.damping = 0;
-      const auto simulation = must(Simulation::create(device(), scene, {globe(0.5, segments, rings)}));
-      const Point before = centre_of_mass(must(simulation->read_positions()));
-      run(*simulation, 1);
-      // Places are rounded alike in every substep, levels or none. A node that stood still drew 48 x 16 along by 27 mm.
-      EXPECT_LT(distance(before, centre_of_mass(must(simulation->read_positions()))), 5e-5) << "m in a second";
+      const auto gone = [&](bool levels) {
+        scene.solver.levels = levels;
+        const auto simulation = must(Simulation::create(device(), scene, {globe(0.5, segments, rings)}));
+        const Point before = centre_of_mass(must(simulation->read_positions()));
+        run(*simulation, 1);
+        return distance(before, centre_of_mass(must(simulation->read_positions())));
+      };
+      // Places are rounded alike in every substep, levels or none: the fewer particles, the farther (16 x 8: 5e-5 m without). A node that stood
+      // still drew 48 x 16 along by 27 mm.
+      EXPECT_LT(gone(true), 2 * gone(false) + 1e-5) << "m in a second";
     }
 }
 

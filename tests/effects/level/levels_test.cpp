@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "engine/cook/parts.h"
 #include "engine/effects/level/coarsen.h"
 #include "engine/effects/level/level.h"
+#include "engine/effects/level/threads.h"
 #include "tests/support/cooked.h"
 
 namespace weft {
@@ -79,6 +81,71 @@ TEST(Levels, links_are_as_long_as_the_way_along_the_cloth_and_shares_carry_a_lin
       surface = made.surface;
     }
   }
+}
+
+// Of each point of a grid.
+std::vector<Vec2> uvs_of(const Mesh& mesh) {
+  std::vector<Vec2> uvs(mesh.points.size());
+  for (std::size_t v = 0; v < mesh.point_of.size(); ++v) uvs[mesh.point_of[v]] = mesh.render.uvs[v];
+  return uvs;
+}
+
+double area_of(const cooking::IntrinsicSurface& surface) {
+  double area = 0;
+  for (const auto& flat : surface.flat) area += 0.5 * flat.corners[1].x() * flat.corners[2].y();
+  return area;
+}
+
+TEST(Levels, nodes_of_a_grid_lie_where_its_threads_cross) {
+  for (const Grid& grid : kLevelGrids)
+    for (const bool held : {false, true}) {
+      const Mesh mesh = make_grid(grid);
+      cooking::IntrinsicSurface surface = cooking::surface_of(mesh);
+      std::vector<Rank> ranks = cooking::ranks_of(mesh);
+      std::vector<Vec2> uvs = uvs_of(mesh);
+      for (std::size_t p = 0; held && p < ranks.size(); ++p)
+        if (uvs[p].y < 1e-6f) ranks[p] = Rank::held;
+      for (int level = 0; level < 2; ++level) {
+        SCOPED_TRACE(testing::Message() << grid.cells_x << " x " << grid.cells_y << ", level " << level << (held ? ", held" : ""));
+        const Coarse made = cooking::coarsen(surface, ranks, uvs);
+        std::vector<Rank> rank_of_nodes;
+        std::vector<Vec2> at_nodes;
+        for (const std::uint32_t p : made.points) at_nodes.push_back(uvs[p]), rank_of_nodes.push_back(ranks[p]);
+        std::set<long> columns, rows;
+        for (const Vec2 uv : at_nodes) columns.insert(std::lround(1e4 * double(uv.x))), rows.insert(std::lround(1e4 * double(uv.y)));
+        ASSERT_EQ(made.points.size(), columns.size() * rows.size());
+        EXPECT_EQ(*columns.begin(), 0);
+        EXPECT_EQ(*columns.rbegin(), 10000);
+        EXPECT_EQ(*rows.begin(), 0);
+        EXPECT_EQ(*rows.rbegin(), 10000);
+        std::vector<int> along_threads(made.points.size());
+        for (const auto& link : made.links)
+          if (link.along > 1 - 1e-9 || link.along < 1e-9) ++along_threads[link.a], ++along_threads[link.b];
+        for (std::size_t k = 0; k < at_nodes.size(); ++k) {
+          const auto inner = [](float c) { return c > 1e-3f && c < 1 - 1e-3f; };
+          EXPECT_EQ(along_threads[k], 2 + inner(at_nodes[k].x) + inner(at_nodes[k].y)) << at_nodes[k].x << ' ' << at_nodes[k].y;
+        }
+        // Links along both threads, and both diagonals of every rectangle.
+        const std::size_t across = columns.size() - 1, up = rows.size() - 1;
+        EXPECT_EQ(made.links.size(), across * rows.size() + up * columns.size() + 2 * across * up);
+        EXPECT_NEAR(area_of(made.surface), double(grid.size.x) * double(grid.size.y), held ? 0.1 : 1e-6);
+        uvs = at_nodes;
+        ranks = rank_of_nodes;
+        surface = made.surface;
+      }
+    }
+}
+
+TEST(Levels, where_edges_follow_no_threads_no_crossings_are_chosen) {
+  Mesh askew = make_grid({{1, 1}, 30, 30, Topology::diagonal, true});
+  for (Vec2& uv : askew.render.uvs) uv = {0.9f * uv.x - 0.4f * uv.y, 0.4f * uv.x + 0.9f * uv.y};   // by 24 degrees
+  const cooking::Crossings none = cooking::crossings_of(cooking::surface_of(askew), askew.points.size());
+  EXPECT_EQ(std::ranges::count(none.is_woven, true), 0);
+  EXPECT_EQ(std::ranges::count(none.is_on, true), 0);
+  const Mesh even = make_grid({{1, 1}, 30, 30, Topology::diagonal, true});
+  const cooking::Crossings all = cooking::crossings_of(cooking::surface_of(even), even.points.size());
+  EXPECT_EQ(std::ranges::count(all.is_woven, true), 961);
+  EXPECT_EQ(std::ranges::count(all.is_on, true), 121);
 }
 
 TEST(Levels, on_a_curved_sheet_that_unrolls_they_measure_along_it) {
