@@ -1,6 +1,6 @@
 // Coarsening a surface by its own geodesics, so that it works on any mesh: over holes, seams and gaps there is no way, and no link.
 //
-// Where a mesh's edges follow threads, as grids' do, nodes lie where about one in three threads crosses one in three (threads.cpp), so that links lie
+// Where a mesh's edges follow threads, as grids' do, nodes can lie where about one in three threads crosses one in three (threads.cpp), so that links lie
 // along threads. Woven cloth is stiff along these alone: a link ten degrees askew is as soft as the shear, and nodes anywhere carried no
 // more than a tenth of a pull. Elsewhere nodes are chosen farthest point first (Gonzalez 1985; on surfaces Peyre and Cohen 2006), in units of
 // the local length of edges, so that they are as dense as the mesh is.
@@ -23,17 +23,17 @@
 namespace weft::cooking {
 namespace {
 
-// Lengths of local edges: nodes are chosen until every point is nearer to one. On a grid a node has 14 particles.
+// Lengths of local edges: nodes are chosen until every point is nearer to one. Where edges follow no threads a node has some 14 particles.
 constexpr double kReach = 2.3;
 
 // The same where nodes lie at crossings of threads, the farthest points in the middle between four.
 constexpr double kReachWoven = 3.6;
 
 // Nearest nodes of a point that are looked at, and a spare one (geodesic.cpp); and of many points how far, in lengths of local edges: on a
-// flat surface the corners of the triangle that a point lies in are nearer than twice kReach, Delaunay's circles being empty.
+// flat surface the corners of the triangle that a point lies in are nearer than twice the reach, Delaunay's circles being empty.
 constexpr std::uint32_t kNearest = 12, kSpare = 1;
 constexpr std::size_t kMany = 5000;
-constexpr double kSight = 3 * kReach;
+constexpr double kSight = 3 * kReach, kSightWoven = 2.2 * kReachWoven;
 
 // A point this far outside a triangle, in barycentric coordinates, still counts as inside: rounding, and surfaces that do not unroll.
 constexpr double kInside = -1e-3;
@@ -47,7 +47,7 @@ constexpr double kSmaller = 0.1;
 // Of the sum of the ways from a corner to its neighbours on the rim: it turns there by 45 degrees, or more.
 constexpr double kCorner = 0.75;
 
-// How much a rectangle's diagonals may differ, relatively.
+// How much alike lengths of a rectangle may differ, relatively.
 constexpr double kRectangle = 1e-3;
 
 // Height over longest side: flatter triangles have no say.
@@ -80,12 +80,12 @@ IntrinsicSurface in_edges(const IntrinsicSurface& surface, std::size_t points) {
   return scaled;
 }
 
-// Farthest point first: of the points that are held, of these and the corners, of these and the rim's, then of all. Crossings of threads come
-// before others, those that are held before others that are.
-std::vector<std::uint32_t> choose_nodes(const IntrinsicSurface& surface, std::span<const Rank> ranks) {
+// Farthest point first: of the points that are held, of these and the corners, of these and the rim's, then of all. Crossings of threads that
+// are held come before all, the others after what is held.
+std::vector<std::uint32_t> choose_nodes(const IntrinsicSurface& surface, std::span<const Rank> ranks, Nodes where) {
   const auto points = static_cast<std::uint32_t>(ranks.size());
   const IntrinsicSurface scaled = in_edges(surface, points);
-  const Crossings crossings = crossings_of(surface, points);
+  const Crossings crossings = where == Nodes::along_threads ? crossings_of(surface, points) : no_crossings(points);
   Waves waves(scaled, 1);
   const auto distance = [&](std::uint32_t p) {
     return p < points && !waves.at(p).empty() ? waves.at(p).front().distance : INFINITY;
@@ -93,8 +93,12 @@ std::vector<std::uint32_t> choose_nodes(const IntrinsicSurface& surface, std::sp
   std::vector<std::uint32_t> nodes;
   const auto add_crossings = [&](bool held) {
     const std::size_t before = nodes.size();
-    for (std::uint32_t p = 0; p < points; ++p)   // far enough from what is held, and no crossing
-      if (crossings.is_on[p] && (ranks[p] == Rank::held) == held && distance(p) > kThreadsApart / 2.0) nodes.push_back(p);
+    // Not where something is held right beside that lies at no crossing.
+    const auto is_free = [&](std::uint32_t p) {
+      return distance(p) > kThreadsApart / 2.0 || crossings.is_on[nodes[waves.at(p).front().source]];
+    };
+    for (std::uint32_t p = 0; p < points; ++p)
+      if (crossings.is_on[p] && (ranks[p] == Rank::held) == held && is_free(p)) nodes.push_back(p);
     for (std::size_t n = before; n < nodes.size(); ++n) waves.add(nodes[n]);
     waves.run();
   };
@@ -108,7 +112,7 @@ std::vector<std::uint32_t> choose_nodes(const IntrinsicSurface& surface, std::sp
       const auto [then, p] = farthest.top();
       farthest.pop();
       const double now = distance(p);
-      if (now <= (crossings.is_woven[p] && least != Rank::held ? kReachWoven : kReach)) continue;
+      if (now <= (crossings.is_woven[p] && ranks[p] == Rank::inner ? kReachWoven : kReach)) continue;
       if (now < then) {
         farthest.emplace(now, p);
         continue;
@@ -123,8 +127,8 @@ std::vector<std::uint32_t> choose_nodes(const IntrinsicSurface& surface, std::sp
 
 class Coarsening {
  public:
-  Coarsening(const IntrinsicSurface& fine, std::vector<std::uint32_t> nodes, std::size_t points)
-      : waves_(fine, kNearest + kSpare, points > kMany ? sights(fine, points) : std::vector<double>()) {
+  Coarsening(const IntrinsicSurface& fine, std::vector<std::uint32_t> nodes, std::size_t points, Nodes where)
+      : nodes_(where), waves_(fine, kNearest + kSpare, points > kMany ? sights(fine, points, where) : std::vector<double>()) {
     coarse_.points = std::move(nodes);
     for (const std::uint32_t p : coarse_.points) {
       waves_.add(p);
@@ -136,13 +140,13 @@ class Coarsening {
 
   Coarse finish(const IntrinsicSurface& fine, std::span<const Vec2> uvs) {
     for (const Triangle& t : fine.triangles) keep_corner(t);
-    cross_diagonals();
+    if (nodes_ == Nodes::along_threads) cross_diagonals();
     for (const auto& [ends, link] : sides_) coarse_.links.push_back(link);
     IntrinsicSurface& surface = coarse_.surface;
     for (const std::uint32_t p : coarse_.points)
       if (!fine.points.empty()) surface.points.push_back(fine.points[p]);
     for (Three nodes : triangles_) {
-      if (is_mirrored(nodes, uvs)) std::swap(nodes[1], nodes[2]);
+      if (nodes_ == Nodes::along_threads && is_mirrored(nodes, uvs)) std::swap(nodes[1], nodes[2]);
       const auto side = [&](int i, int j) { return between(nodes[i], nodes[j])->distance; };
       const auto corners = flat_triangle(side(0, 1), side(0, 2), side(1, 2));
       surface.triangles.push_back({nodes[0], nodes[1], nodes[2]});
@@ -152,11 +156,12 @@ class Coarsening {
   }
 
  private:
-  static std::vector<double> sights(const IntrinsicSurface& fine, std::size_t points) {
+  static std::vector<double> sights(const IntrinsicSurface& fine, std::size_t points, Nodes where) {
+    const double sight = where == Nodes::along_threads ? kSightWoven : kSight;
     const std::vector<double> lengths = local_lengths(fine, points);
     std::vector<double> sights(points);
     for (const Triangle& t : fine.triangles)
-      for (const std::uint32_t p : t) sights[p] = std::max({sights[p], kSight * lengths[t[0]], kSight * lengths[t[1]], kSight * lengths[t[2]]});
+      for (const std::uint32_t p : t) sights[p] = std::max({sights[p], sight * lengths[t[0]], sight * lengths[t[1]], sight * lengths[t[2]]});
     return sights;
   }
 
@@ -167,11 +172,11 @@ class Coarsening {
     return p == kNone ? std::span<const Waves::Arrived>() : waves_.at(p).first(std::min<std::size_t>(kNearest, waves_.at(p).size()));
   }
 
-  // How far two nodes are apart, if either knows.
+  // How far two nodes are apart, if either knows and they are.
   std::optional<Waves::Arrived> between(std::uint32_t a, std::uint32_t b) const {
     for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
       for (const Waves::Arrived& arrived : near(coarse_.points[from]))
-        if (arrived.source == to) return arrived;
+        if (arrived.source == to && arrived.distance > 0) return arrived;
     return std::nullopt;
   }
 
@@ -183,7 +188,7 @@ class Coarsening {
     Share best{{nodes[0].source, 0, 0}, {1, 0, 0}, {1, 0, 0}};
     if (nodes[0].distance == 0) return best;
     double smallest = INFINITY, least_outside = INFINITY;
-    Diagonal along;
+    Diagonal best_first;
     Apart apart;
     for (std::size_t i = 0; i < nodes.size(); ++i)
       for (std::size_t j = i + 1; j < nodes.size(); ++j) {
@@ -195,7 +200,7 @@ class Coarsening {
       const bool found = smallest < INFINITY;
       for (std::size_t i = h + 1; i < nodes.size(); ++i)
         for (std::size_t j = i + 1; j < nodes.size(); ++j)
-          try_triangle({nodes[h], nodes[i], nodes[j]}, {apart[h][i], apart[h][j], apart[i][j]}, found, best, smallest, least_outside, along);
+          try_triangle({nodes[h], nodes[i], nodes[j]}, {apart[h][i], apart[h][j], apart[i][j]}, found, best, smallest, least_outside, best_first);
     }
     if (smallest < INFINITY || least_outside < INFINITY) keep_triangle(best.node);
     else if (nodes.size() > 1) try_side(nodes[0], nodes[1], best);
@@ -205,7 +210,7 @@ class Coarsening {
   // The triangle of three nodes, if the point, with these distances from them, lies in it and it is the smallest so far; or outside of all
   // the one that it is least outside of.
   void try_triangle(const std::array<Waves::Arrived, 3>& to, const std::array<double, 3>& sides, bool found, Share& best, double& smallest,
-                    double& least_outside, Diagonal& along) const {
+                    double& least_outside, Diagonal& best_first) const {
     const auto& [ab, ac, bc] = sides;
     const double longest = std::max({ab, ac, bc});
     const auto corners = flat_triangle(ab, ac, bc);
@@ -222,13 +227,15 @@ class Coarsening {
     const double away = -width * height * std::min({a / bc, b / ac, c / ab}) + kSmaller * radius;
     const bool inside = outside < -kInside;
     if (!inside && smallest < INFINITY) return;
-    // Of nodes on one circle all points take the triangles along the first of the diagonals, or triangles would overlap and leave gaps.
+    // Of nodes on one circle all points take the triangles of the first, or triangles would overlap and leave gaps; at crossings of threads those
+    // along the first of the diagonals, which leave none.
     const double size = inside ? radius : away, best_size = inside ? smallest : least_outside;
     const int opposite = ab >= std::max(ac, bc) ? 2 : ac >= bc ? 1 : 0;
-    const std::pair diagonal = std::minmax(to[(opposite + 1) % 3].source, to[(opposite + 2) % 3].source);
+    const Diagonal first = nodes_ == Nodes::along_threads ? Diagonal(std::minmax(to[(opposite + 1) % 3].source, to[(opposite + 2) % 3].source))
+                                                          : Diagonal(std::min({to[0].source, to[1].source, to[2].source}), 0);
     const bool as_good = best_size < INFINITY && std::abs(size - best_size) < 1e-6 * best_size;
-    if (as_good ? std::pair<std::uint32_t, std::uint32_t>(diagonal) >= along : found || size >= best_size) return;
-    along = diagonal;
+    if (as_good ? first >= best_first : found || size >= best_size) return;
+    best_first = first;
     inside ? smallest = radius : least_outside = away;
     const double least = outside < kOutside ? -kOutside : 0;
     std::array<double, 3> parts{std::max(least, a), std::max(least, b), std::max(least, c)};
@@ -268,10 +275,18 @@ class Coarsening {
     }
     const auto& [a, b, c] = nodes;
     if (a == b || b == c || c == a || !between(a, b) || !between(b, c) || !between(c, a)) return;
-    // Four regions that meet in a point are covered by the triangles along a diagonal already.
+    if (has_triangle(nodes)) return;
+    if (nodes_ == Nodes::anywhere) return keep_triangle(nodes);
+    // Four regions that meet in a point: a rectangle is covered along one diagonal.
     for (int k = 0; k < 3; ++k)
-      for (const Waves::Arrived& other : near(coarse_.points[nodes[k]]))
-        if (has_triangle({nodes[k], nodes[(k + 1) % 3], other.source}) && has_triangle({nodes[k], nodes[(k + 2) % 3], other.source})) return;
+      for (const Waves::Arrived& other : near(coarse_.points[nodes[k]])) {
+        const std::uint32_t corner = nodes[k], left = nodes[(k + 1) % 3], right = nodes[(k + 2) % 3], far = other.source;
+        if (far == left || far == right || !is_rectangle(corner, far, left, right)) continue;
+        if (!has_triangle({corner, left, far}) && !has_triangle({corner, right, far})) continue;
+        keep_triangle({corner, left, far});
+        keep_triangle({corner, right, far});
+        return;
+      }
     keep_triangle(nodes);
   }
 
@@ -280,8 +295,17 @@ class Coarsening {
     return triangles_.contains(nodes);
   }
 
-  // Of four nodes on one circle that two triangles make a rectangle of, both diagonals are links, as on the mesh (stretch/links.cpp): one alone
-  // would let cloth shear the other way.
+  // Whether a, c, b and d are the corners of one, one after another: opposite sides are as long, and so are both diagonals, the longest of all.
+  bool is_rectangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const {
+    const std::array lengths{between(a, b), between(c, d), between(a, c), between(b, d), between(a, d), between(b, c)};
+    if (!std::ranges::all_of(lengths, [](const auto& length) { return length.has_value(); })) return false;
+    const auto alike = [&](int k) { return std::abs(lengths[k]->distance - lengths[k + 1]->distance) < kRectangle * lengths[k]->distance; };
+    const double diagonal = lengths[0]->distance;
+    return alike(0) && alike(2) && alike(4) && diagonal > lengths[2]->distance && diagonal > lengths[4]->distance;
+  }
+
+  // Of four nodes that make a rectangle both diagonals are links, as on the mesh (stretch/links.cpp): one alone would let cloth shear the other
+  // way.
   void cross_diagonals() {
     std::map<Diagonal, std::uint32_t> third;   // by a triangle's longest side
     for (const Three& nodes : triangles_) {
@@ -291,9 +315,7 @@ class Coarsening {
         if (length(k) > length(longest)) longest = k;
       const Diagonal side = std::minmax(nodes[(longest + 1) % 3], nodes[(longest + 2) % 3]);
       const auto [known, is_first] = third.try_emplace(side, nodes[longest]);
-      if (is_first) continue;
-      const auto across = between(known->second, nodes[longest]);
-      if (across && std::abs(across->distance - length(longest)) < kRectangle * length(longest)) keep_side(known->second, nodes[longest]);
+      if (!is_first && is_rectangle(side.first, side.second, known->second, nodes[longest])) keep_side(known->second, nodes[longest]);
     }
   }
 
@@ -312,6 +334,7 @@ class Coarsening {
     return length > 1e-30 && std::isfinite(length) ? Eigen::Vector2d(along / length) : Eigen::Vector2d::Zero();
   }
 
+  Nodes nodes_;
   Waves waves_;
   Coarse coarse_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, CoarseLink> sides_;
@@ -335,8 +358,8 @@ std::vector<Rank> ranks_of(const Mesh& mesh) {
   return ranks;
 }
 
-Coarse coarsen(const IntrinsicSurface& fine, std::span<const Rank> ranks, std::span<const Vec2> uvs) {
-  return Coarsening(fine, choose_nodes(fine, ranks), ranks.size()).finish(fine, uvs);
+Coarse coarsen(const IntrinsicSurface& fine, std::span<const Rank> ranks, std::span<const Vec2> uvs, Nodes where) {
+  return Coarsening(fine, choose_nodes(fine, ranks, where), ranks.size(), where).finish(fine, uvs);
 }
 
 }  // namespace weft::cooking

@@ -37,7 +37,10 @@ enum class Rank : std::uint8_t { inner, rim, corner, held };
 /// Of each point of a mesh; nothing is held yet.
 std::vector<Rank> ranks_of(const Mesh& mesh);
 
+/// Where nodes lie: farthest point first, or along threads where the mesh's edges follow these (threads.h).
+enum class Nodes { anywhere, along_threads };
+
 /// Nodes three to four edges apart. `uvs` are those of the points; empty or not finite where there is none.
-Coarse coarsen(const IntrinsicSurface& fine, std::span<const Rank> ranks, std::span<const Vec2> uvs);
+Coarse coarsen(const IntrinsicSurface& fine, std::span<const Rank> ranks, std::span<const Vec2> uvs, Nodes where = Nodes::anywhere);
 
 }  // namespace weft::cooking

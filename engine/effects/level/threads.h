@@ -16,6 +16,8 @@ struct Crossings {
   std::vector<bool> is_on;      // and lies where some threads of the warp cross some of the weft, the outermost among them
 };
 
+inline Crossings no_crossings(std::size_t points) { return {std::vector<bool>(points), std::vector<bool>(points)}; }
+
 /// `points`: how many there are, with those of no triangle.
 Crossings crossings_of(const IntrinsicSurface& surface, std::size_t points);
 
