@@ -1,9 +1,8 @@
 // Coarsening a surface by its own geodesics, so that it works on any mesh: over holes, seams and gaps there is no way, and no link.
 //
-// Where a mesh's edges follow threads, as grids' do, nodes can lie where about one in three threads crosses one in three (threads.cpp), so that links lie
-// along threads. Woven cloth is stiff along these alone: a link ten degrees askew is as soft as the shear, and nodes anywhere carried no
-// more than a tenth of a pull. Elsewhere nodes are chosen farthest point first (Gonzalez 1985; on surfaces Peyre and Cohen 2006), in units of
-// the local length of edges, so that they are as dense as the mesh is.
+// Nodes are chosen farthest point first (Gonzalez 1985; on surfaces Peyre and Cohen 2006), in units of the local length of edges, so that
+// they are as dense as the mesh is. Or, where a mesh's edges follow threads, as grids' do, where about one in three threads crosses one in
+// three (threads.cpp): then links lie along threads, and what is pulled along these is pulled straight.
 //
 // A point's share in the nodes comes from the smallest triangle of its nearest nodes that it lies in,
 // laid flat by geodesic distances: barycentric coordinates, which carry a linear displacement exactly. Where the surface unrolls flat these

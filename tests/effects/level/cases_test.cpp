@@ -40,16 +40,15 @@ TEST_F(LevelCase, cloth_without_tethers_does_not_stretch_and_no_more_on_a_finer_
   EXPECT_GT(after(device(), hung_free(99, Method::jacobi), 2).mean, 0.03);
 }
 
-// Cotton is two hundred times as stiff along its threads as it shears. With nodes anywhere it strained by 4.8 and 2.9 % at most.
-TEST_F(LevelCase, cotton_that_hangs_by_its_edge_is_carried_along_its_threads) {
-  for (const std::uint32_t cells : {50u, 99u}) {
-    Scene scene = sheet(cells);
-    scene.cloths[0].grid->upright = true;
-    scene.cloths[0].tethers = false;
-    scene.cloths[0].anchors.emplace_back().top = 0;
+// By its upper edge. With nodes anywhere it strained by 3.2 and 1.8 % at most.
+TEST_F(LevelCase, rigid_cloth_that_hangs_by_its_edge_is_carried_along_its_threads) {
+  for (const std::uint32_t cells : {50u, 120u}) {
+    Scene scene = hung_free(cells, Method::by_default);
+    scene.cloths[0].anchors = {Anchor{}};
+    scene.cloths[0].anchors[0].top = 0;
     const Strain strain = after(device(), scene, 2);
-    EXPECT_LT(strain.max, 0.02) << cells;
-    EXPECT_LT(strain.mean, 0.002) << cells;
+    EXPECT_LT(strain.max, 0.01) << cells;
+    EXPECT_LT(strain.mean, 0.001) << cells;
   }
 }
 
