@@ -79,8 +79,8 @@ IntrinsicSurface in_edges(const IntrinsicSurface& surface, std::size_t points) {
   return scaled;
 }
 
-// Farthest point first: of the points that are held, of these and the corners, of these and the rim's, then of all. Crossings of threads that
-// are held come before all, the others after what is held.
+// Farthest point first: of the points that are held, of these and the corners, of these and the rim's, then of all. Crossings of threads
+// that are held come before all, the others after what is held.
 std::vector<std::uint32_t> choose_nodes(const IntrinsicSurface& surface, std::span<const Rank> ranks, Nodes where) {
   const auto points = static_cast<std::uint32_t>(ranks.size());
   const IntrinsicSurface scaled = in_edges(surface, points);
@@ -160,7 +160,8 @@ class Coarsening {
     const std::vector<double> lengths = local_lengths(fine, points);
     std::vector<double> sights(points);
     for (const Triangle& t : fine.triangles)
-      for (const std::uint32_t p : t) sights[p] = std::max({sights[p], sight * lengths[t[0]], sight * lengths[t[1]], sight * lengths[t[2]]});
+      for (const std::uint32_t p : t)
+        sights[p] = std::max({sights[p], sight * lengths[t[0]], sight * lengths[t[1]], sight * lengths[t[2]]});
     return sights;
   }
 
@@ -199,7 +200,8 @@ class Coarsening {
       const bool found = smallest < INFINITY;
       for (std::size_t i = h + 1; i < nodes.size(); ++i)
         for (std::size_t j = i + 1; j < nodes.size(); ++j)
-          try_triangle({nodes[h], nodes[i], nodes[j]}, {apart[h][i], apart[h][j], apart[i][j]}, found, best, smallest, least_outside, best_first);
+          try_triangle({nodes[h], nodes[i], nodes[j]}, {apart[h][i], apart[h][j], apart[i][j]}, found, best, smallest, least_outside,
+                       best_first);
     }
     if (smallest < INFINITY || least_outside < INFINITY) keep_triangle(best.node);
     else if (nodes.size() > 1) try_side(nodes[0], nodes[1], best);
@@ -226,12 +228,12 @@ class Coarsening {
     const double away = -width * height * std::min({a / bc, b / ac, c / ab}) + kSmaller * radius;
     const bool inside = outside < -kInside;
     if (!inside && smallest < INFINITY) return;
-    // Of nodes on one circle all points take the triangles of the first, or triangles would overlap and leave gaps; at crossings of threads those
-    // along the first of the diagonals, which leave none.
+    // Of nodes on one circle all points take the triangles of the first, or triangles would overlap and leave gaps; at crossings of
+    // threads those along the first of the diagonals, which leave none.
     const double size = inside ? radius : away, best_size = inside ? smallest : least_outside;
     const int opposite = ab >= std::max(ac, bc) ? 2 : ac >= bc ? 1 : 0;
-    const Diagonal first = nodes_ == Nodes::along_threads ? Diagonal(std::minmax(to[(opposite + 1) % 3].source, to[(opposite + 2) % 3].source))
-                                                          : Diagonal(std::min({to[0].source, to[1].source, to[2].source}), 0);
+    Diagonal first(std::min({to[0].source, to[1].source, to[2].source}), 0);
+    if (nodes_ == Nodes::along_threads) first = std::minmax(to[(opposite + 1) % 3].source, to[(opposite + 2) % 3].source);
     const bool as_good = best_size < INFINITY && std::abs(size - best_size) < 1e-6 * best_size;
     if (as_good ? first >= best_first : found || size >= best_size) return;
     best_first = first;
@@ -294,7 +296,8 @@ class Coarsening {
     return triangles_.contains(nodes);
   }
 
-  // Whether a, c, b and d are the corners of one, one after another: opposite sides are as long, and so are both diagonals, the longest of all.
+  // Whether a, c, b and d are the corners of one, one after another: opposite sides are as long, and so are both diagonals, the longest
+  // of all.
   bool is_rectangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const {
     const std::array lengths{between(a, b), between(c, d), between(a, c), between(b, d), between(a, d), between(b, c)};
     if (!std::ranges::all_of(lengths, [](const auto& length) { return length.has_value(); })) return false;
@@ -303,8 +306,8 @@ class Coarsening {
     return alike(0) && alike(2) && alike(4) && diagonal > lengths[2]->distance && diagonal > lengths[4]->distance;
   }
 
-  // Of four nodes that make a rectangle both diagonals are links, as on the mesh (stretch/links.cpp): one alone would let cloth shear the other
-  // way.
+  // Of four nodes that make a rectangle both diagonals are links, as on the mesh (stretch/links.cpp): one alone would let cloth shear the
+  // other way.
   void cross_diagonals() {
     std::map<Diagonal, std::uint32_t> third;   // by a triangle's longest side
     for (const Three& nodes : triangles_) {

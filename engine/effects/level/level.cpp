@@ -165,12 +165,11 @@ std::vector<float> at_nodes_of(const Level& level, const std::vector<float>& fac
   return means;
 }
 
-// Along threads, where a pull goes straight from node to node, rigid cloth strains a third as much at 200 a side. What
-// colliders or contacts hold gives way the less to that: a sheet driven at 8 m/s into a free one waited for it by 1.9 mm instead of 1, a
-// ribbon slid over a rod by less, and on a ball cloth strained as much. In second order, which damps nothing, a taut sheet never came to rest.
-// Cotton strained less, too, but was 0.77 % of its size off the reference where it is 0.43 % off with nodes anywhere.
+// Along threads rigid cloth strains less. Cotton is farther off the reference then, and what holds cloth back gives way the less to that
+// (engine/README.md, "Nodes along threads").
 cooking::Nodes where_nodes_lie(const Scene& scene, const Fabric& fabric) {
-  const bool is_rigid = std::isinf(fabric.stretch) && std::isinf(fabric.shear), meets_something = !scene.colliders.empty() || contacts_on(scene);
+  const bool is_rigid = std::isinf(fabric.stretch) && std::isinf(fabric.shear);
+  const bool meets_something = !scene.colliders.empty() || contacts_on(scene);
   return is_rigid && !meets_something && scene.solver.order == 1 ? cooking::Nodes::along_threads : cooking::Nodes::anywhere;
 }
 
@@ -194,9 +193,8 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   cooking::Weights weights{masses_of(state.fabric(), cloth.particle_of)};
   std::vector<cooking::Mean> in_points;
   std::vector<float> factors = input.factors.stretch;
-  const cooking::Nodes where = where_nodes_lie(state.scene(), input.cloth.fabric);
   while (ranks.size() > kFewest) {
-    Level level{cooking::coarsen(surface, ranks, uvs, where), {}, {}, {}};
+    Level level{cooking::coarsen(surface, ranks, uvs, where_nodes_lie(state.scene(), input.cloth.fabric)), {}, {}, {}};
     const std::vector<std::uint32_t>& points = level.coarse.points;
     if (2 * points.size() > ranks.size() || points.size() < 3) break;   // small pieces
     level.areas.resize(points.size());

@@ -1,9 +1,9 @@
-// Numbers threads: along an edge that lies along the warp the number of the thread of the weft grows by one, and the other way round. A piece
-// is what such edges join.
+// Numbers threads: along an edge that lies along the warp the number of the thread of the weft grows by one, and the other way round. A
+// piece is what such edges join.
 //
-// Limitations: where the warp turns at a seam numbers meet others, and the pieces on its sides have no threads together. So it is around a tube
-// on coarser levels, where triangles reach across the seam of its UVs. Of cells ten times as long as wide the diagonals count as threads, and
-// numbers meet, too.
+// Limitations: where the warp turns at a seam numbers meet others, and the pieces on its sides have no threads together. So it is around
+// a tube on coarser levels, where triangles reach across the seam of its UVs. Of cells ten times as long as wide the diagonals count as
+// threads, and numbers meet, too.
 #include "engine/effects/level/threads.h"
 
 #include <algorithm>
@@ -14,7 +14,8 @@
 namespace weft::cooking {
 namespace {
 
-// Of the angle to a thread, cos^2 from which on an edge follows it: those down a skirt are nearly, but not quite, at right angles to its rings.
+// Of the angle to a thread, cos^2 from which on an edge follows it: those down a skirt are nearly, but not quite, at right angles to its
+// rings.
 constexpr double kAlong = 0.99;
 
 // A piece has at least this part of the points of the rectangle that its numbers span. Edges that follow threads by chance make less.
@@ -70,7 +71,8 @@ Steps steps_of(const IntrinsicSurface& surface, std::size_t points) {
   return made;
 }
 
-// Whether nodes lie along thread `number` of those from `first` to `last`, about every `apart` threads: it is one of round(k length / parts).
+// Whether nodes lie along thread `number` of those from `first` to `last`, about every `apart` threads: it is one of round(k length /
+// parts).
 bool has_nodes(int number, int first, int last, double apart) {
   const int length = last - first, at = number - first;
   const auto parts = std::max(1l, std::lround(double(length) / std::max(1.0, apart) - 1e-3));   // no tie that rounding decides
@@ -120,8 +122,8 @@ class Piece {
   }
 
  private:
-  // Threads. As far apart along the weft as along the warp, so that a point's nearest nodes lie all around it, unless the piece is so narrow that
-  // its rims alone have nodes.
+  // Threads. As far apart along the weft as along the warp, so that a point's nearest nodes lie all around it, unless the piece is so
+  // narrow that its rims alone have nodes.
   std::array<double, 2> nodes_apart() const {
     std::array<double, 2> apart{};
     for (int k = 0; k < 2; ++k) apart[k] = kThreadsApart * std::sqrt(lengths_[1 - k] / counts_[1 - k] / (lengths_[k] / counts_[k]));

@@ -85,20 +85,12 @@ TEST_F(LevelCase, momentum_of_a_free_closed_mesh_stays) {
       SCOPED_TRACE(std::to_string(segments) + " x " + std::to_string(rings));
       Scene scene;
       scene.gravity = {};
-      scene.solver.method = Method::gauss_seidel;
       scene.cloths.emplace_back().fabric.damping = 0;
-      const auto gone = [&](bool levels) {
-        scene.solver.levels = levels;
-        const auto simulation = must(Simulation::create(device(), scene, {globe(0.5, segments, rings)}));
-        const Point before = centre_of_mass(must(simulation->read_positions()));
-        run(*simulation, 1);
-        return distance(before, centre_of_mass(must(simulation->read_positions())));
-      };
-      // Places are rounded alike in every substep, levels or none: the fewer particles, the farther (16 x 8: 5e-5 m without). A node that stood
-      // still drew 48 x 16 along by 27 mm.
-      const double without = gone(false);
-      EXPECT_LT(without, 1e-4) << "m in a second";
-      EXPECT_LT(gone(true), 2 * without + 1e-5) << "m in a second";
+      const auto simulation = must(Simulation::create(device(), scene, {globe(0.5, segments, rings)}));
+      const Point before = centre_of_mass(must(simulation->read_positions()));
+      run(*simulation, 1);
+      // Places are rounded alike in every substep, levels or none. A node that stood still drew 48 x 16 along by 27 mm.
+      EXPECT_LT(distance(before, centre_of_mass(must(simulation->read_positions()))), 5e-5) << "m in a second";
     }
 }
 
