@@ -67,8 +67,9 @@ enum class Changes {
   velocity      // only by motion/force.glsl, which keeps the prediction in step
 };
 
-/// In which frames a pass is recorded that does what others do, too, to the bit: those with few contacts, or with many.
-enum class Crowd { any, few, many };
+/// In which frames a pass is recorded that does what others do, too, to the bit: those with few contacts, or with many; those in which
+/// detections of contacts are seldom, or often.
+enum class Crowd { any, few, many, seldom, often };
 
 using Constants = std::array<std::uint32_t, gpu::constant::kCount>;
 

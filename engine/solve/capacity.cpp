@@ -168,12 +168,20 @@ void Simulation::State::learn(const gpu::Counters& counters) {
   capacity.room = std::max(capacity.room, counters.contacts_room);
   capacity.lost = std::max(capacity.lost, counters.contacts_overflowed);
   capacity.load = counters.contacts_load;
+  capacity.latest = counters.detections - capacity.detections;
+  capacity.detections = counters.detections;
 }
 
 // A dispatch costs a GPU as much as a workgroup needs for a thousand contacts, and the software driver the waking of its threads: two dozen a
 // substep more than one thread needs for a thousand active contacts and as many candidates as here. (Of 1000, 16,000 and 32,000: the drop of
 // 50 x 50 takes 39, 24, 25 ms, walk 58, 50, 48.) One workgroup can do seven times as many, should they grow before the host knows.
 bool Simulation::State::contacts_are_few() const { return capacity.load <= (device->is_software() ? 16'000u : 8'000u); }
+
+// A detection by one workgroup (detect_alone) takes as long as the dispatches that it saves in about as many substeps.
+bool Simulation::State::detections_are_seldom() const {
+  constexpr std::uint32_t kSeldom = 2;   // in a frame
+  return capacity.latest <= kSeldom && solver->can_detect_alone();
+}
 
 // Of the frames of `record` those that are done by now.
 void Simulation::State::hear_recorded() {

@@ -57,6 +57,7 @@ Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input)
   input.first_substep = clock.substeps;
   input.gravity = gravity;
   input.few_contacts = contacts_are_few();
+  input.seldom_detections = detections_are_seldom();
   if (advance.substeps == 0) return advance;
   follow_holds();
   if (auto torn = follow_tears(); !torn) return torn.take_error();

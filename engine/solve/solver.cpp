@@ -288,6 +288,17 @@ void Solver::follow(const Cooked& subject) {
   set_uniforms("contact_settings", contacts_);
 }
 
+// On a GPU it is a matter of time: with 2000 clusters, of 30,000 triangles, its loops are as long as what it saves. The software driver ends
+// loops (WEFT_MOST_TURNS): in the worst case a thread looks at all clusters and as many cells on every level, for each of its own.
+bool Solver::can_detect_alone() const {
+  constexpr std::uint64_t kMost = 2000, kOfCluster = 400;   // clusters; turns of a cluster's loops over its members, neighbours and lists
+  const auto share = [&](std::uint64_t count) { return (count + needs_.crew - 1) / needs_.crew; };
+  const std::uint64_t clusters = contacts_.clusters;
+  if (!device_->is_software()) return clusters <= kMost;
+  const std::uint64_t elements = std::uint64_t{contacts_.particles} * 2 + contacts_.triangles + contacts_.edges + contacts_.buckets * 2 + contacts_.tangled_room;
+  return share(elements) + share(clusters) * (kOfCluster + 2 * WEFT_LEVELS * clusters) <= WEFT_MOST_TURNS;
+}
+
 std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
   steps_.clear();
   if (input.substeps == 0) return {};
@@ -339,6 +350,7 @@ void Solver::list(Stage stage, const FrameInput& input, const gpu::Push& push, s
   for (std::uint32_t k = 0; k < plan_.passes.size(); ++k) {
     const Pass& pass = *plan_.passes[k].pass;
     if (pass.stage != stage || pass.crowd == (input.few_contacts ? Crowd::many : Crowd::few)) continue;
+    if (pass.crowd == (input.seldom_detections ? Crowd::often : Crowd::seldom)) continue;
     if (substep % runs_[k].every != 0) continue;
     const bool at_targets = pass.only_towards_targets && !input.anchors_move;
     // With contacts, an anchor that cloth held back may not have reached its target.

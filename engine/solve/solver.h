@@ -55,6 +55,7 @@ struct FrameInput {
   std::optional<MovingAir> air;               // where the scene has any
   bool anchors_move = false;
   bool few_contacts = false;                  // Crowd::few; the same bits either way
+  bool seldom_detections = false;             // Crowd::seldom; the same bits either way
   std::span<const gpu::Anchor> anchors;       // when they move
   std::span<const gpu::Collider> colliders;   // by shape, as the buffer has them
   std::span<const gpu::BodySize> body_sizes;  // of these, where the frame begins
@@ -122,6 +123,8 @@ class Solver {
   /// All of them with their sizes.
   std::vector<const compute::Buffer*> buffers() const;
   const gpu::ContactSettings& contact_settings() const { return contacts_; }
+  /// Whether one workgroup can do a detection (FrameInput::seldom_detections).
+  bool can_detect_alone() const;
   /// Which of the two iterates the next frame begins with; restored before a frame is repeated.
   std::uint32_t parity() const { return parity_; }
   void set_parity(std::uint32_t parity) { parity_ = parity; }

@@ -120,6 +120,7 @@ void end_search(uint kind, uint cluster, bool all) {
   const uint groups = (min(last_place, room) + gl_WorkGroupSize.x - 1) / gl_WorkGroupSize.x;
   if (kind == of_triangles && detection[0].near_faces.x < groups) atomicMax(detection[0].near_faces.x, groups);
   if (kind == of_edges && detection[0].near_edges.x < groups) atomicMax(detection[0].near_edges.x, groups);
+  if (detection[0].near_pairs.x < groups) atomicMax(detection[0].near_pairs.x, groups);
   // There is room for WEFT_NEAR times as many pairs of either kind as for candidates.
   const uint wanted = (last_place + WEFT_NEAR - 1) / WEFT_NEAR;
   if (counters[0].contacts_room < wanted) atomicMax(counters[0].contacts_room, wanted);

@@ -10,7 +10,6 @@ GATHER_UINT4(cluster_surroundings)
 GATHER_UINT(clusters_around)
 GATHER_UINT4(clusters)
 GATHER_UINT4(cluster_faces)
-GATHER(cluster_motions)
 
 mat3 gradient_of(uint row) {
   return mat3(FETCH(cluster_motions, row).xyz, FETCH(cluster_motions, row + 1).xyz, FETCH(cluster_motions, row + 2).xyz);

@@ -69,6 +69,9 @@ constexpr Threads kOutlined{lengths::outlined, nullptr, {&buffers::detection, of
 constexpr Threads kGrid{lengths::clusters, lengths::one, {&buffers::detection, offsetof(gpu::Detection, grid)}};
 constexpr Threads kClusters{lengths::clusters, nullptr, {&buffers::detection, offsetof(gpu::Detection, clusters)}};
 constexpr Threads kDetectedParticles{lengths::particles, nullptr, {&buffers::detection, offsetof(gpu::Detection, particles)}};
+constexpr Threads kSearchers{[](const Cooked& s) { return lengths::particles(s) + lengths::edges(s); }, nullptr,
+                             {&buffers::detection, offsetof(gpu::Detection, searchers)}};
+constexpr Threads kNearPairs{buffers::near_faces.length, nullptr, {&buffers::detection, offsetof(gpu::Detection, near_pairs)}, true};
 constexpr Threads kEdges{lengths::edges, nullptr, {&buffers::detection, offsetof(gpu::Detection, edges)}};
 constexpr Threads kNearFaces{buffers::near_faces.length, nullptr, {&buffers::detection, offsetof(gpu::Detection, near_faces)}, true};
 constexpr Threads kNearEdges{buffers::near_edges.length, nullptr, {&buffers::detection, offsetof(gpu::Detection, near_edges)}, true};
@@ -81,16 +84,19 @@ constexpr Threads kUnsafeCandidates{lengths::candidates, nullptr,
                                     {&buffers::detection, offsetof(gpu::Detection, listed) + WEFT_UNSAFE * sizeof(gpu::Groups)}, true};
 
 constexpr Pass kPasses[] = {
-    {.name = "detect_arguments", .stage = Stage::detect, .threads = threads::once, .alone = true},
-    {.name = "detect_track", .stage = Stage::detect, .threads = kDetectedParticles},
-    {.name = "cluster_box", .stage = Stage::detect, .threads = kClusters},
-    {.name = "grid_fill", .stage = Stage::detect, .threads = kGrid, .alone = true, .crew = true},
-    {.name = "grid_search", .stage = Stage::detect, .threads = kClusters},
-    {.name = "detect_outline", .stage = Stage::detect, .threads = kOutlined},
-    {.name = "search_faces", .stage = Stage::detect, .threads = kDetectedParticles},
-    {.name = "search_edges", .stage = Stage::detect, .threads = kEdges},
-    {.name = "pair_faces", .stage = Stage::detect, .threads = kNearFaces},
-    {.name = "pair_edges", .stage = Stage::detect, .threads = kNearEdges},
+    {.name = "detect_alone", .stage = Stage::detect, .threads = threads::once, .crowd = Crowd::seldom, .alone = true, .crew = true},
+    {.name = "detect_search", .stage = Stage::detect, .threads = kSearchers, .crowd = Crowd::seldom},
+    {.name = "detect_pair", .stage = Stage::detect, .threads = kNearPairs, .crowd = Crowd::seldom},
+    {.name = "detect_arguments", .stage = Stage::detect, .threads = threads::once, .crowd = Crowd::often, .alone = true},
+    {.name = "detect_track", .stage = Stage::detect, .threads = kDetectedParticles, .crowd = Crowd::often},
+    {.name = "cluster_box", .stage = Stage::detect, .threads = kClusters, .crowd = Crowd::often},
+    {.name = "grid_fill", .stage = Stage::detect, .threads = kGrid, .crowd = Crowd::often, .alone = true, .crew = true},
+    {.name = "grid_search", .stage = Stage::detect, .threads = kClusters, .crowd = Crowd::often},
+    {.name = "detect_outline", .stage = Stage::detect, .threads = kOutlined, .crowd = Crowd::often},
+    {.name = "search_faces", .stage = Stage::detect, .threads = kDetectedParticles, .crowd = Crowd::often},
+    {.name = "search_edges", .stage = Stage::detect, .threads = kEdges, .crowd = Crowd::often},
+    {.name = "pair_faces", .stage = Stage::detect, .threads = kNearFaces, .crowd = Crowd::often},
+    {.name = "pair_edges", .stage = Stage::detect, .threads = kNearEdges, .crowd = Crowd::often},
     {.name = "contact_prepare", .stage = Stage::detect, .threads = kCandidates},
     {.name = "contact_alone", .stage = Stage::contacts, .threads = kContactsAlone, .crowd = Crowd::few, .collides = true, .alone = true, .crew = true},
     {.name = "contact_penetration", .stage = Stage::contact, .threads = kContacts, .crowd = Crowd::many},

@@ -1,0 +1,81 @@
+// detect_alone: a detection as far as its search, in one workgroup that waits for itself, where detections are seldom: it is a single dispatch
+// instead of six, which are empty in most substeps. What it does is to the bit what those passes do, so that the host may choose by what it
+// knows of earlier frames (Solver::seldom_detections): the order of lists is the only difference, and nothing depends on it.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+// Most of what it reads it has written itself, which texel buffers do not show.
+#undef GATHER
+#undef GATHER_UINT
+#undef GATHER_UINT4
+#undef FETCH
+#undef FETCH_UINT
+#define GATHER(name) READ(vec4, name)
+#define GATHER_UINT(name) READ(uint, name)
+#define GATHER_UINT4(name) READ(uvec4, name)
+#define FETCH(name, i) name[i]
+#define FETCH_UINT(name, i) name[i]
+
+GATHER(positions)
+GATHER(predicted)
+GATHER_UINT(cluster_hulls)
+GATHER_UINT(cluster_owners)
+GATHER_UINT4(cluster_edges)
+SHARE(Detection, detection)
+SHARE(vec4, detected_positions)
+SHARE(vec4, trajectories)
+SHARE(uint, near_bounds)
+SHARE(vec4, cluster_boxes)
+SHARE(vec4, cluster_motions)
+SHARE(uint, cluster_pushes)
+SHARE(uint, smooth_clusters)
+SHARE(uint, near_clusters)
+SHARE(uint, grid_counts)
+SHARE(uint, grid_starts)
+SHARE(vec4, grid_entries)
+READ_WRITE(Counters, counters)
+WRITE(uint, displacement_bounds)
+WRITE(vec4, outlines)
+WRITE(uvec4, outline_boxes)
+WRITE(uint, tangled_pairs)
+
+void wait() {
+  memoryBarrierBuffer();
+  barrier();
+}
+
+#include "contact/groups.glsl"
+#include "contact/grid.glsl"
+#include "contact/cluster.glsl"
+#include "contact/predicted_track.glsl"
+#include "contact/scan.glsl"
+#include "contact/smooth.glsl"
+#include "contact/outline.glsl"
+#include "contact/outline_box.glsl"
+#include "contact/near_list.glsl"
+#include "contact/arguments.glsl"
+#include "contact/start_track.glsl"
+#include "contact/make_box.glsl"
+#include "contact/fill.glsl"
+#include "contact/find_near.glsl"
+#include "contact/outline_one.glsl"
+
+void main() {
+  const uint thread = gl_LocalInvocationID.x, particles = contact_settings.particles, clusters = contact_settings.clusters;
+  if (thread == 0) decide();
+  wait();
+  if (detection[0].clusters.x == 0) return;   // none is due
+  for (uint i = thread; i < particles; i += workgroup) start_track(i);
+  wait();
+  for (uint k = thread; k < clusters; k += workgroup) make_box(k);
+  wait();
+  fill(thread, clusters);
+  wait();
+  for (uint k = thread; k < clusters; k += workgroup) find_near(k);
+  wait();
+  const uint outlined = particles + contact_settings.triangles + contact_settings.edges + clusters;
+  for (uint i = thread; i < outlined; i += workgroup) outline_one(i);
+  if (untangles && detection[0].looks != 0)   // detect_search fills them
+    for (uint k = thread; k < contact_settings.tangled_room; k += workgroup) tangled_pairs[k] = 0;
+}
