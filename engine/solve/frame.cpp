@@ -68,6 +68,11 @@ Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input)
   }
   clock.substeps += advance.substeps;
   move_scene(advance.simulated, input);
+  if (input.anchors_move || !input.edits.empty() || !input.frame_changes.empty()) {
+    kinematic.still_since = queue.submitted + 2;   // this frame may not be one of those that are submitted
+    kinematic.rest = false;
+  }
+  input.kinematics_rest = kinematic.rest;
   return advance;
 }
 

@@ -354,7 +354,8 @@ void Solver::list(Stage stage, const FrameInput& input, const gpu::Push& push, s
     if (substep % runs_[k].every != 0) continue;
     const bool at_targets = pass.only_towards_targets && !input.anchors_move;
     // With contacts, an anchor that cloth held back may not have reached its target.
-    if (at_targets && !has(buffers::detection)) continue;
+    if (at_targets && (!has(buffers::detection) || input.kinematics_rest)) continue;
+    if (pass.only_after_motion && input.kinematics_rest) continue;
     for (std::uint32_t round = 0; round < runs_[k].ranges.size(); ++round) {
       gpu::Push own = push;
       own.first = runs_[k].ranges[round].first;

@@ -54,6 +54,7 @@ struct FrameInput {
   Vec3 gravity;
   std::optional<MovingAir> air;               // where the scene has any
   bool anchors_move = false;
+  bool kinematics_rest = false;               // no kinematic particle can move, or have been driven through cloth, since a frame that is done
   bool few_contacts = false;                  // Crowd::few; the same bits either way
   bool seldom_detections = false;             // Crowd::seldom; the same bits either way
   std::span<const gpu::Anchor> anchors;       // when they move

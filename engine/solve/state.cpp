@@ -66,7 +66,10 @@ void Simulation::State::hear(std::uint64_t frame) {
     read_reactions(place_of_recorded(), reactions.heard);
     queue.heard = queue.submitted;   // recorded after them
   } else if (frame > queue.heard) {
+    const std::uint32_t stirs = heard.detection.stirs;
     heard = reported(slot_of(frame));
+    const gpu::Detection& now = heard.detection;
+    kinematic.rest |= queue.heard >= kinematic.still_since && now.stirs == stirs && now.crossings == 0 && now.may_cross == 0;
     read_reactions(slot_of(frame), reactions.heard);
     queue.heard = frame;
   }

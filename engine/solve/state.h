@@ -49,6 +49,8 @@ struct KinematicTargets {
   std::vector<bool> is_host_driven;            // from the host's first target on, instead of by keys
   bool are_keyed = false;
   bool are_dirty = false;                      // the GPU's copy is not `targets`: a frame has failed, or positions were written
+  std::uint64_t still_since = 1;               // the first submitted frame from which on no target has moved
+  bool rest = false;                           // since then, by a frame's report: all are where they should be (FrameInput::kinematics_rest)
 };
 
 /// Who is held, where the host may pin: the fabric that is cooked for them, and what the GPU is still to be told of it.

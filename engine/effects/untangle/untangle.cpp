@@ -10,7 +10,8 @@ namespace {
 constexpr const Buffer* kBuffers[] = {&buffers::tangled_pairs, &buffers::crossed_triangles, &buffers::regions, &buffers::region_sizes};
 
 constexpr Threads kTangles{lengths::particles, lengths::one, {&buffers::detection, offsetof(gpu::Detection, tangles)}};
-constexpr Pass kPasses[] = {{.name = "untangle", .stage = Stage::detect, .threads = kTangles, .alone = true, .crew = true}};
+constexpr Pass kPasses[] = {
+    {.name = "untangle", .stage = Stage::detect, .threads = kTangles, .only_after_motion = true, .alone = true, .crew = true}};
 
 constexpr Figure kFigures[] = {
     {.name = "contacts.crossings", .counted = [](const Counts& c) { return std::uint64_t(c.crossings); }},
