@@ -80,6 +80,7 @@ struct Needs {
   std::uint32_t narrow = 0;                      // threads of a workgroup in passes with many small ones
   std::uint32_t alone = 0;                       // of the only one of a pass
   std::uint32_t crew = 0;                        // of one whose loops are as long as the scene is large
+  std::uint32_t storage_buffers = ~0u;           // that the device binds to a pass, at most
   bool has(EffectId effect) const { return effects[static_cast<std::size_t>(effect)]; }
 };
 

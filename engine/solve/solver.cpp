@@ -82,6 +82,7 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   const std::uint32_t alone = device.is_software() ? 8 : std::min(512u, device.limits().max_workgroup_invocations);
   const std::uint32_t crew = device.is_software() ? 128 : alone;
   solver.needs_ = needs_of(subject, solver.workgroup_, !options.gather_storage, narrow, alone, crew);
+  solver.needs_.storage_buffers = device.limits().max_storage_buffers_per_stage;
   auto plan = make_plan(solver.needs_, device.specializer());
   if (!plan) return plan.take_error();
   solver.plan_ = std::move(*plan);
@@ -294,6 +295,7 @@ bool Solver::can_detect_alone() const {
   constexpr std::uint64_t kMost = 2000, kOfCluster = 400;   // clusters; turns of a cluster's loops over its members, neighbours and lists
   const auto share = [&](std::uint64_t count) { return (count + needs_.crew - 1) / needs_.crew; };
   const std::uint64_t clusters = contacts_.clusters;
+  if (std::ranges::none_of(plan_.passes, [](const PlannedPass& planned) { return planned.pass->crowd == Crowd::seldom; })) return false;
   if (!device_->is_software()) return clusters <= kMost;
   const std::uint64_t elements = std::uint64_t{contacts_.particles} * 2 + contacts_.triangles + contacts_.edges + contacts_.buckets * 2 + contacts_.tangled_room;
   return share(elements) + share(clusters) * (kOfCluster + 2 * WEFT_LEVELS * clusters) <= WEFT_MOST_TURNS;

@@ -17,6 +17,7 @@ WRITE(uint, cluster_pushes)
 WRITE(uint, near_bounds)
 GATHER_UINT(cluster_owners)
 
+#include "contact/apart.glsl"
 #include "contact/grid.glsl"
 #include "contact/cluster.glsl"
 

@@ -5,23 +5,17 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 
-// Most of what it reads it has written itself, which texel buffers do not show.
-#undef GATHER
-#undef GATHER_UINT
-#undef GATHER_UINT4
-#undef FETCH
-#undef FETCH_UINT
-#define GATHER(name) READ(vec4, name)
-#define GATHER_UINT(name) READ(uint, name)
-#define GATHER_UINT4(name) READ(uvec4, name)
-#define FETCH(name, i) name[i]
-#define FETCH_UINT(name, i) name[i]
-
 GATHER(positions)
 GATHER(predicted)
 GATHER_UINT(cluster_hulls)
 GATHER_UINT(cluster_owners)
 GATHER_UINT4(cluster_edges)
+READ_WRITE(Counters, counters)
+WRITE(uint, displacement_bounds)
+WRITE(vec4, outlines)
+WRITE(uvec4, outline_boxes)
+WRITE(uint, tangled_pairs)
+// This dispatch has written what it reads of these.
 SHARE(Detection, detection)
 SHARE(vec4, detected_positions)
 SHARE(vec4, trajectories)
@@ -34,11 +28,8 @@ SHARE(uint, near_clusters)
 SHARE(uint, grid_counts)
 SHARE(uint, grid_starts)
 SHARE(vec4, grid_entries)
-READ_WRITE(Counters, counters)
-WRITE(uint, displacement_bounds)
-WRITE(vec4, outlines)
-WRITE(uvec4, outline_boxes)
-WRITE(uint, tangled_pairs)
+#define LATEST(name, i) name[i]
+#define LATEST_UINT(name, i) name[i]
 
 void wait() {
   memoryBarrierBuffer();

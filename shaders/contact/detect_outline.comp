@@ -19,6 +19,7 @@ WRITE(vec4, outlines)
 WRITE(uvec4, outline_boxes)
 GATHER(cluster_boxes)
 
+#include "contact/apart.glsl"
 #include "contact/grid.glsl"
 
 #include "contact/predicted_track.glsl"

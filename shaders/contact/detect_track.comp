@@ -23,8 +23,8 @@ GATHER_WRITE(trajectories)
 GATHER_UINT(near_bounds)
 READ(Detection, detection)
 
+#include "contact/apart.glsl"
 #include "contact/grid.glsl"
-
 #include "contact/start_track.glsl"
 
 // push.count: particles.

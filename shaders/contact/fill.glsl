@@ -2,7 +2,7 @@
 // the buffers.
 
 Place place_at(uint cluster) {
-  return place_of(Box(FETCH(cluster_boxes, 2 * cluster).xyz, FETCH(cluster_boxes, 2 * cluster + 1).xyz));
+  return place_of(Box(LATEST(cluster_boxes, 2 * cluster).xyz, LATEST(cluster_boxes, 2 * cluster + 1).xyz));
 }
 
 void count(Place place) {

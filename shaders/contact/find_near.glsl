@@ -22,21 +22,21 @@ void add_near(uint cluster, uint other) {
 
 // How far `cluster` may have to go in a substep to be out of the way of the kinematic particles of another one.
 void make_way(uint cluster, uint by) {
-  if (FETCH(cluster_motions, WEFT_MOTION * by + 7).y == 0) return;
-  const vec3 approach = FETCH(cluster_motions, WEFT_MOTION * by + 6).xyz - FETCH(cluster_motions, WEFT_MOTION * cluster + 6).xyz;
+  if (LATEST(cluster_motions, WEFT_MOTION * by + 7).y == 0) return;
+  const vec3 approach = LATEST(cluster_motions, WEFT_MOTION * by + 6).xyz - LATEST(cluster_motions, WEFT_MOTION * cluster + 6).xyz;
   const float pushed = min(per_substep() * length(approach), detection[0].most_pushed);
   if (pushed > contact_settings.margin_low) atomicMax(cluster_pushes[cluster], floatBitsToUint(pushed));
 }
 
 // Whether entry k is to be listed. `row`: y and z of the cells that are visited.
 bool is_near(Search search, uint k, bool any_row, ivec2 row, out uint other) {
-  const vec4 entry = FETCH(grid_entries, k);
+  const vec4 entry = LATEST(grid_entries, k);
   const uint bits = floatBitsToUint(entry.w);
   other = bits & cluster_mask;
   const ivec3 cell = cell_at(entry.xyz, search.level);
   const bool in_row = any_row || cell.yz == row;
   const bool is_other = !search.among_equals || (cell == search.own_cell ? other > own : !comes_before(cell, search.own_cell));
-  const vec3 low = FETCH(cluster_boxes, 2 * other).xyz, high = FETCH(cluster_boxes, 2 * other + 1).xyz;
+  const vec3 low = LATEST(cluster_boxes, 2 * other).xyz, high = LATEST(cluster_boxes, 2 * other + 1).xyz;
   return bits >> level_shift == search.level && in_row && is_other && !any(greaterThan(abs(entry.xyz - search.middle), search.near)) &&
          !any(greaterThan(low, own_box.high)) && !any(lessThan(high, own_box.low));
 }
@@ -55,7 +55,7 @@ void list_both(uint other) {
 uvec2 run_of(Search search, int first, int last, ivec2 row) {
   const uint from = bucket_of(ivec3(first, row), search.level), to = bucket_of(ivec3(last, row), search.level);
   const uint wrapped = to < from ? contact_settings.clusters : 0;
-  return uvec2(FETCH_UINT(grid_starts, from), FETCH_UINT(grid_starts, to + 1) + wrapped);
+  return uvec2(LATEST_UINT(grid_starts, from), LATEST_UINT(grid_starts, to + 1) + wrapped);
 }
 
 // Visits the cells of a level that the search's box overlaps. Where these are more than there are clusters (a fast one among small ones,
@@ -86,7 +86,7 @@ void search_level(Search search) {
 
 void find_near(uint cluster) {
   own = cluster;
-  own_box = Box(FETCH(cluster_boxes, 2 * own).xyz, FETCH(cluster_boxes, 2 * own + 1).xyz);
+  own_box = Box(LATEST(cluster_boxes, 2 * own).xyz, LATEST(cluster_boxes, 2 * own + 1).xyz);
   const Place place = place_of(own_box);
   add_near(own, own | WEFT_TOUCHING);
   smooth_clusters[own] = uint(is_smooth(own));

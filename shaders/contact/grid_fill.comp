@@ -13,6 +13,7 @@ SHARE(uint, grid_counts)
 SHARE(uint, grid_starts)
 WRITE(vec4, grid_entries)
 
+#include "contact/apart.glsl"
 #include "contact/grid.glsl"
 #include "contact/cluster.glsl"
 #include "contact/scan.glsl"

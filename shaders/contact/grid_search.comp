@@ -15,6 +15,7 @@ READ_WRITE(uint, cluster_pushes)
 WRITE(uint, smooth_clusters)
 READ(Detection, detection)
 
+#include "contact/apart.glsl"
 #include "contact/grid.glsl"
 #include "contact/cluster.glsl"
 #include "contact/smooth.glsl"

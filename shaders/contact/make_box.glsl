@@ -74,7 +74,7 @@ void make_box(uint cluster) {
     const Track track = widest_track(i);
     const Sweep sweep = sweep_of(track, FETCH(rest, i).w);
     box = Box(min(box.low, sweep.low), max(box.high, sweep.high));
-    bound = max(bound, FETCH(detected_positions, i).w);
+    bound = max(bound, LATEST(detected_positions, i).w);
     kinematic = kinematic || FETCH(positions, i).w == 0;
     ways = Box(min(ways.low, track.trajectory), max(ways.high, track.trajectory));
   }

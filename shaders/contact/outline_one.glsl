@@ -2,7 +2,7 @@
 // contact/cluster.glsl, contact/outline_box.glsl, contact/near_list.glsl and the buffers.
 
 float pushed(uint i) {
-  return detection[0].most_pushed == 0 ? 0 : uintBitsToFloat(FETCH_UINT(cluster_pushes, FETCH_UINT(cluster_owners, i)));
+  return detection[0].most_pushed == 0 ? 0 : uintBitsToFloat(LATEST_UINT(cluster_pushes, FETCH_UINT(cluster_owners, i)));
 }
 
 Track final_track(uint i) { return predicted_track(i, pushed(i)); }
@@ -36,11 +36,11 @@ void put_in_order(uint cluster) {
     near_clusters[row] = WEFT_NEAR_CLUSTERS + 1;
     return;
   }
-  const bool is_smooth = FETCH_UINT(smooth_clusters, cluster) != 0;
+  const bool is_smooth = LATEST_UINT(smooth_clusters, cluster) != 0;
   uint count = 0, later = 0;
   for (uint k = 0; k < listed; ++k) {
     const uint entry = near_clusters[row + 1 + k], other = entry & ~WEFT_TOUCHING;
-    if (other != entry && (is_smooth || FETCH_UINT(smooth_clusters, other) != 0)) continue;
+    if (other != entry && (is_smooth || LATEST_UINT(smooth_clusters, other) != 0)) continue;
     uint place = count++;
     if (other >= cluster) {   // in place of the first that does not, which goes to the end
       near_clusters[row + 1 + place] = near_clusters[row + 1 + later];
@@ -74,7 +74,7 @@ void outline_one(uint i) {
     outline = outline_of_edge(e.xy);
     cluster = e.z;
   }
-  const Box box = box_of(outline), of_cluster = Box(FETCH(cluster_boxes, 2 * cluster).xyz, FETCH(cluster_boxes, 2 * cluster + 1).xyz);
+  const Box box = box_of(outline), of_cluster = Box(LATEST(cluster_boxes, 2 * cluster).xyz, LATEST(cluster_boxes, 2 * cluster + 1).xyz);
   outline_boxes[i] = uvec4(grains_below(of_cluster, box.low) | grains_above(of_cluster, box.high) << 16, 0);
   outlines[3 * i] = vec4(outline.middle, outline.reach);
   outlines[3 * i + 1] = vec4(outline.half_sides, 0);

@@ -5,6 +5,6 @@
 
 // `pushed`: by how much its bound exceeds its own (m).
 Track predicted_track(uint i, float pushed) {
-  const vec4 at = FETCH(detected_positions, i);
-  return Track(at.xyz, FETCH(trajectories, i).xyz, at.w + pushed);
+  const vec4 at = LATEST(detected_positions, i);
+  return Track(at.xyz, LATEST(trajectories, i).xyz, at.w + pushed);
 }

@@ -12,7 +12,7 @@ GATHER_UINT4(clusters)
 GATHER_UINT4(cluster_faces)
 
 mat3 gradient_of(uint row) {
-  return mat3(FETCH(cluster_motions, row).xyz, FETCH(cluster_motions, row + 1).xyz, FETCH(cluster_motions, row + 2).xyz);
+  return mat3(LATEST(cluster_motions, row).xyz, LATEST(cluster_motions, row + 1).xyz, LATEST(cluster_motions, row + 2).xyz);
 }
 
 // The two orthonormal directions nearest to two directions that are of one length, about.
@@ -38,10 +38,10 @@ bool is_smooth(uint cluster) {
   const float wanted = uintBitsToFloat(around.w);
   for (uint k = around.x; k < around.z; ++k) {
     const uint row = WEFT_MOTION * FETCH_UINT(clusters_around, k);
-    const vec3 normal = vec3(FETCH(cluster_motions, row + 3).w, FETCH(cluster_motions, row + 4).w, FETCH(cluster_motions, row + 5).w);
-    const float off = FETCH(cluster_motions, row).w + length(to_frame * normal) * FETCH(cluster_motions, row + 7).x;
-    const float slope = FETCH(cluster_motions, row + 1).w, clearance = FETCH(cluster_motions, row + 2).w;
-    const vec4 trajectory = FETCH(cluster_motions, row + 6);
+    const vec3 normal = vec3(LATEST(cluster_motions, row + 3).w, LATEST(cluster_motions, row + 4).w, LATEST(cluster_motions, row + 5).w);
+    const float off = LATEST(cluster_motions, row).w + length(to_frame * normal) * LATEST(cluster_motions, row + 7).x;
+    const float slope = LATEST(cluster_motions, row + 1).w, clearance = LATEST(cluster_motions, row + 2).w;
+    const vec4 trajectory = LATEST(cluster_motions, row + 6);
     const float behind = (length(to_frame * trajectory.xyz) + trajectory.w) * per_substep();
     const float least = min(least_eigenvalue(to_frame * (gradient_of(row) * plane)),
                             least_eigenvalue(to_frame * (gradient_of(row + 3) * plane)));

@@ -21,11 +21,11 @@ float sum_to(uint n) { return 0.5 * float(n * (n + 1)); }
 float bound_of(uint i, vec3 p) {
   const float most = detection[0].margin;
   const uint passed = detection[0].served + 1, lifetime = detection[0].served_lifetime;
-  const vec4 at = FETCH(detected_positions, i);
+  const vec4 at = LATEST(detected_positions, i);
   if (lifetime == 0) return clamp(at.w, detection[0].least, most);   // the first detection, or the first after the host has put particles
-  const vec3 expected = at.xyz + float(min(passed, lifetime)) / float(lifetime) * FETCH(trajectories, i).xyz;
+  const vec3 expected = at.xyz + float(min(passed, lifetime)) / float(lifetime) * LATEST(trajectories, i).xyz;
   const float own = spare * distance(p, expected) * (sum_to(detection[0].horizon) / sum_to(passed));
-  const float near = spread * uintBitsToFloat(FETCH_UINT(near_bounds, i));
+  const float near = spread * uintBitsToFloat(LATEST_UINT(near_bounds, i));
   return own < most ? clamp(max(own, max(kept * at.w, near)), detection[0].least, most) : most;
 }
 

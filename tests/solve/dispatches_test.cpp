@@ -12,15 +12,18 @@ using Dispatches = GpuTest;
 
 struct Counted {
   std::size_t without, few, many;   // contacts: off, few of them, many
+  std::size_t seldom, rest;         // few, and detections are seldom; what is kinematic is at rest, besides
 };
 
 // Of a frame of ten substeps, as often as a frame's structure lists them.
-std::size_t dispatches_of(const compute::Device& device, const Scene& scene, bool few) {
+std::size_t dispatches_of(const compute::Device& device, const Scene& scene, bool few, bool seldom = false, bool rest = false) {
   const CookedFabric fabric = must(cook(scene, must(make_meshes(scene))));
   Solver solver = must(Solver::create(device, {}, scene, fabric, {}));
   FrameInput input;
   input.substeps = 10;
   input.few_contacts = few;
+  input.seldom_detections = seldom;
+  input.kinematics_rest = rest;
   return solver.frame(input).size();
 }
 
@@ -28,7 +31,8 @@ Counted count(const compute::Device& device, Scene scene) {
   scene.contacts.enabled = false;
   const std::size_t without = dispatches_of(device, scene, false);
   scene.contacts.enabled = true;
-  return {without, dispatches_of(device, scene, true), dispatches_of(device, scene, false)};
+  return {without, dispatches_of(device, scene, true), dispatches_of(device, scene, false), dispatches_of(device, scene, true, true),
+          dispatches_of(device, scene, true, true, true)};
 }
 
 TEST_F(Dispatches, of_a_frame_are_as_many_as_these) {
@@ -39,12 +43,16 @@ TEST_F(Dispatches, of_a_frame_are_as_many_as_these) {
   EXPECT_EQ(fallen.without, 22u) << "stretch and bending in each substep, a prediction, a surface";
   EXPECT_EQ(fallen.few, 22u + 10 * (11 + 1 + 2)) << "a detection, untangling, contacts in one workgroup, and the end of those with candidates";
   EXPECT_EQ(fallen.many, 22u + 10 * (11 + 1 + 4 * 3 + 2 * 2 + 1 + WEFT_LIMIT_PASSES + 1)) << "contacts pass by pass";
+  EXPECT_EQ(fallen.seldom, 22u + 10 * (4 + 1 + 2)) << "a detection by one workgroup, its search and its pairs; what is prepared in each substep";
+  EXPECT_EQ(fallen.rest, fallen.seldom - 10) << "nothing that could have crossed";
   Scene hung = free;
   hung.cloths[0].anchors.push_back(held_at({Corner::low_high, Corner::high_high}));
   const Counted held = count(device(), hung);
   EXPECT_EQ(held.without, 22u) << "anchors that do not move";
   EXPECT_EQ(held.few, fallen.few + 10) << "anchors, which cloth may hold back";
   EXPECT_EQ(held.many, fallen.many + 10);
+  EXPECT_EQ(held.seldom, fallen.seldom + 10);
+  EXPECT_EQ(held.rest, fallen.rest) << "anchors that are where they should be";
 }
 
 }  // namespace

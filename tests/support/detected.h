@@ -77,6 +77,7 @@ struct Setting {
   std::uint32_t capacity = 1 << 18;
   double fastest = 0;   // m: the longest step of a kinematic particle, as the anchor pass finds it
   bool untangle = false;
+  bool seldom = false;   // by the passes for detections that are seldom
 };
 
 inline CookedFabric with_clusters(CookedFabric fabric) {
@@ -101,13 +102,17 @@ struct Detected {
   }
   Detected(const compute::Device& device, const Soup& of, const Setting& setting, std::string_view last = "pair_edges")
       : fabric(with_clusters(of.fabric)), passes(device, scene(setting), fabric, setting.gather_storage, setting.workgroup), soup(of) {
-    passes.begin(frame_of(1));
+    FrameInput input = frame_of(1);
+    input.seldom_detections = setting.seldom;
+    passes.begin(input);
     passes.put(buffers::predicted, soup.predicted);
     gpu::Detection before = detection();
     before.fastest = std::bit_cast<std::uint32_t>(static_cast<float>(setting.fastest));
     passes.put(buffers::detection, std::vector{before});
-    for (const char* name : {"detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search", "detect_outline", "search_faces",
-                             "search_edges", "pair_faces", "pair_edges"}) {
+    std::vector<std::string_view> names{"detect_arguments", "detect_track", "cluster_box",  "grid_fill",  "grid_search",
+                                        "detect_outline",   "search_faces", "search_edges", "pair_faces", "pair_edges"};
+    if (setting.seldom) names = {"detect_alone", "detect_search", "detect_pair"};
+    for (const std::string_view name : names) {
       passes.run(name);
       if (name == last) break;
     }

@@ -83,10 +83,13 @@ constexpr Threads kContactsAlone{lengths::particles, lengths::one, {&buffers::de
 constexpr Threads kUnsafeCandidates{lengths::candidates, nullptr,
                                     {&buffers::detection, offsetof(gpu::Detection, listed) + WEFT_UNSAFE * sizeof(gpu::Groups)}, true};
 
+// Devices that bind fewer buffers to a pass do without what one workgroup does instead of six passes.
+bool binds_all(const Needs& needs) { return needs.storage_buffers >= (needs.constants[gpu::constant::through_texels] != 0 ? 17 : 27); }
+
 constexpr Pass kPasses[] = {
-    {.name = "detect_alone", .stage = Stage::detect, .threads = threads::once, .crowd = Crowd::seldom, .alone = true, .crew = true},
-    {.name = "detect_search", .stage = Stage::detect, .threads = kSearchers, .crowd = Crowd::seldom},
-    {.name = "detect_pair", .stage = Stage::detect, .threads = kNearPairs, .crowd = Crowd::seldom},
+    {.name = "detect_alone", .stage = Stage::detect, .threads = threads::once, .crowd = Crowd::seldom, .when = binds_all, .alone = true, .crew = true},
+    {.name = "detect_search", .stage = Stage::detect, .threads = kSearchers, .crowd = Crowd::seldom, .when = binds_all},
+    {.name = "detect_pair", .stage = Stage::detect, .threads = kNearPairs, .crowd = Crowd::seldom, .when = binds_all},
     {.name = "detect_arguments", .stage = Stage::detect, .threads = threads::once, .crowd = Crowd::often, .alone = true},
     {.name = "detect_track", .stage = Stage::detect, .threads = kDetectedParticles, .crowd = Crowd::often},
     {.name = "cluster_box", .stage = Stage::detect, .threads = kClusters, .crowd = Crowd::often},
