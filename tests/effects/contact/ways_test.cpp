@@ -1,6 +1,7 @@
 // Contacts in all three ways to run a frame: the same bits, no pair lost, and room that grows before it is needed, whoever waits for whom.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 
 #include "compute/commands.h"
@@ -112,6 +113,54 @@ TEST_F(ContactWays, advance_submit_and_record_give_the_same_bits_and_lose_no_pai
       EXPECT_EQ(other.counts.contacts_room, waited.counts.contacts_room);
     }
   }
+}
+
+// A held sheet that is to stop where a free one lies on the floor, which leaves it no room, and then goes back, and rests.
+Scene pressed_and_released() {
+  Scene scene;
+  scene.cloths.resize(2);
+  scene.cloths[0].grid = Grid{{0.3, 0.3}, 10, 10, Topology::diagonal, false};
+  scene.cloths[0].transform.translate = {0, 0.3f, 0};
+  scene.cloths[1].grid = Grid{{0.2, 0.2}, 14, 14, Topology::diagonal, false};
+  scene.cloths[1].transform.translate = {0, 0.12f, 0};
+  scene.cloths[1].transform.axis = {1, 0, 0};
+  scene.cloths[1].transform.degrees = 60;
+  scene.colliders = {plane(0)};
+  Anchor anchor;
+  anchor.box = Anchor::Box{{-9, 0.29f, -9}, {9, 0.31f, 9}};
+  const auto key = [](double time, float y) {
+    Key key;
+    key.time = time;
+    key.translate = {0, y, 0};
+    return key;
+  };
+  anchor.keys = {key(0.03, 0), key(0.11, -0.299f), key(0.35, -0.299f), key(0.42, -0.1f)};
+  scene.cloths[0].anchors.push_back(anchor);
+  scene.contacts.enabled = true;
+  return scene;
+}
+
+// With `advance` the host knows that anchors rest, and records no pass for them; with `record` it knows nothing.
+TEST_F(ContactWays, anchors_that_stop_and_set_off_again_leave_the_same_bits) {
+  const Scene scene = pressed_and_released();
+  SimulationOptions options;
+  options.timings = true;
+  const auto simulation = must(Simulation::create(device(), scene, options));
+  int resting = 0, alone = 0;   // frames without a pass for anchors; those with detections by one workgroup
+  for (int frame = 0; frame < kWayFrames; ++frame) {
+    EXPECT_EQ(must(simulation->advance(1.0 / 60)).pairs_lost, 0u);
+    const auto timings = simulation->timings();
+    resting += std::ranges::find(timings, "anchor+watch", &PassTiming::name) == timings.end();
+    alone += std::ranges::find(timings, "detect_alone", &PassTiming::name) != timings.end();
+  }
+  EXPECT_GT(resting, 15) << "of the 24 at the end";
+  EXPECT_LT(resting, 25) << "and none while they wait for room";
+  EXPECT_GT(alone, 0);
+  EXPECT_LT(alone, kWayFrames - 5);
+  EXPECT_GT(simulation->counts().tracking_error, 0.002f) << "none is late when they stop";
+  EXPECT_EQ(submitted(device(), scene).hash, hash_of(*simulation));
+  EXPECT_EQ(recorded(device(), scene, 1).hash, hash_of(*simulation));
+  EXPECT_EQ(recorded(device(), scene, 3).hash, hash_of(*simulation));
 }
 
 TEST_F(ContactWays, room_grows_before_it_is_needed_while_frames_are_under_way) {
