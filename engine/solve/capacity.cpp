@@ -168,8 +168,10 @@ void Simulation::State::learn(const gpu::Counters& counters) {
   capacity.room = std::max(capacity.room, counters.contacts_room);
   capacity.lost = std::max(capacity.lost, counters.contacts_overflowed);
   capacity.load = counters.contacts_load;
-  capacity.latest = counters.detections - capacity.detections;
-  capacity.detections = counters.detections;
+  // One workgroup takes longer for a detection than the passes that have a thread each (detect_alone), and saves seven dispatches in every
+  // substep without one. The software driver's are cheap, and its workgroup slow (twist, with one or two a frame: 18 ms for 12).
+  const std::uint32_t seldom = device->is_software() ? 0 : 2;   // in a frame
+  capacity.calm = counters.detections - std::exchange(capacity.detections, counters.detections) <= seldom ? capacity.calm + 1 : 0;
 }
 
 // A dispatch costs a GPU as much as a workgroup needs for a thousand contacts, and the software driver the waking of its threads: two dozen a
@@ -177,11 +179,7 @@ void Simulation::State::learn(const gpu::Counters& counters) {
 // 50 x 50 takes 39, 24, 25 ms, walk 58, 50, 48.) One workgroup can do seven times as many, should they grow before the host knows.
 bool Simulation::State::contacts_are_few() const { return capacity.load <= (device->is_software() ? 16'000u : 8'000u); }
 
-// A detection by one workgroup (detect_alone) takes as long as the dispatches that it saves in about as many substeps.
-bool Simulation::State::detections_are_seldom() const {
-  constexpr std::uint32_t kSeldom = 2;   // in a frame
-  return capacity.latest <= kSeldom && solver->can_detect_alone();
-}
+bool Simulation::State::detections_are_seldom() const { return capacity.calm >= 4 && solver->can_detect_alone(); }
 
 // Of the frames of `record` those that are done by now.
 void Simulation::State::hear_recorded() {
