@@ -465,7 +465,8 @@ struct Detection {
   uint may_cross;     // 1: something was driven through cloth: the next detection looks for crossings
   uint looks;         // 1: this one does; 2: and found more tangled pairs than there is room for
   uint crossings;     // pairs of an edge and a triangle that it goes through, which the last detection found; 0 where it did not look
-  uint stirs;         // kinematic particles that moved, or had a trajectory from when they did, over all substeps
+  uint stirs;         // 1: a kinematic particle moves in this substep, or has a trajectory from when it did
+  uint stirred;       // substeps in which one did
   uint levels;        // a bit for each level that has boxes
   uint extents[WEFT_LEVELS];   // bits of the longest half side of a box (m) at each level
 };
@@ -561,7 +562,7 @@ static_assert(sizeof(SkinPoint) == 76 && sizeof(Joint) == 96 && sizeof(MotionLim
 static_assert(sizeof(MorphDelta) == 16 && sizeof(Carried) == 48 && sizeof(FrameChange) == 96);
 static_assert(sizeof(Gas) == 32 && sizeof(GasPart) == 16 && sizeof(GasState) == 8 && sizeof(GasSum) == 24);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 48);
-static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 360 && sizeof(Acceleration) == 48);
+static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 364 && sizeof(Acceleration) == 48);
 // As std430 and std140 have them.
 static_assert(offsetof(Collider, normal_from) == 32 && offsetof(Collider, rotation_from) == 80 && offsetof(Collider, half_size) == 96);
 static_assert(offsetof(Motion, origin) == 16 && offsetof(Motion, relaxation) == 36 && offsetof(Air, drag) == 16);

@@ -95,7 +95,7 @@ struct Pass {
   const char* with_contacts = "";                // what its label ends in with contacts, which it watches, too
   bool collides = false;                         // puts particles out of colliders, which its label says then
   bool after_tethers = false;                    // these end the last pass before it
-  bool only_towards_targets = false;             // without contacts, skipped in frames in which no target moves
+  bool only_towards_targets = false;             // skipped in frames in which no target moves; with contacts, where none is late either
   bool only_after_motion = false;                // skipped in frames in which no kinematic particle can move or has (FrameInput::kinematics_rest)
   std::uint32_t (*every)(const Cooked&) = nullptr;   // runs in each so many-th substep since the simulation's start; null: in all
   std::uint32_t rounds = 1;                      // dispatches one after another; the round is in push.flags

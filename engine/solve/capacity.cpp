@@ -86,6 +86,7 @@ Result<bool> Simulation::State::grow_capacity(std::uint64_t wanted) {
 }
 
 Result<void> Simulation::State::detect_anew() {
+  stir();
   gpu::Detection detection{};
   const auto bytes = std::as_writable_bytes(std::span(&detection, 1));
   if (auto done = compute::read_back(*device, solver->buffer(buffers::detection), bytes); !done) return done;
@@ -168,8 +169,11 @@ void Simulation::State::learn(const gpu::Counters& counters) {
   capacity.room = std::max(capacity.room, counters.contacts_room);
   capacity.lost = std::max(capacity.lost, counters.contacts_overflowed);
   capacity.load = counters.contacts_load;
-  // One workgroup takes longer for a detection than the passes that have a thread each (detect_alone), and saves seven dispatches in every
-  // substep without one. The software driver's are cheap, and its workgroup slow (twist, with one or two a frame: 18 ms for 12).
+}
+
+// One workgroup takes longer for a detection than the passes that have a thread each (detect_alone), and saves seven dispatches in every
+// substep without one. The software driver's are cheap, and its workgroup slow (twist, with one or two a frame: 18 ms for 12).
+void Simulation::State::count_calm(const gpu::Counters& counters) {
   const std::uint32_t seldom = device->is_software() ? 0 : 2;   // in a frame
   capacity.calm = counters.detections - std::exchange(capacity.detections, counters.detections) <= seldom ? capacity.calm + 1 : 0;
 }
@@ -191,6 +195,7 @@ void Simulation::State::hear_recorded() {
     learn(reported(place_of_event(k)).counters);
     if (recorded.number[k] < recorded.heard) continue;
     recorded.heard = recorded.number[k];
+    count_calm(reported(place_of_event(k)).counters);
     read_reactions(place_of_event(k), reactions.known);
   }
 }
@@ -199,6 +204,7 @@ void Simulation::State::hear_recorded() {
 Result<void> Simulation::State::run_to_the_end(FrameInput input) {
   const bool contacts = solver->has(buffers::candidates) && input.substeps > 0;
   const Report before = heard;
+  const bool rested = kinematic.rest;
   const std::vector<gpu::Reaction> given_before = reactions.heard;
   const std::uint32_t overflowed = before.counters.contacts_overflowed, parity = solver->parity(), phase = solver->phase();
   const bool saves = contacts || (timed_on_cpu() && input.substeps > 0);
@@ -235,6 +241,8 @@ Result<void> Simulation::State::run_to_the_end(FrameInput input) {
     solver->set_phase(phase);
     // The counters are rolled back, too: should the repeated frame fail, it counts nothing.
     heard = before;
+    kinematic.rest = rested;
+    capacity.detections = before.counters.detections;
     reactions.heard = reactions.known = given_before;
     capacity.lost = before.counters.contacts_overflowed;
   }

@@ -42,6 +42,12 @@ ColliderPose keyed_pose(const Collider& collider, const Key& key) {
   return {collider.centre + key.translate, rotated(rotation, collider.normal), rotation * rest_rotation(collider)};
 }
 
+// What is known of kinematic particles is so no longer. The frame that is planned may not be one of those that are submitted.
+void Simulation::State::stir() {
+  kinematic.still_since = queue.submitted + 2;
+  kinematic.rest = false;
+}
+
 // Whole substeps that fit; the rest waits for the next frame. A millionth of a substep counts as rounding, so that 1/60 s
 // is always the same number of them.
 Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input) {
@@ -57,21 +63,21 @@ Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input)
   input.first_substep = clock.substeps;
   input.gravity = gravity;
   input.few_contacts = contacts_are_few();
-  input.seldom_detections = detections_are_seldom();
-  if (advance.substeps == 0) return advance;
+  if (advance.substeps == 0) {   // its report says nothing new
+    if (!kinematic.rest) stir();
+    return advance;
+  }
   follow_holds();
   if (auto torn = follow_tears(); !torn) return torn.take_error();
   input.edits = holds.edits;
+  input.seldom_detections = detections_are_seldom();
   if (scene.air) {
     input.air = air_of(*scene.air, moving_air, now(), advance.simulated, origin);
     moving_air.pass(advance.simulated);
   }
   clock.substeps += advance.substeps;
   move_scene(advance.simulated, input);
-  if (input.anchors_move || !input.edits.empty() || !input.frame_changes.empty()) {
-    kinematic.still_since = queue.submitted + 2;   // this frame may not be one of those that are submitted
-    kinematic.rest = false;
-  }
+  if (input.anchors_move || !input.edits.empty() || !input.frame_changes.empty()) stir();
   input.kinematics_rest = kinematic.rest;
   return advance;
 }

@@ -289,10 +289,11 @@ void Solver::follow(const Cooked& subject) {
   set_uniforms("contact_settings", contacts_);
 }
 
-// On a GPU it is a matter of time: with 2000 clusters, of 30,000 triangles, its loops are as long as what it saves. The software driver ends
-// loops (WEFT_MOST_TURNS): in the worst case a thread looks at all clusters and as many cells on every level, for each of its own.
+// On a GPU it is a matter of time: with the clusters of a sheet of 100 x 100 its loops are as long as what it saves. The software driver ends
+// loops (WEFT_MOST_TURNS): in the worst case a thread looks at all clusters and as many cells on every level, for each of its own. That is
+// never so on more than a few levels, which leaves turns enough for asking of each pair whether the two touch.
 bool Solver::can_detect_alone() const {
-  constexpr std::uint64_t kMost = 2000, kOfCluster = 400;   // clusters; turns of a cluster's loops over its members, neighbours and lists
+  constexpr std::uint64_t kMost = 2048, kOfCluster = 400;   // clusters; turns of a cluster's loops over its members, neighbours and lists
   const auto share = [&](std::uint64_t count) { return (count + needs_.crew - 1) / needs_.crew; };
   const std::uint64_t clusters = contacts_.clusters;
   if (std::ranges::none_of(plan_.passes, [](const PlannedPass& planned) { return planned.pass->crowd == Crowd::seldom; })) return false;

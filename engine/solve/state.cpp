@@ -63,13 +63,15 @@ void Simulation::State::hear(std::uint64_t frame) {
   if (has_recorded) {
     hear_recorded();
     heard = reported(place_of_recorded());
+    count_calm(heard.counters);
     read_reactions(place_of_recorded(), reactions.heard);
     queue.heard = queue.submitted;   // recorded after them
   } else if (frame > queue.heard) {
-    const std::uint32_t stirs = heard.detection.stirs;
+    const std::uint32_t stirred = heard.detection.stirred;
     heard = reported(slot_of(frame));
     const gpu::Detection& now = heard.detection;
-    kinematic.rest |= queue.heard >= kinematic.still_since && now.stirs == stirs && now.crossings == 0 && now.may_cross == 0;
+    kinematic.rest |= queue.heard >= kinematic.still_since && now.stirred == stirred && now.crossings == 0 && now.may_cross == 0;
+    count_calm(heard.counters);
     read_reactions(slot_of(frame), reactions.heard);
     queue.heard = frame;
   }

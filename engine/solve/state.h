@@ -303,6 +303,8 @@ struct Simulation::State {
   void learn(const gpu::Counters& counters);
   bool contacts_are_few() const;
   bool detections_are_seldom() const;
+  void count_calm(const gpu::Counters& counters);
+  void stir();
   void hear_recorded();
   std::uint32_t lost_since_told() { return capacity.lost - std::exchange(capacity.told, capacity.lost); }
   Result<void> detect_anew();

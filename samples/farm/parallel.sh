@@ -2,7 +2,7 @@
 # A sweep of weft on several machines by GNU parallel over ssh, then merged here:
 #
 #   samples/farm/parallel.sh PARTS MACHINES FOLDER COMMAND [ARGUMENT...]
-#   samples/farm/parallel.sh 8 1/anna,1/berta,1/: out/sweep accuracy assets/scenes/curtain.json
+#   samples/farm/parallel.sh 8 1/anna,1/berta,1/: out/sweep accuracy assets/scenes/swing.json
 #
 # MACHINES are GNU parallel's --sshlogin: `1/anna` is one part at a time on anna, `:` is this machine. All see this folder under the same
 # path, and FOLDER. A part that is stopped is started again and goes on where it was. WEFT is the program, else `weft` on the path.

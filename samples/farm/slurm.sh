@@ -2,7 +2,7 @@
 # A sweep of weft as a Slurm job array, a part a task:
 #
 #   sbatch --array=1-8 samples/farm/slurm.sh FOLDER COMMAND [ARGUMENT...]
-#   sbatch --array=1-8 samples/farm/slurm.sh out/sweep accuracy assets/scenes/curtain.json
+#   sbatch --array=1-8 samples/farm/slurm.sh out/sweep accuracy assets/scenes/swing.json
 #
 # A part whose time is up, or whose machine is wanted for something else, is put back into the queue and goes on where it was. FOLDER is one
 # that all machines see; WEFT is the program, else `weft` on the path. Tasks are counted from 1, without gaps.

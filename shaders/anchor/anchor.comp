@@ -53,7 +53,7 @@ vec3 among_contacts(vec3 target, Anchor anchor) {
   const vec3 next = next_place(target, x, lag, anchor);
   if (strays(next, expected_of(anchor.particle, detection[0].steps).next, bound_of(anchor.particle))) detection[0].needs_detection = 1;
   const bool rests = next == x && x == FETCH(detected_positions, anchor.particle).xyz && FETCH(trajectories, anchor.particle).xyz == vec3(0);
-  if (!rests) atomicAdd(detection[0].stirs, 1u);
+  if (!rests && detection[0].stirs == 0) detection[0].stirs = 1;
   const float step = distance(next, x);
   if (step > contact_settings.margin_low) atomicMax(detection[0].fastest, floatBitsToUint(step));   // it may push (predicted_track.glsl)
   return next;

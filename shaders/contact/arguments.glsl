@@ -86,4 +86,6 @@ void decide() {
   if (needed || settled) begin_detection(settled);
   else skip_detection();
   detection[0].fastest = 0;
+  detection[0].stirred += detection[0].stirs;
+  detection[0].stirs = 0;
 }

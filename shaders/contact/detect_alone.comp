@@ -1,6 +1,6 @@
 // detect_alone: a detection as far as its search, in one workgroup that waits for itself, where detections are seldom: it is a single dispatch
 // instead of six, which are empty in most substeps. What it does is to the bit what those passes do, so that the host may choose by what it
-// knows of earlier frames (Solver::seldom_detections): the order of lists is the only difference, and nothing depends on it.
+// knows of earlier frames (FrameInput::seldom_detections): the order of lists is the only difference, and nothing depends on it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
