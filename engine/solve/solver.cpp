@@ -298,7 +298,8 @@ bool Solver::can_detect_alone() const {
   const std::uint64_t clusters = contacts_.clusters;
   if (std::ranges::none_of(plan_.passes, [](const PlannedPass& planned) { return planned.pass->crowd == Crowd::seldom; })) return false;
   if (!device_->is_software()) return clusters <= kMost;
-  const std::uint64_t elements = std::uint64_t{contacts_.particles} * 2 + contacts_.triangles + contacts_.edges + contacts_.buckets * 2 + contacts_.tangled_room;
+  const std::uint64_t elements =
+      2 * std::uint64_t{contacts_.particles} + contacts_.triangles + contacts_.edges + 2 * std::uint64_t{contacts_.buckets} + contacts_.tangled_room;
   return share(elements) + share(clusters) * (kOfCluster + 2 * WEFT_LEVELS * clusters) <= WEFT_MOST_TURNS;
 }
 

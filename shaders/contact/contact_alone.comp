@@ -44,10 +44,7 @@ SHARE(Detection, detection)
 #include "contact/unsafe.glsl"
 #include "contact/limit.glsl"
 
-void wait() {
-  memoryBarrierBuffer();
-  barrier();
-}
+#include "contact/wait.glsl"
 
 void iterate(uint thread, uint contacts, uint touched) {
   for (uint k = thread; k < contacts; k += workgroup) add_penetrations(k);

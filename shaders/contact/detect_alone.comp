@@ -31,10 +31,7 @@ SHARE(vec4, grid_entries)
 #define LATEST(name, i) name[i]
 #define LATEST_UINT(name, i) name[i]
 
-void wait() {
-  memoryBarrierBuffer();
-  barrier();
-}
+#include "contact/wait.glsl"
 
 #include "contact/groups.glsl"
 #include "contact/grid.glsl"

@@ -22,7 +22,7 @@ bool may_meet(Outline other, vec3 m, vec3 relative, float reach) {
   return is_edge ? edge_may_meet(other, m, relative, reach) : face_may_meet(other, m, relative, reach);
 }
 uvec2 members_of(uint cluster) { return is_edge ? edges_of(cluster) : faces_of(cluster); }
-uint outline_number(uint member) { return is_edge ? outline_of_edge(member) : member; }
+uint outline_number(uint member) { return is_edge ? number_of_edge(member) : member; }
 bool can_be_pair(uint member, out uvec4 particles) {
   return is_edge ? can_pair_with_edge(member, particles) : can_pair_with_face(member, particles);
 }

@@ -18,10 +18,7 @@ WRITE(vec4, grid_entries)
 #include "contact/cluster.glsl"
 #include "contact/scan.glsl"
 
-void wait() {
-  memoryBarrierBuffer();
-  barrier();
-}
+#include "contact/wait.glsl"
 
 #include "contact/fill.glsl"
 

@@ -17,7 +17,7 @@ GATHER(velocities)
 
 bool may_meet(Outline other, vec3 m, vec3 relative, float reach) { return edge_may_meet(other, m, relative, reach); }
 uvec2 members_of(uint cluster) { return edges_of(cluster); }
-uint outline_number(uint member) { return outline_of_edge(member); }
+uint outline_number(uint member) { return number_of_edge(member); }
 bool can_be_pair(uint member, out uvec4 particles) { return can_pair_with_edge(member, particles); }
 void put_near(uint place, uint member) { near_edges[place] = uvec2(edge, member); }
 

@@ -16,7 +16,7 @@ uvec2 edges_of(uint cluster) {
   return uvec2(cluster == own_cluster ? edge + 1 : FETCH(clusters, cluster).y, FETCH(clusters, cluster + 1).y);
 }
 
-uint outline_of_edge(uint member) { return contact_settings.triangles + member; }
+uint number_of_edge(uint member) { return contact_settings.triangles + member; }
 
 bool can_pair_with_edge(uint member, out uvec4 particles) {
   const uvec2 e = FETCH(cluster_edges, member).xy;
@@ -32,5 +32,5 @@ void searching_edge(uint i) {
   const uvec4 e = FETCH(cluster_edges, edge);
   ends = e.xy;
   own_cluster = e.z;
-  own = outline_at(outline_of_edge(edge));
+  own = outline_at(number_of_edge(edge));
 }

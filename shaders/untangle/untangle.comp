@@ -36,10 +36,7 @@ const float kEager = 4;
 
 shared uint ended_early;
 
-void wait() {
-  memoryBarrierBuffer();
-  barrier();
-}
+#include "contact/wait.glsl"
 
 bool is_cut(uint edge) { return FETCH_UINT2(crossed_triangles, edge).y >> 31 != 0; }
 
