@@ -67,9 +67,15 @@ Result<SolverSettings> solver_of(const CurvePoint& setting) {
 
 }  // namespace
 
-Result<Choice> choose(const Curve& curve, double budget_ms, std::uint64_t particles, bool tethers) try {
-  auto settings = settings_of(curve, tethers);
-  if (settings.empty()) settings = settings_of(curve, !tethers);
+Result<Choice> choose(const Curve& curve, double budget_ms, std::uint64_t particles, bool tethers,
+                      const std::function<bool(const CurvePoint&)>& goes) try {
+  const auto those_that_go = [&](bool held) {
+    auto settings = settings_of(curve, held);
+    std::erase_if(settings, [&](const auto& one) { return !goes(one.second.front()); });
+    return settings;
+  };
+  auto settings = those_that_go(tethers);
+  if (settings.empty()) settings = those_that_go(!tethers);
   if (settings.empty()) return fail("the curve of ", curve.scene, " on ", curve.device, " has no setting to choose from");
   std::vector<CurvePoint> points;
   for (const auto& [key, samples] : settings) points.push_back(expected(samples, particles));
@@ -83,17 +89,22 @@ Result<Scene> with_choice(const Scene& scene, std::uint64_t particles, const Cur
   if (scene.solver.method != Method::automatic) return scene;
   if (const std::string fault = order_fault(scene); !fault.empty()) return fail("solver.order: ", fault);
   if (!scene.solver.budget_ms) return fail("solver.method: \"auto\" needs solver.budget_ms");
-  const bool tethers =
-      std::any_of(scene.cloths.begin(), scene.cloths.end(), [](const Cloth& c) { return c.tethers && !c.anchors.empty(); });
-  const auto choice = choose(curve, *scene.solver.budget_ms, particles, tethers);
+  Scene chosen = scene;
+  const auto solve_by = [&](const CurvePoint& setting) -> Result<void> {
+    auto solver = solver_of(setting);
+    if (!solver) return solver.take_error();
+    chosen.solver = *solver;
+    chosen.solver.rate = scene.solver.rate;
+    chosen.solver.longest_advance = scene.solver.longest_advance;
+    return {};
+  };
+  // A setting that cannot be read counts as one that goes: whoever would get it is told.
+  const auto choice = choose(curve, *scene.solver.budget_ms, particles, tethers_hold(scene), [&](const CurvePoint& setting) {
+    return !solve_by(setting) || (method_fault(chosen).empty() && order_fault(chosen).empty() && relaxation_fault(chosen).empty());
+  });
   if (!choice) return fail(choice.why());
   const CurvePoint& setting = choice->setting;
-  auto solver = solver_of(setting);
-  if (!solver) return solver.take_error();
-  solver->rate = scene.solver.rate;
-  solver->longest_advance = scene.solver.longest_advance;
-  Scene chosen = scene;
-  chosen.solver = *solver;
+  if (const auto done = solve_by(setting); !done) return fail(done.why());
   note = "solver: " + setting.row + ", " + std::to_string(setting.substeps) + " substeps x " + std::to_string(setting.iterations) +
          " iterations: " + rounded_text(setting.ms_median, 3) + " ms and " + rounded_text(100 * setting.strain_rms, 2) +
          " % rms strain expected for " + std::to_string(particles) + " particles by the curve of " + curve.scene + " on " +

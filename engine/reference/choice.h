@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "compute/result.h"
@@ -22,11 +23,12 @@ struct Choice {
   bool fits = true;        // false: even this one, the cheapest, exceeds the budget
 };
 
-/// Errors: a curve without a point that counts.
-Result<Choice> choose(const Curve& curve, double budget_ms, std::uint64_t particles, bool tethers);
+/// Among the points for which `goes` holds. Errors: a curve without one that counts.
+Result<Choice> choose(const Curve& curve, double budget_ms, std::uint64_t particles, bool tethers,
+                      const std::function<bool(const CurvePoint&)>& goes = [](const CurvePoint&) { return true; });
 
-/// The scene with the settings that its budget buys in place of "auto"; `note` says which, and from which curve. Any other
-/// scene comes back as it is. Errors: those of choose; an assignment in the curve that no scene knows.
+/// The scene with the settings that its budget buys in place of "auto", among those that go with what the scene has; `note` says which, and
+/// from which curve. Any other scene comes back as it is. Errors: those of choose; an assignment in the curve that no scene knows.
 Result<Scene> with_choice(const Scene& scene, std::uint64_t particles, const Curve& curve, std::string& note);
 
 /// Measured on the software driver, for devices without a curve of their own. choice_table.cpp names the command.

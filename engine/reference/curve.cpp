@@ -11,6 +11,9 @@
 namespace weft {
 namespace {
 
+// Columns from here on came later: a curve may end before it.
+constexpr const char* kLater = "dispatches";
+
 // One list of columns, name and member, for the writer and the reader.
 template <class Visitor, class Point>
 void columns(Visitor&& v, Point& p) {
@@ -32,6 +35,7 @@ void columns(Visitor&& v, Point& p) {
   v("total_error", p.total_error);
   v("non_finite", p.non_finite);
   v("passes", p.passes);
+  v(kLater, p.dispatches);
 }
 
 // Without commas and control characters, which separate columns and lines.
@@ -93,13 +97,20 @@ Result<void> read_fact(std::string_view line, std::size_t number, Curve& curve) 
   return {};
 }
 
-Result<CurvePoint> read_point(std::string_view line, std::size_t number) {
+std::ptrdiff_t columns_in(std::string_view line) { return 1 + std::count(line.begin(), line.end(), ','); }
+
+// How many of the columns there are, by the line that names them; none where it names others.
+std::ptrdiff_t columns_named(std::string_view line) {
+  const std::string all = header();
+  return line == all || line == std::string_view(all).substr(0, all.find(kLater) - 1) ? columns_in(line) : 0;
+}
+
+Result<CurvePoint> read_point(std::string_view line, std::size_t number, std::ptrdiff_t wanted) {
   CurvePoint point;
   std::string fault;
-  const std::string names = header();
-  const auto commas = std::count(line.begin(), line.end(), ','), wanted = std::count(names.begin(), names.end(), ',');
-  if (commas != wanted) return fail("line ", number, ": has ", commas + 1, " columns, not ", wanted + 1);
+  if (columns_in(line) != wanted) return fail("line ", number, ": has ", columns_in(line), " columns, not ", wanted);
   columns([&](const char* name, auto& value) {
+    if (wanted-- <= 0) return;
     const std::string_view text = next(line, ',');
     if (!read(text, value) && fault.empty()) fault = std::string(name) + ": \"" + std::string(text.substr(0, 60)) + "\" cannot be read";
   }, point);
@@ -113,12 +124,12 @@ bool counts(const CurvePoint& point, CurveError error) {
   return point.non_finite == 0 && std::isfinite(point.*error) && std::isfinite(point.ms_median);
 }
 
-std::vector<std::size_t> front(std::span<const CurvePoint> points, CurveError error) {
+std::vector<std::size_t> front(std::span<const CurvePoint> points, CurveError error, CurveCost cost) {
   std::vector<std::size_t> order(points.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::erase_if(order, [&](std::size_t i) { return !counts(points[i], error); });
+  std::erase_if(order, [&](std::size_t i) { return !counts(points[i], error) || !std::isfinite(points[i].*cost); });
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return std::pair(points[a].ms_median, points[a].*error) < std::pair(points[b].ms_median, points[b].*error);
+    return std::pair(points[a].*cost, points[a].*error) < std::pair(points[b].*cost, points[b].*error);
   });
   std::vector<std::size_t> kept;
   for (const std::size_t i : order)
@@ -155,18 +166,18 @@ std::string curve_csv(const Curve& curve) {
 
 Result<Curve> parse_curve(std::string_view text) try {
   Curve curve;
-  bool headed = false;
+  std::ptrdiff_t wanted = 0;   // columns
   if (next(text, '\n') != kFirstLine) return fail("line 1: is not \"", kFirstLine, "\"");
   for (std::size_t number = 2; !text.empty(); ++number) {
     const std::string_view line = next(text, '\n');
     if (line.empty()) continue;
     if (line[0] == '#') {
       if (auto done = read_fact(line, number, curve); !done) return done.take_error();
-    } else if (!headed) {
-      if (line != header()) return fail("line ", number, ": is not the header of such a curve");
-      headed = true;
+    } else if (wanted == 0) {
+      wanted = columns_named(line);
+      if (wanted == 0) return fail("line ", number, ": is not the header of such a curve");
     } else {
-      auto point = read_point(line, number);
+      auto point = read_point(line, number, wanted);
       if (!point) return point.take_error();
       curve.points.push_back(std::move(*point));
     }

@@ -35,10 +35,12 @@ struct CurvePoint {
   double total_error = kUnknown;    // of this run to the one with h / 16
   std::uint32_t non_finite = 0;     // particles that had to be put back
   std::string passes;           // milliseconds of each: "predict=0.02 stretch=1.1"
+  double dispatches = kUnknown; // a frame: what a GPU charges for where cloths are small
 };
 
-/// Which of a point's figures counts as its error.
+/// Which of a point's figures counts as its error, and which as its cost: ms_median or dispatches.
 using CurveError = double CurvePoint::*;
+using CurveCost = double CurvePoint::*;
 
 struct Curve {
   std::string device, scene;
@@ -51,8 +53,8 @@ struct Curve {
 /// Whether a point can stand on a front: its run stayed finite and this error was measured.
 bool counts(const CurvePoint& point, CurveError error);
 
-/// Indices of the points that no other beats in milliseconds and error, cheapest first: along them the error falls strictly.
-std::vector<std::size_t> front(std::span<const CurvePoint> points, CurveError error);
+/// Indices of the points that no other beats in cost and error, cheapest first: along them the error falls strictly.
+std::vector<std::size_t> front(std::span<const CurvePoint> points, CurveError error, CurveCost cost = &CurvePoint::ms_median);
 
 /// The point of the least error that takes at most `budget_ms`; nothing where even the cheapest takes more.
 std::optional<std::size_t> best(std::span<const CurvePoint> points, CurveError error, double budget_ms);
@@ -61,7 +63,7 @@ std::optional<std::size_t> best(std::span<const CurvePoint> points, CurveError e
 std::vector<CurvePoint> points_of(const Curve& curve, std::uint32_t cells, bool tethers);
 
 /// A few lines of "# key: value", a header, then a line a point; what was not measured is left empty. parse_curve reads back
-/// exactly what was written. Errors: a header that is not there, a number that is none; they name the line and the column.
+/// exactly what was written, and curves of earlier versions, which lack the last columns. Errors: a header that is not there, a number that is none; they name the line and the column.
 std::string curve_csv(const Curve& curve);
 Result<Curve> parse_curve(std::string_view text);
 

@@ -37,12 +37,15 @@ double most_relaxation(const SolverSettings& solver) {
   return solver.method == Method::chebyshev ? 1 + rho_of(solver) : 1 + std::pow(least_of(solver).limit, -1.0 / std::max(1u, solver.iterations));
 }
 
-bool levels_of(const Scene& scene) {
+bool tethers_hold(const Scene& scene) {
   const auto moves = [](const Anchor& anchor) { return !anchor.keys.empty(); };
-  const auto holds = [&](const Cloth& cloth) {
+  return std::ranges::all_of(scene.cloths, [&](const Cloth& cloth) {
     return cloth.tethers && !cloth.anchors.empty() && std::ranges::none_of(cloth.anchors, moves);
-  };
-  const bool by_default = scene.solver.method == Method::by_default && !std::ranges::all_of(scene.cloths, holds);
+  });
+}
+
+bool levels_of(const Scene& scene) {
+  const bool by_default = scene.solver.method == Method::by_default && !tethers_hold(scene);
   return scene.solver.levels.value_or(by_default || scene.solver.method == Method::strands);
 }
 

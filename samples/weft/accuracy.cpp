@@ -50,11 +50,18 @@ SweepPlan plan_of(const Scene& scene, const AccuracyOptions& options) {
   plan.iterations = options.quick ? std::vector<std::uint32_t>{1, 4} : std::vector<std::uint32_t>{1, 4, 16};
   plan.most_passes = plan.substeps.back();
   plan.most_iterated = options.quick ? 8 : 40;
-  plan.most_particle_passes = options.quick ? 0.5e6 : 3.3e6;
-  for (const std::uint32_t cells :
-       options.quick ? std::vector<std::uint32_t>{plan.reference_cells} : std::vector<std::uint32_t>{plan.reference_cells, 99})
-    if (cells > 0 && cells < own) plan.cells.push_back(cells);
-  plan.cells.push_back(own);
+  if (own > 0)
+    for (const std::uint32_t side : options.sides) plan.cells.push_back(side - 1);
+  if (plan.cells.empty()) {
+    for (const std::uint32_t cells :
+         options.quick ? std::vector<std::uint32_t>{plan.reference_cells} : std::vector<std::uint32_t>{plan.reference_cells, 99})
+      if (cells > 0 && cells < own) plan.cells.push_back(cells);
+    plan.cells.push_back(own);
+  }
+  std::ranges::sort(plan.cells);
+  plan.cells.erase(std::ranges::unique(plan.cells).begin(), plan.cells.end());
+  // Whatever the size, twice the default's passes are tried.
+  plan.most_particle_passes = std::max(options.quick ? 0.5e6 : 3.3e6, 20 * std::pow(plan.cells.back() + 1.0, 2));
   plan.tethers = {tethered};
   if (held && !options.quick) plan.tethers.push_back(!tethered);
   return plan;
@@ -84,7 +91,7 @@ struct Swept {
 // The options that a merge needs again, to make the pages that the command makes.
 Row facts_of(const AccuracyOptions& options, const SweepPlan& plan, const Scene& scene, const std::string& device) {
   Row facts = {{"device", device}, {"scene", scene.name}, {"quick", options.quick}, {"frames", plan.frames},
-               {"reference_cells", plan.reference_cells}, {"outside", options.buffer_files == BufferFiles::anywhere},
+               {"reference_cells", plan.reference_cells}, {"sides", options.sides}, {"outside", options.buffer_files == BufferFiles::anywhere},
                {"set", Row::array()}};
   for (const Assignment& assignment : options.assignments) facts["set"].push_back({assignment.path, assignment.value});
   return facts;
@@ -97,6 +104,7 @@ AccuracyOptions options_of(const Work& work) {
   options.quick = work.facts.at("quick").get<bool>();
   options.frames = work.facts.at("frames").get<std::uint32_t>();
   options.reference_cells = work.facts.at("reference_cells").get<std::uint32_t>();
+  options.sides = work.facts.at("sides").get<std::vector<std::uint32_t>>();
   if (work.facts.at("outside").get<bool>()) options.buffer_files = BufferFiles::anywhere;
   for (const Row& set : work.facts.at("set"))
     options.assignments.push_back({set.at(0).get<std::string>(), set.at(1).get<std::string>()});
@@ -188,17 +196,18 @@ Result<void> prepare_to_save(const std::string& device) {
   return probe_file(file, Link::replace);
 }
 
-void print_front(const Curve& curve, bool tethers) {
-  const auto points = points_of(curve, largest(curve), tethers);
+void print_front(const Curve& curve, std::uint32_t cells, bool tethers) {
+  const auto points = points_of(curve, cells, tethers);
   const auto best = front(points, &CurvePoint::strain_rms);
   if (best.empty()) return;
-  std::printf("%zu particles, %s tethers; no setting is both faster and strained less than one of these:\n%10s %10s %10s %10s  %s\n",
-              static_cast<std::size_t>(points[0].particles), tethers ? "with" : "without", "ms", "rms", "largest", "h/16", "setting");
+  std::printf("%zu particles, %s tethers; no setting is both faster and strained less than one of these:\n%10s %10s %10s %10s %10s  %s\n",
+              static_cast<std::size_t>(points[0].particles), tethers ? "with" : "without", "ms", "dispatches", "rms", "largest", "h/16",
+              "setting");
   for (const std::size_t i : best) {
     const CurvePoint& p = points[i];
     char distance[32] = "-";
     if (std::isfinite(p.total_error)) std::snprintf(distance, sizeof distance, "%.2e", p.total_error);
-    std::printf("%10.3g %10s %10s %10s  %s\n", p.ms_median, percent(p.strain_rms).c_str(), percent(p.strain_max).c_str(), distance,
+    std::printf("%10.3g %10.0f %10s %10s %10s  %s\n", p.ms_median, p.dispatches, percent(p.strain_rms).c_str(), percent(p.strain_max).c_str(), distance,
                 setting_words(p).c_str());
   }
 }
@@ -240,7 +249,9 @@ Exit conclude_accuracy(const Rows& all, const Scene& scene, const SweepPlan& pla
   for (const auto& [name, text] : files)
     if (const Result<void> written = write_text(options.out / name, text); !written) return failed(written.error());
   if (const Result<void> written = write_png(options.out / "curve.png", picture(drawing)); !written) return failed(written.error());
-  for (const bool tethers : plan.tethers) print_front(swept.curve, tethers);
+  const std::vector<std::uint32_t> largest_alone = {largest(swept.curve)};
+  for (const bool tethers : plan.tethers)
+    for (const std::uint32_t cells : options.sides.empty() ? largest_alone : plan.cells) print_front(swept.curve, cells, tethers);
   if (options.budget_ms) print_budget(swept.curve, plan.tethers.front(), *options.budget_ms);
   if (options.save) {
     const std::filesystem::path file = curve_file(swept.curve.device);
@@ -277,6 +288,10 @@ Exit accuracy(const AccuracyOptions& options) {
   Result<Scene> scene = load_subject(options.file, options.assignments, options.buffer_files);
   if (!scene) {
     complain(scene.error());
+    return kBadInput;
+  }
+  if (!options.sides.empty() && std::ranges::none_of(scene->cloths, [](const Cloth& cloth) { return cloth.grid.has_value(); })) {
+    complain("--sides: " + options.file.string() + " has no grid, and a mesh is as fine as it is");
     return kBadInput;
   }
   listen_for_interrupts();

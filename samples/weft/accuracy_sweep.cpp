@@ -147,6 +147,8 @@ Result<void> time_passes(const compute::Device& device, const Scene& scene, Curv
     passes << (i > 0 ? " " : "") << times.passes()[i].name << '=' << times.spread(i).median;
   point.passes = passes.str();
   point.ms_gpu = times.total().median;
+  point.dispatches = 0;
+  for (std::size_t i = 0; i < times.passes().size(); ++i) point.dispatches += times.dispatches(i);
   return {};
 }
 

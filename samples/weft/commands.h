@@ -71,6 +71,7 @@ struct AccuracyOptions {
   bool quick = false;           // a sweep of under a minute
   std::optional<std::uint32_t> frames;   // none: chosen
   std::optional<std::uint32_t> reference_cells;
+  std::vector<std::uint32_t> sides;   // vertices along the longest side, at which grids are measured; none: chosen
   std::optional<double> budget_ms;   // print the best setting that fits
   Farm farm;
   bool save = false;            // save the curve for scenes whose solver is "auto"
