@@ -93,6 +93,23 @@ TEST(Choice, plain_averaging_is_never_chosen) {
   EXPECT_EQ(choose(averaged, 5, 10'000, true)->setting.substeps, 4u);
 }
 
+TEST(Choice, what_does_not_go_with_the_scene_is_never_chosen) {
+  const auto scene = [](const char* contacts) {
+    return *parse_scene(std::string(R"({"solver": {"method": "auto", "budget_ms": 5}, "contacts": )") + contacts + R"(, "cloths": [{"grid": {}}]})", {});
+  };
+  Curve free = curve();
+  for (CurvePoint& p : free.points) p.tethers = false;
+  free.points.push_back(point(10'000, 16, 0.5, 1e-6, false));
+  free.points.back().row = "chebyshev";
+  free.points.back().iterations = 4;
+  free.points.back().assignments = "solver.method=chebyshev";
+  std::string note;
+  EXPECT_EQ(with_choice(scene("false"), 10'000, free, note)->solver.method, Method::chebyshev);
+  const auto with_contacts = with_choice(scene("true"), 10'000, free, note);
+  ASSERT_TRUE(with_contacts) << with_contacts.error();
+  EXPECT_EQ(with_contacts->solver.method, Method::jacobi);
+}
+
 TEST(Choice, a_scene_that_does_not_ask_comes_back_as_it_is) {
   const auto scene = parse_scene(R"({"solver": {"substeps": 7}, "cloths": [{"grid": {}}]})", {});
   std::string note;

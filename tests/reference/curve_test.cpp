@@ -45,6 +45,24 @@ TEST(Curve, the_best_for_a_budget_is_the_last_of_the_front_that_fits) {
 
 bool same(const CurvePoint& a, const CurvePoint& b) { return curve_csv({"", "", "", "", 0, {a}}) == curve_csv({"", "", "", "", 0, {b}}); }
 
+TEST(Curve, a_front_is_over_milliseconds_or_dispatches) {
+  std::vector<CurvePoint> points = {point(1, 0.5), point(2, 0.2), point(3, 0.1)};
+  points[0].dispatches = 40;
+  points[1].dispatches = 20;
+  EXPECT_EQ(front(points, &CurvePoint::strain_rms, &CurvePoint::dispatches), (Indices{1})) << "the last was not counted";
+}
+
+TEST(Curve, one_of_an_earlier_version_ends_before_the_dispatches) {
+  const std::string text = curve_csv({"", "", "", "", 0, {point(1, 0.5)}});
+  std::string earlier = text;
+  earlier.erase(earlier.find(",dispatches"), std::string(",dispatches").size());
+  earlier.erase(earlier.rfind(','), 1);
+  const auto read = parse_curve(earlier);
+  ASSERT_TRUE(read) << read.error();
+  EXPECT_EQ(curve_csv(*read), text);
+  EXPECT_FALSE(parse_curve(text.substr(0, text.find("strain_rms")) + '\n')) << "others may not be missing";
+}
+
 TEST(Curve, text_brings_back_every_bit) {
   Curve curve{"llvmpipe (LLVM 15.0.6, 256 bits)", "hung", "2026-11-21T16:00Z", "0123456789abcdef", 60,
               {point(0.1 + 0.2, 1.0 / 3), point(1e-17, 2)}};
