@@ -63,7 +63,8 @@ std::optional<std::size_t> best(std::span<const CurvePoint> points, CurveError e
 std::vector<CurvePoint> points_of(const Curve& curve, std::uint32_t cells, bool tethers);
 
 /// A few lines of "# key: value", a header, then a line a point; what was not measured is left empty. parse_curve reads back
-/// exactly what was written, and curves of earlier versions, which lack the last columns. Errors: a header that is not there, a number that is none; they name the line and the column.
+/// exactly what was written, and curves of earlier versions, which lack the last columns. Errors: a header that
+/// is not there, a number that is none; they name the line and the column.
 std::string curve_csv(const Curve& curve);
 Result<Curve> parse_curve(std::string_view text);
 

@@ -60,8 +60,8 @@ SweepPlan plan_of(const Scene& scene, const AccuracyOptions& options) {
   }
   std::ranges::sort(plan.cells);
   plan.cells.erase(std::ranges::unique(plan.cells).begin(), plan.cells.end());
-  // Whatever the size, twice the default's passes are tried.
-  plan.most_particle_passes = std::max(options.quick ? 0.5e6 : 3.3e6, 20 * std::pow(plan.cells.back() + 1.0, 2));
+  plan.most_particle_passes = options.quick ? 0.5e6 : 3.3e6;
+  if (!options.sides.empty()) plan.free_passes = 20;   // twice the default's, at every size that was asked for
   plan.tethers = {tethered};
   if (held && !options.quick) plan.tethers.push_back(!tethered);
   return plan;
@@ -91,8 +91,8 @@ struct Swept {
 // The options that a merge needs again, to make the pages that the command makes.
 Row facts_of(const AccuracyOptions& options, const SweepPlan& plan, const Scene& scene, const std::string& device) {
   Row facts = {{"device", device}, {"scene", scene.name}, {"quick", options.quick}, {"frames", plan.frames},
-               {"reference_cells", plan.reference_cells}, {"sides", options.sides}, {"outside", options.buffer_files == BufferFiles::anywhere},
-               {"set", Row::array()}};
+               {"reference_cells", plan.reference_cells}, {"sides", options.sides},
+               {"outside", options.buffer_files == BufferFiles::anywhere}, {"set", Row::array()}};
   for (const Assignment& assignment : options.assignments) facts["set"].push_back({assignment.path, assignment.value});
   return facts;
 }
@@ -207,8 +207,8 @@ void print_front(const Curve& curve, std::uint32_t cells, bool tethers) {
     const CurvePoint& p = points[i];
     char distance[32] = "-";
     if (std::isfinite(p.total_error)) std::snprintf(distance, sizeof distance, "%.2e", p.total_error);
-    std::printf("%10.3g %10.0f %10s %10s %10s  %s\n", p.ms_median, p.dispatches, percent(p.strain_rms).c_str(), percent(p.strain_max).c_str(), distance,
-                setting_words(p).c_str());
+    std::printf("%10.3g %10.0f %10s %10s %10s  %s\n", p.ms_median, p.dispatches, percent(p.strain_rms).c_str(),
+                percent(p.strain_max).c_str(), distance, setting_words(p).c_str());
   }
 }
 

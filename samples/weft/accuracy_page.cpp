@@ -32,7 +32,8 @@ Panel panel_of(const std::vector<CurvePoint>& points, CurveError error, CurveErr
   for (const SolverRow& row : kSolverRows) {
     Series series{std::string(row.name), series_colour(row_index++), {}};
     for (const CurvePoint& point : points)
-      if (point.row == row.name && counts(point, error) && point.*error > 0 && point.*cost > 0) series.points.push_back({point.*cost, point.*error});
+      if (point.row == row.name && counts(point, error) && point.*error > 0 && point.*cost > 0)
+        series.points.push_back({point.*cost, point.*error});
     if (!series.points.empty()) panel.series.push_back(std::move(series));
   }
   for (const std::size_t i : front(points, error, cost))
@@ -63,14 +64,14 @@ void add_table(const std::vector<CurvePoint>& points, std::ostream& html) {
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return points[a].ms_median < points[b].ms_median; });
   const std::vector<std::size_t> best = front(points, &CurvePoint::strain_rms);
-  html << "<table><tr><th>solver<th>substeps<th>iterations<th>ms, median<th>ms, 95 %<th>ms on the GPU<th>dispatches<th>strain, mean<th>rms<th>largest"
-          "<th>solver error<th>time error<th>both<th>passes, ms</tr>\n";
+  html << "<table><tr><th>solver<th>substeps<th>iterations<th>ms, median<th>ms, 95 %<th>ms on the GPU<th>dispatches"
+          "<th>strain, mean<th>rms<th>largest<th>solver error<th>time error<th>both<th>passes, ms</tr>\n";
   for (const std::size_t i : order) {
     const CurvePoint& p = points[i];
     const bool in_front = std::find(best.begin(), best.end(), i) != best.end();
     html << (in_front ? "<tr class=\"front\">" : "<tr>") << "<td>" << escaped(p.row) << "<td>" << p.substeps << "<td>" << p.iterations
-         << "<td>" << number(p.ms_median) << "<td>" << number(p.ms_p95) << "<td>" << number(p.ms_gpu) << "<td>" << number(p.dispatches) << "<td>" << percent(p.strain_mean)
-         << "<td>" << percent(p.strain_rms) << "<td>" << percent(p.strain_max) << "<td>" << number(p.solver_error) << "<td>"
+         << "<td>" << number(p.ms_median) << "<td>" << number(p.ms_p95) << "<td>" << number(p.ms_gpu) << "<td>" << number(p.dispatches)
+         << "<td>" << percent(p.strain_mean) << "<td>" << percent(p.strain_rms) << "<td>" << percent(p.strain_max) << "<td>" << number(p.solver_error) << "<td>"
          << number(p.time_error) << "<td>" << number(p.total_error) << "<td class=\"passes\">" << escaped(p.passes)
          << (p.non_finite > 0 ? "; not finite" : "") << "</tr>\n";
   }
@@ -118,7 +119,8 @@ Drawing accuracy_plot(const Curve& curve) {
   for (const bool tethers : {true, false}) {
     const std::string with = tethers ? ", with tethers" : ", without tethers";
     const auto large = points_of(curve, largest(curve), tethers), small = points_of(curve, largest_referenced(curve), tethers);
-    const auto add = [&](const std::vector<CurvePoint>& points, CurveError error, const char* label, CurveCost cost = &CurvePoint::ms_median) {
+    const auto add = [&](const std::vector<CurvePoint>& points, CurveError error, const char* label,
+                         CurveCost cost = &CurvePoint::ms_median) {
       Panel panel = panel_of(points, error, cost, size_words(points) + with, label);
       if (!panel.series.empty()) panels.push_back(std::move(panel));
     };

@@ -194,8 +194,8 @@ std::vector<Setting> settings_of(const Scene& scene, const SweepPlan& plan, std:
         for (const std::uint32_t substeps : plan.substeps)
           for (const std::uint32_t iterations : plan.iterations) {
             const std::uint32_t passes = substeps * iterations;
-            if (passes > (iterations == 1 ? plan.most_passes : plan.most_iterated) || passes * particles > plan.most_particle_passes)
-              continue;
+            if (passes > (iterations == 1 ? plan.most_passes : plan.most_iterated)) continue;
+            if (passes > plan.free_passes && passes * particles > plan.most_particle_passes) continue;
             const double cost = (particles * passes + kSubmission) * (plan.frames + kBeforeStamps + kTimedByStamps);
             Setting setting{row, cells, tethers, substeps, iterations, cost};
             if (const auto made = scene_of(scene, setting)) settings.push_back(setting);

@@ -42,7 +42,8 @@ struct SweepPlan {
   std::vector<std::uint32_t> substeps, iterations;
   std::uint32_t most_passes = 0;             // substeps times iterations, of one iteration
   std::uint32_t most_iterated = 0;           // ... of several
-  double most_particle_passes = 0;           // of a frame, times its particles
+  double most_particle_passes = 0;           // of a frame, times its particles; whatever those are,
+  std::uint32_t free_passes = 0;             // so many passes are tried
   std::uint32_t reference_cells = 0;         // the largest resolution with a reference
   std::uint32_t most_steps = 0;              // a frame, of the finest reference
 };

@@ -164,7 +164,8 @@ Exit obey(int count, char** arguments) {
       "--reference-cells", reference_cells,
       "Cells along the longest side up to which runs are compared with a reference: 32, quick 16; 0: with none");
   reference_option->check(CLI::Range(0u, 2048u));
-  accuracy_command->add_option("--sides", accuracy_options.sides, "Vertices along the longest side, instead of the scene's own: --sides 33,100,200")
+  accuracy_command
+      ->add_option("--sides", accuracy_options.sides, "Vertices along the longest side, instead of the scene's own: --sides 33,100,200")
       ->delimiter(',')
       ->check(CLI::Range(2u, 2049u));
   CLI::Option* budget_option =

@@ -95,7 +95,9 @@ TEST(Choice, plain_averaging_is_never_chosen) {
 
 TEST(Choice, what_does_not_go_with_the_scene_is_never_chosen) {
   const auto scene = [](const char* contacts) {
-    return *parse_scene(std::string(R"({"solver": {"method": "auto", "budget_ms": 5}, "contacts": )") + contacts + R"(, "cloths": [{"grid": {}}]})", {});
+    return *parse_scene(std::string(R"({"solver": {"method": "auto", "budget_ms": 5}, "contacts": )") + contacts +
+                            R"(, "cloths": [{"grid": {}}]})",
+                        {});
   };
   Curve free = curve();
   for (CurvePoint& p : free.points) p.tethers = false;
@@ -108,6 +110,21 @@ TEST(Choice, what_does_not_go_with_the_scene_is_never_chosen) {
   const auto with_contacts = with_choice(scene("true"), 10'000, free, note);
   ASSERT_TRUE(with_contacts) << with_contacts.error();
   EXPECT_EQ(with_contacts->solver.method, Method::jacobi);
+}
+
+TEST(Choice, cloth_counts_as_tethered_where_tethers_hold_all_of_it_to_what_does_not_move) {
+  Curve both = curve();
+  for (CurvePoint& p : curve().points) both.points.push_back(point(p.particles, p.substeps + 100, p.ms_median, p.strain_rms, false));
+  const auto substeps = [&](const char* cloths) {
+    auto scene = parse_scene(std::string(R"({"solver": {"method": "auto", "budget_ms": 5}, "cloths": )") + cloths + "}", {});
+    EXPECT_TRUE(scene) << scene.error();
+    std::string note;
+    return with_choice(*scene, 10'000, both, note)->solver.substeps;
+  };
+  EXPECT_EQ(substeps(R"([{"grid": {}, "anchors": [{"top": 0}]}])"), 4u);
+  EXPECT_EQ(substeps(R"([{"grid": {}, "anchors": [{"top": 0}], "tethers": false}])"), 104u);
+  EXPECT_EQ(substeps(R"([{"grid": {}, "anchors": [{"top": 0}]}, {"grid": {}}])"), 104u) << "the other is free";
+  EXPECT_EQ(substeps(R"([{"grid": {}, "anchors": [{"top": 0, "keys": [{"time": 1, "translate": [1, 0, 0]}]}]}])"), 104u);
 }
 
 TEST(Choice, a_scene_that_does_not_ask_comes_back_as_it_is) {

@@ -2,9 +2,15 @@
 #include "tests/support/command_line.h"
 
 #include <chrono>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <thread>
+#include <tuple>
+
+#include "engine/reference/curve.h"
 
 namespace weft {
 namespace {
@@ -371,6 +377,12 @@ TEST_F(CommandLine, an_interrupt_ends_the_frame_writes_what_there_is_and_exits_w
 constexpr const char* kHung =
     R"({"name": "sheet", "cloths": [{"grid": {"cells": [6, 6], "upright": true}, "anchors": [{"corners": ["low_high"]}]}]})";
 
+TEST_F(CommandLine, sides_of_a_mesh_are_refused_by_a_sentence) {
+  const Outcome mesh = weft({"accuracy", std::string(WEFT_ASSETS) + "/generated/cape.glb", "--sides", "9", "--out", out()});
+  EXPECT_EQ(mesh.exit, 2);
+  EXPECT_NE(mesh.error.find("has no grid, and a mesh is as fine as it is"), std::string::npos) << mesh.error;
+}
+
 TEST_F(CommandLine, a_budget_chooses_by_the_curve_that_was_saved_for_the_device) {
   ASSERT_EQ(setenv("XDG_CACHE_HOME", (folder / "cache").c_str(), 1), 0);
   const std::string sheet = write("sheet.json", kHung);
@@ -380,7 +392,17 @@ TEST_F(CommandLine, a_budget_chooses_by_the_curve_that_was_saved_for_the_device)
   EXPECT_EQ(built_in.exit, 0) << built_in.error;
   EXPECT_NE(built_in.out.find("by the curve of hung on llvmpipe"), std::string::npos) << built_in.out;
 
-  ASSERT_EQ(weft({"accuracy", sheet, "--quick", "--frames", "4", "--reference-cells", "0", "--save", "--out", out()}).exit, 0);
+  ASSERT_EQ(weft({"accuracy", sheet, "--quick", "--frames", "4", "--reference-cells", "0", "--sides", "5,5", "--save", "--out", out()}).exit, 0);
+  std::ifstream file(folder / "out/curve.csv");
+  const auto curve = parse_curve(std::string(std::istreambuf_iterator<char>(file), {}));
+  ASSERT_TRUE(curve) << curve.error();
+  ASSERT_FALSE(curve->points.empty());
+  std::set<std::tuple<std::string, std::uint32_t, std::uint32_t>> settings;
+  for (const CurvePoint& point : curve->points) {
+    EXPECT_EQ(point.cells, 4u) << "and not the scene's own 6";
+    EXPECT_GT(point.dispatches, point.substeps) << point.row;
+    EXPECT_TRUE(settings.insert({point.row, point.substeps, point.iterations}).second) << "one side named twice is one";
+  }
   const Outcome saved = weft(call);
   EXPECT_NE(saved.out.find("by the curve of sheet on "), std::string::npos) << saved.out;
   for (const auto& entry : fs::directory_iterator(folder / "cache/weft"))

@@ -97,6 +97,13 @@ TEST(NeedsOf, a_scene_calls_for_what_it_has) {
   EXPECT_FALSE(needs_of(unheld.subject(), kWorkgroup, true).has(Id::tether));
 }
 
+TEST(NeedsOf, fine_cloth_over_a_thin_collider_calls_for_supports) {
+  const Sheet fine = sheet_for({{Id::stretch, Id::collide, Id::support}});
+  EXPECT_TRUE(needs_of(fine.subject(), kWorkgroup, true).has(Id::support));
+  const Sheet coarse = sheet_for({{Id::stretch, Id::collide}});
+  EXPECT_FALSE(needs_of(coarse.subject(), kWorkgroup, true).has(Id::support));
+}
+
 TEST(Buffers, every_buffer_of_a_plan_has_bytes) {
   for (const Calls& calls : combinations()) {
     if (calls.has(Id::tether) && !calls.has(Id::anchor)) continue;
