@@ -386,7 +386,7 @@ TEST_F(ContactCase, the_same_scene_twice_is_the_same_to_the_bit) {
     options.gather_storage = run == 1;
     options.workgroup = run == 2 ? 64 : 0;
     const auto simulation = must(Simulation::create(device(), twist(20, Topology::centre, 1), options));
-    run_without_crossing(*simulation, 60);
+    run_without_crossing(*simulation, 40);
     hashes[run] = hash_of(*simulation);
   }
   EXPECT_EQ(hashes[0], hashes[1]);

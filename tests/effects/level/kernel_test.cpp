@@ -80,6 +80,7 @@ TEST_F(KernelLevel, low_and_wide_levels_and_their_spreading_do_what_their_twin_d
       for (const double stretch : {1e3, std::numeric_limits<double>::infinity()})
         for (const auto& [storage, contacts, supported] :
              {std::tuple(false, false, false), {true, false, false}, {false, true, false}, {false, false, true}, {true, false, true}}) {
+          if (cells == 150 && iterations == 1 && storage) continue;   // every other way is tried there
           SCOPED_TRACE(std::to_string(cells) + " cells, " + std::to_string(iterations) + " iterations, " + std::to_string(stretch) + " N/m" +
                        (contacts ? ", contacts" : "") + (supported ? ", supported" : ""));
           const Crumple c = crumple(cells, iterations, stretch, contacts, random, supported);

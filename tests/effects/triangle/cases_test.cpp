@@ -124,7 +124,7 @@ TEST_F(TriangleCollision, nothing_shows_through_a_draped_sheet_at_any_cell_size)
                                 tapered(capsule({0, 0.1f, 0}, 0.2, 0.1, {0.96f, -0.28f, 0}), 0.05),
                                 box({0, 0, 0}, {0.4f, 0.5f, 0.3f}), turned};
   for (const Collider& collider : colliders)
-    for (const std::uint32_t cells : {1u, 3u, 10u, 20u, 25u, 35u, 50u, 64u, 80u, 100u}) {
+    for (const std::uint32_t cells : {1u, 3u, 10u, 25u, 35u, 50u, 100u}) {
       SCOPED_TRACE("shape " + std::to_string(int(collider.shape)) + ", cells " + std::to_string(cells));
       const auto simulation = must(Simulation::create(device(), over(collider, cells)));
       const reference::Body body = body_of(collider, simulation->colliders()[0]);
