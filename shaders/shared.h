@@ -507,6 +507,7 @@ struct Motion {
 
 struct ContactSettings {
   uint workgroup;     // threads
+  uint thin_workgroup;   // threads, in passes with a thread a cluster
   uint particles;
   uint triangles, edges;   // how many; together the primitives
   uint clusters;      // of them: the grid's entries

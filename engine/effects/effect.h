@@ -68,8 +68,9 @@ enum class Changes {
 };
 
 /// In which frames a pass is recorded that does what others do, too, to the bit: those with few contacts, or with many; those in which
-/// detections of contacts are seldom, or often.
-enum class Crowd { any, few, many, seldom, often };
+/// detections of contacts are seldom, or often; these two, where also the device decides whether both kinds of pairs are looked for in one
+/// dispatch, or apart.
+enum class Crowd { any, few, many, seldom, often, united, apart };
 
 using Constants = std::array<std::uint32_t, gpu::constant::kCount>;
 
@@ -80,6 +81,7 @@ struct Needs {
   std::uint32_t narrow = 0;                      // threads of a workgroup in passes with many small ones
   std::uint32_t alone = 0;                       // of the only one of a pass
   std::uint32_t crew = 0;                        // of one whose loops are as long as the scene is large
+  std::uint32_t thin = 0;                        // in passes whose few threads have much to do, each another amount
   std::uint32_t storage_buffers = ~0u;           // that the device binds to a pass, at most
   bool has(EffectId effect) const { return effects[static_cast<std::size_t>(effect)]; }
 };
@@ -100,6 +102,7 @@ struct Pass {
   std::uint32_t (*every)(const Cooked&) = nullptr;   // runs in each so many-th substep since the simulation's start; null: in all
   std::uint32_t rounds = 1;                      // dispatches one after another; the round is in push.flags
   std::vector<Range> (*ranges)(const Cooked&) = nullptr;   // instead: a dispatch for each
+  bool thin = false;                             // workgroups of Needs::thin threads
   bool a_workgroup_each = false;                 // not a thread: a workgroup, of Needs::narrow threads
   bool alone = false;                            // one workgroup, of Needs::alone threads, does it all
   bool crew = false;                             // that of Needs::crew threads: it has to go through all particles or contacts
@@ -168,9 +171,9 @@ const Buffer* buffer_named(std::string_view name);
 
 Cooked cooked_of(const Scene& scene, const CookedFabric& fabric);
 
-/// What a cooked scene calls for. `workgroup`, `through_texels`, `narrow`, `alone` and `crew` are the device's.
+/// What a cooked scene calls for. `workgroup`, `through_texels`, `narrow`, `alone`, `crew` and `thin` are the device's.
 Needs needs_of(const Cooked& subject, std::uint32_t workgroup, bool through_texels, std::uint32_t narrow = 64, std::uint32_t alone = 128,
-               std::uint32_t crew = 256);
+               std::uint32_t crew = 256, std::uint32_t thin = 8);
 
 /// Why the reference cannot follow the scene, as a sentence that begins with the key; empty if it can.
 std::string reference_fault(const Scene& scene, const CookedFabric& fabric);

@@ -42,11 +42,12 @@ const Buffer* buffer_named(std::string_view name) {
 Cooked cooked_of(const Scene& scene, const CookedFabric& fabric) { return {scene, fabric, contact_settings(scene, fabric)}; }
 
 Needs needs_of(const Cooked& subject, std::uint32_t workgroup, bool through_texels, std::uint32_t narrow, std::uint32_t alone,
-               std::uint32_t crew) {
+               std::uint32_t crew, std::uint32_t thin) {
   Needs needs;
   needs.narrow = std::min(narrow, workgroup);
   needs.alone = alone;
   needs.crew = crew;
+  needs.thin = std::min(thin, workgroup);
   needs.constants[gpu::constant::workgroup] = workgroup;
   needs.constants[gpu::constant::through_texels] = through_texels;
   for (std::size_t k = 0; k < kEffects; ++k) {

@@ -112,6 +112,7 @@ Result<PlannedPass> planned(const Part& part, const Needs& needs, compute::Speci
   constants[gpu::constant::finalizes].value = part.finalizes;
   std::uint32_t& width = constants[gpu::constant::workgroup].value;
   if (pass.a_workgroup_each) width = needs.narrow;
+  if (pass.thin) width = needs.thin;
   if (pass.alone) width = pass.crew ? needs.crew : needs.alone;
   if (!part.holds_tethers) constants[gpu::constant::tether_pairs].value = 0;
   const auto spirv = specializer.specialize(module, constants);

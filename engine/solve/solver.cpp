@@ -80,12 +80,17 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   // they end without a word (llvmpipe's LP_MAX_TGSI_LOOP_ITERATIONS).
   const std::uint32_t narrow = device.is_software() ? 8 : WEFT_PATCH_THREADS;
   const std::uint32_t alone = device.is_software() ? 8 : std::min(512u, device.limits().max_workgroup_invocations);
-  const std::uint32_t crew = device.is_software() ? 128 : alone;
-  solver.needs_ = needs_of(subject, solver.workgroup_, !options.gather_storage, narrow, alone, crew);
+  const std::uint32_t crew = device.is_software() ? 128 : std::min(1024u, device.limits().max_workgroup_invocations);
+  // Threads of a warp wait for each other. (H200, drop of 200 x 200, grid_search and cluster_box in workgroups of 64, 16, 8, 4, 2 and 1:
+  // 1.32, 1.18, 1.04, 0.90, 0.85, 0.90 ms a frame; smaller GPUs have fewer places for workgroups.) On the software driver it is all the same.
+  const std::uint32_t thin = device.is_software() ? 8 : 4;
+  solver.needs_ = needs_of(subject, solver.workgroup_, !options.gather_storage, narrow, alone, crew, thin);
   solver.needs_.storage_buffers = device.limits().max_storage_buffers_per_stage;
   auto plan = make_plan(solver.needs_, device.specializer());
   if (!plan) return plan.take_error();
   solver.plan_ = std::move(*plan);
+  solver.has_united_ =
+      std::ranges::any_of(solver.plan_.passes, [](const PlannedPass& planned) { return planned.pass->crowd == Crowd::united; });
   const SizeLimits limits{device.limits().max_storage_buffer_bytes, device.limits().max_workgroups_x, solver.workgroup_};
   if (std::string fault = beyond(limits, device.name(), solver.plan_, subject); !fault.empty()) return Error{std::move(fault)};
   if (auto made = solver.create_buffers(subject); !made) return made.take_error();
@@ -93,6 +98,7 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   solver.motion_.origin = {options.origin.x, options.origin.y, options.origin.z};
   solver.set_uniforms("motion", solver.motion_);
   solver.contacts_.workgroup = solver.workgroup_;
+  solver.contacts_.thin_workgroup = solver.needs_.thin;
   solver.set_uniforms("contact_settings", solver.contacts_);
   if (!solver.uniforms_.empty())
     if (auto done = compute::upload(device, solver.arena_[solver.arena_.size() - 1], solver.uniforms_); !done) return done.take_error();
@@ -264,7 +270,7 @@ Result<Solver::Outgrown> Solver::grow(std::uint32_t candidates) {
 
 Result<void> Solver::fits(const Cooked& subject) const {
   const bool through_texels = needs_.constants[gpu::constant::through_texels] != 0;
-  const Needs wanted = needs_of(subject, workgroup_, through_texels, needs_.narrow, needs_.alone, needs_.crew);
+  const Needs wanted = needs_of(subject, workgroup_, through_texels, needs_.narrow, needs_.alone, needs_.crew, needs_.thin);
   if (wanted.effects != needs_.effects || wanted.constants != needs_.constants) return fail("its passes would be others");
   for (std::size_t k = 0; k < plan_.buffers.size(); ++k) {
     const Buffer& row = *plan_.buffers[k].row;
@@ -286,17 +292,19 @@ void Solver::follow(const Cooked& subject) {
   contacts_ = subject.contacts;
   contacts_.capacity = before.capacity;
   contacts_.workgroup = before.workgroup;
+  contacts_.thin_workgroup = before.thin_workgroup;
   set_uniforms("contact_settings", contacts_);
 }
 
-// On a GPU it is a matter of time: with the clusters of a sheet of 100 x 100 its loops are as long as what it saves. The software driver ends
-// loops (WEFT_MOST_TURNS): in the worst case a thread looks at all clusters and as many cells on every level, for each of its own. That is
-// never so on more than a few levels, which leaves turns enough for asking of each pair whether the two touch.
+// On a GPU it is a matter of time, and of how seldom detections are: with the clusters of a sheet of 200 x 200 one takes as long as what it
+// saves in a frame. The software driver ends loops (WEFT_MOST_TURNS): in the worst case a thread looks at all clusters and as many cells on
+// every level, for each of its own. That is never so on more than a few levels, which leaves turns enough for asking of each pair whether
+// the two touch.
 bool Solver::can_detect_alone() const {
-  constexpr std::uint64_t kMost = 2048, kOfCluster = 400;   // clusters; turns of a cluster's loops over its members, neighbours and lists
+  constexpr std::uint64_t kMost = 8192, kOfCluster = 400;   // clusters; turns of a cluster's loops over its members, neighbours and lists
   const auto share = [&](std::uint64_t count) { return (count + needs_.crew - 1) / needs_.crew; };
   const std::uint64_t clusters = contacts_.clusters;
-  if (std::ranges::none_of(plan_.passes, [](const PlannedPass& planned) { return planned.pass->crowd == Crowd::seldom; })) return false;
+  if (!has_united_) return false;
   if (!device_->is_software()) return clusters <= kMost;
   const std::uint64_t elements =
       2 * std::uint64_t{contacts_.particles} + contacts_.triangles + contacts_.edges + 2 * std::uint64_t{contacts_.buckets} + contacts_.tangled_room;
@@ -350,11 +358,24 @@ std::span<const Solver::Step> Solver::surface() {
   return steps_;
 }
 
+bool Solver::is_recorded(Crowd crowd, const FrameInput& input) const {
+  const bool unites = input.seldom_detections || (input.united_searches && has_united_);
+  switch (crowd) {
+    case Crowd::any: return true;
+    case Crowd::few: return input.few_contacts;
+    case Crowd::many: return !input.few_contacts;
+    case Crowd::seldom: return input.seldom_detections;
+    case Crowd::often: return !input.seldom_detections;
+    case Crowd::united: return unites;
+    case Crowd::apart: return !unites;
+  }
+  return true;
+}
+
 void Solver::list(Stage stage, const FrameInput& input, const gpu::Push& push, std::uint64_t substep) {
   for (std::uint32_t k = 0; k < plan_.passes.size(); ++k) {
     const Pass& pass = *plan_.passes[k].pass;
-    if (pass.stage != stage || pass.crowd == (input.few_contacts ? Crowd::many : Crowd::few)) continue;
-    if (pass.crowd == (input.seldom_detections ? Crowd::often : Crowd::seldom)) continue;
+    if (pass.stage != stage || !is_recorded(pass.crowd, input)) continue;
     if (substep % runs_[k].every != 0) continue;
     const bool at_targets = pass.only_towards_targets && !input.anchors_move;
     // With contacts, an anchor that cloth held back may not have reached its target.

@@ -57,6 +57,7 @@ struct FrameInput {
   bool kinematics_rest = false;               // no kinematic particle can move, or have been driven through cloth, since a frame that is done
   bool few_contacts = false;                  // Crowd::few; the same bits either way
   bool seldom_detections = false;             // Crowd::seldom; the same bits either way
+  bool united_searches = false;               // Crowd::united, also where detections are not seldom; the same bits either way
   std::span<const gpu::Anchor> anchors;       // when they move
   std::span<const gpu::Collider> colliders;   // by shape, as the buffer has them
   std::span<const gpu::BodySize> body_sizes;  // of these, where the frame begins
@@ -158,6 +159,7 @@ class Solver {
   Result<void> create_pipeline(const PlannedPass& planned, const compute::PipelineCache& cache, Run& run) const;
   Result<std::vector<Sets>> write_sets() const;
   void list_frame(const FrameInput& input);
+  bool is_recorded(Crowd crowd, const FrameInput& input) const;
   void list(Stage stage, const FrameInput& input, const gpu::Push& push, std::uint64_t substep);
   /// From the next recorded frame on. `value` is the struct of the slice.
   template <class T>
@@ -182,6 +184,7 @@ class Solver {
   std::vector<SliceRange> slices_; // of plan_.slices, in it
   VkBufferUsageFlags vertex_usage_ = 0;
   std::uint32_t workgroup_ = 0, parity_ = 0, phase_ = 0;
+  bool has_united_ = false;   // passes that search for both kinds of pairs (Crowd::united)
   double rho_ = 0;
 };
 

@@ -43,7 +43,7 @@ void begin_detection(bool settled) {
   const uint particles = contact_settings.particles, primitives = contact_settings.triangles + contact_settings.edges;
   detection[0].outlined = groups_of(particles + primitives + contact_settings.clusters);
   detection[0].grid = Groups(1, 1, 1);
-  detection[0].clusters = groups_of(contact_settings.clusters);
+  detection[0].clusters = thin_groups_of(contact_settings.clusters);
   detection[0].particles = groups_of(particles);
   detection[0].edges = groups_of(contact_settings.edges);
   detection[0].searchers = groups_of(particles + contact_settings.edges);

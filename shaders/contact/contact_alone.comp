@@ -101,8 +101,8 @@ void main() {
     wait_all(thread);
     return;
   }
-  for (uint k = 0; k < contact_settings.iterations; ++k) iterate(thread, contacts, touched);
+  for (uint k = 0; contacts > 0 && k < contact_settings.iterations; ++k) iterate(thread, contacts, touched);
   if ((push.flags & WEFT_LAST_ITERATION) == 0) return;
-  for (uint k = 0; k < WEFT_SLIDES; ++k) slide(thread, contacts, touched);
+  for (uint k = 0; contacts > 0 && k < WEFT_SLIDES; ++k) slide(thread, contacts, touched);
   limit_all(thread);
 }

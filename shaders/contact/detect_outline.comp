@@ -17,6 +17,7 @@ GATHER_UINT(smooth_clusters)
 READ_WRITE(uint, near_clusters)
 WRITE(vec4, outlines)
 WRITE(uvec4, outline_boxes)
+WRITE(uint, tangled_pairs)
 GATHER(cluster_boxes)
 
 #include "contact/apart.glsl"
@@ -31,5 +32,9 @@ GATHER(cluster_boxes)
 
 // push.count: particles, triangles, edges and clusters, in this order.
 void main() {
-  if (gl_GlobalInvocationID.x < push.count) outline_one(gl_GlobalInvocationID.x);
+  const uint i = gl_GlobalInvocationID.x;
+  if (i >= push.count) return;
+  outline_one(i);
+  if (untangles && detection[0].looks != 0)   // the search fills them
+    for (uint k = i; k < contact_settings.tangled_room; k += push.count) tangled_pairs[k] = 0;
 }

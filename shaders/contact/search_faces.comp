@@ -7,7 +7,6 @@ READ_WRITE(Detection, detection)
 GATHER_UINT2(cluster_searchers)
 GATHER_UINT4(cluster_faces)
 WRITE(uvec2, near_faces)
-WRITE(uint, tangled_pairs)
 GATHER(velocities)
 
 #include "contact/search.glsl"
@@ -25,8 +24,6 @@ void put_near(uint place, uint member) { near_faces[place] = uvec2(vertex, membe
 void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.count) return;
-  if (untangles && detection[0].looks != 0)   // search_edges fills them
-    for (uint k = i; k < contact_settings.tangled_room; k += push.count) tangled_pairs[k] = 0;
   const uint cluster = searching_particle(i);
   search(of_triangles, cluster, true, false);
   end_search(of_triangles, cluster, true);

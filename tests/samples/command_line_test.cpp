@@ -271,7 +271,7 @@ TEST_F(CommandLine, contacts_tells_what_a_search_costs_at_several_sizes_and_cell
   const std::string hung = WEFT_SOURCE_DIR "/assets/scenes/hung.json";
   const Outcome outcome = weft({"contacts", hung, "--quick", "--frames", "4", "--out", out()});
   EXPECT_EQ(outcome.exit, 0) << outcome.error;
-  for (const char* word : {"search_edges", "a search grows with n^", "the automatic choice takes "})
+  for (const char* word : {"detect_", "a search grows with n^", "the automatic choice takes "})
     EXPECT_NE(outcome.out.find(word), std::string::npos) << outcome.out;
   EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 2 + 2 + 2 + 7 + 2) << outcome.out;
   for (const char* name : {"contacts.csv", "cells.csv", "cells.svg", "cells.png"})

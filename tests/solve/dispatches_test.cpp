@@ -13,10 +13,12 @@ using Dispatches = GpuTest;
 struct Counted {
   std::size_t without, few, many;   // contacts: off, few of them, many
   std::size_t seldom, rest;         // few, and detections are seldom; what is kinematic is at rest, besides
+  std::size_t united;               // few, and one search for both kinds of pairs
 };
 
 // Of a frame of ten substeps, as often as a frame's structure lists them.
-std::size_t dispatches_of(const compute::Device& device, const Scene& scene, bool few, bool seldom = false, bool rest = false) {
+std::size_t dispatches_of(const compute::Device& device, const Scene& scene, bool few, bool seldom = false, bool rest = false,
+                          bool united = false) {
   const CookedFabric fabric = must(cook(scene, must(make_meshes(scene))));
   Solver solver = must(Solver::create(device, {}, scene, fabric, {}));
   FrameInput input;
@@ -24,6 +26,7 @@ std::size_t dispatches_of(const compute::Device& device, const Scene& scene, boo
   input.few_contacts = few;
   input.seldom_detections = seldom;
   input.kinematics_rest = rest;
+  input.united_searches = united;
   return solver.frame(input).size();
 }
 
@@ -32,7 +35,7 @@ Counted count(const compute::Device& device, Scene scene) {
   const std::size_t without = dispatches_of(device, scene, false);
   scene.contacts.enabled = true;
   return {without, dispatches_of(device, scene, true), dispatches_of(device, scene, false), dispatches_of(device, scene, true, true),
-          dispatches_of(device, scene, true, true, true)};
+          dispatches_of(device, scene, true, true, true), dispatches_of(device, scene, true, false, false, true)};
 }
 
 TEST_F(Dispatches, of_a_frame_are_as_many_as_these) {
@@ -44,6 +47,7 @@ TEST_F(Dispatches, of_a_frame_are_as_many_as_these) {
   EXPECT_EQ(fallen.few, 22u + 10 * (11 + 1 + 2)) << "a detection, untangling, contacts in one workgroup, and the end of those with candidates";
   EXPECT_EQ(fallen.many, 22u + 10 * (11 + 1 + 4 * 3 + 2 * 2 + 1 + WEFT_LIMIT_PASSES + 1)) << "contacts pass by pass";
   EXPECT_EQ(fallen.seldom, 22u + 10 * (4 + 1 + 2)) << "a detection by one workgroup, its search and its pairs; what is prepared in each substep";
+  EXPECT_EQ(fallen.united, fallen.few - 2 * 10) << "on a GPU";
   EXPECT_EQ(fallen.rest, fallen.seldom - 10) << "nothing that could have crossed";
   Scene hung = free;
   hung.cloths[0].anchors.push_back(held_at({Corner::low_high, Corner::high_high}));

@@ -156,7 +156,7 @@ TEST(Plan, every_pass_is_valid_on_a_device_of_vulkan_1_1_without_features) {
   for_every_plan([&](const Plan& plan, const Calls&, bool texels) {
     for (const PlannedPass& planned : plan.passes) {
       const auto is_storage = [](const PlannedPass::Resource& r) { return r.binding.kind == compute::Binding::Kind::storage_buffer; };
-      std::ptrdiff_t& most = planned.pass->when != nullptr && planned.pass->crowd == Crowd::seldom ? most_of_seldom : most_buffers;
+      std::ptrdiff_t& most = planned.pass->when != nullptr && (planned.pass->crowd == Crowd::seldom || planned.pass->crowd == Crowd::united) ? most_of_seldom : most_buffers;
       const std::ptrdiff_t takes = std::ranges::count_if(planned.resources, is_storage);
       if (texels) most = std::max(most, takes);
       else if (&most == &most_of_seldom) most_of_seldom_in_storage = std::max(most_of_seldom_in_storage, takes);

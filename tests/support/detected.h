@@ -78,6 +78,7 @@ struct Setting {
   double fastest = 0;   // m: the longest step of a kinematic particle, as the anchor pass finds it
   bool untangle = false;
   bool seldom = false;   // by the passes for detections that are seldom
+  bool united = false;   // those search for both kinds of pairs, and so do these
 };
 
 inline CookedFabric with_clusters(CookedFabric fabric) {
@@ -104,18 +105,23 @@ struct Detected {
       : fabric(with_clusters(of.fabric)), passes(device, scene(setting), fabric, setting.gather_storage, setting.workgroup), soup(of) {
     FrameInput input = frame_of(1);
     input.seldom_detections = setting.seldom;
+    input.united_searches = setting.united;
     passes.begin(input);
     passes.put(buffers::predicted, soup.predicted);
     gpu::Detection before = detection();
     before.fastest = std::bit_cast<std::uint32_t>(static_cast<float>(setting.fastest));
     passes.put(buffers::detection, std::vector{before});
-    std::vector<std::string_view> names{"detect_arguments", "detect_track", "cluster_box",  "grid_fill",  "grid_search",
-                                        "detect_outline",   "search_faces", "search_edges", "pair_faces", "pair_edges"};
-    if (setting.seldom) names = {"detect_alone", "detect_search", "detect_pair"};
-    for (const std::string_view name : names) {
+    for (const std::string_view name : passes_of(setting)) {
       passes.run(name);
       if (name == last) break;
     }
+  }
+  static std::vector<std::string_view> passes_of(const Setting& setting) {
+    if (setting.seldom) return {"detect_alone", "detect_search", "detect_pair"};
+    std::vector<std::string_view> names{"detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search", "detect_outline"};
+    if (setting.united) names.insert(names.end(), {"detect_search", "detect_pair"});
+    else names.insert(names.end(), {"search_faces", "search_edges", "pair_faces", "pair_edges"});
+    return names;
   }
   gpu::Detection detection() const { return passes.get<gpu::Detection>(buffers::detection, 1).front(); }
   std::vector<gpu::Candidate> candidates(std::uint32_t count) const {

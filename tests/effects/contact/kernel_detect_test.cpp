@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <memory>
 #include <cstring>
 #include <map>
 #include <set>
@@ -299,49 +300,55 @@ TEST_F(Detect, two_places_of_smooth_cloth_that_are_no_neighbours_cannot_meet) {
   EXPECT_EQ(smooth_share(device(), sheet_of(random, flat, 0.03, still), 0.001, random), 0) << "crumpled";
 }
 
-// One workgroup, a search and the pairs, and the ten passes: in one detection, and in the next, which measures bounds by the first.
-TEST_F(Detect, one_that_is_seldom_finds_the_same_to_the_bit) {
+// The ten passes; a search and pairs of both kinds at once; and one workgroup before these: in one detection, and in the next, which measures
+// bounds by the first.
+TEST_F(Detect, one_that_is_seldom_or_united_finds_the_same_to_the_bit) {
   const auto same = [](const auto& a, const auto& b) { return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0; };
-  for (const std::uint32_t triangles : {3u, 60u, 300u})
+  const auto sorted = [](const Detected& detected) {
+    auto all = detected.passes.get<gpu::uvec4>(buffers::candidates, detected.detection().candidates);
+    std::ranges::sort(all, {}, [](const gpu::uvec4& c) { return std::array{c.x, c.y, c.z, c.w}; });
+    return all;
+  };
+  for (const std::uint32_t triangles : {3u, 300u})
     for (const bool gather_storage : {false, true})
       for (const bool untangle : {false, true}) {
         Random random(41 + triangles);
         const Soup soup = random_soup(random, triangles);
-        Setting setting{gather_storage, 64, 0.05, kMargin, 1 << 18, 0.01, untangle};
-        Detected often(device(), soup, setting);
-        setting.seldom = true;
-        Detected seldom(device(), soup, setting);
+        Setting settings[3];
+        settings[1].seldom = settings[2].united = true;
+        std::vector<std::unique_ptr<Detected>> ways;
+        for (Setting& setting : settings) {
+          setting.gather_storage = gather_storage;
+          setting.fastest = 0.01;
+          setting.untangle = untangle;
+          ways.push_back(std::make_unique<Detected>(device(), soup, setting));
+        }
         for (int round = 0; round < 2; ++round) {
-          const gpu::Detection a = often.detection(), b = seldom.detection();
+          const Detected& often = *ways[0];
+          const gpu::Detection a = often.detection();
           ASSERT_GT(a.candidates, 0u);
           EXPECT_GT(a.most_pushed, 0);
           EXPECT_TRUE(!untangle || triangles < 300 || a.crossings > 0);
-          const auto sorted = [](const Detected& detected, std::uint32_t count) {
-            auto all = detected.passes.get<gpu::uvec4>(buffers::candidates, count);
-            std::ranges::sort(all, {}, [](const gpu::uvec4& c) { return std::array{c.x, c.y, c.z, c.w}; });
-            return all;
-          };
-          EXPECT_TRUE(same(sorted(often, a.candidates), sorted(seldom, b.candidates)));
           const std::size_t particles = soup.predicted.size();
-          for (const Buffer* row : {&buffers::detected_positions, &buffers::trajectories})
-            EXPECT_TRUE(same(often.passes.particles(*row), seldom.passes.particles(*row))) << row->name;
-          for (const Buffer* row : {&buffers::displacement_bounds, &buffers::near_bounds})
-            EXPECT_TRUE(same(often.passes.get<std::uint32_t>(*row, particles), seldom.passes.get<std::uint32_t>(*row, particles))) << row->name;
-          EXPECT_TRUE(same(std::vector{a}, std::vector{b}));
-          const gpu::Counters counted = often.passes.counters(), also = seldom.passes.counters();
-          EXPECT_TRUE(same(std::vector{counted}, std::vector{also}));
+          for (const auto& other : ways) {
+            EXPECT_TRUE(same(sorted(often), sorted(*other)));
+            for (const Buffer* row : {&buffers::detected_positions, &buffers::trajectories})
+              EXPECT_TRUE(same(often.passes.particles(*row), other->passes.particles(*row))) << row->name;
+            for (const Buffer* row : {&buffers::displacement_bounds, &buffers::near_bounds})
+              EXPECT_TRUE(same(often.passes.get<std::uint32_t>(*row, particles), other->passes.get<std::uint32_t>(*row, particles))) << row->name;
+            EXPECT_TRUE(same(std::vector{a}, std::vector{other->detection()}));
+            EXPECT_TRUE(same(std::vector{often.passes.counters()}, std::vector{other->passes.counters()}));
+          }
           if (round == 1) break;
-          for (Detected* detected : {&often, &seldom}) {
-            detected->passes.run("contact_prepare");
-            gpu::Detection next = detected->detection();
+          for (std::size_t k = 0; k < ways.size(); ++k) {
+            auto& passes = ways[k]->passes;
+            passes.run("contact_prepare");
+            gpu::Detection next = ways[k]->detection();
             next.needs_detection = 1;
             next.fastest = std::bit_cast<std::uint32_t>(0.02f);
-            detected->passes.put(buffers::detection, std::vector{next});
+            passes.put(buffers::detection, std::vector{next});
+            for (const std::string_view name : Detected::passes_of(settings[k])) passes.run(name);
           }
-          for (const char* name : {"detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search", "detect_outline", "search_faces",
-                                   "search_edges", "pair_faces", "pair_edges"})
-            often.passes.run(name);
-          for (const char* name : {"detect_alone", "detect_search", "detect_pair"}) seldom.passes.run(name);
         }
       }
 }
