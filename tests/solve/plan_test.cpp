@@ -141,7 +141,9 @@ TEST(Plan, every_pass_is_one_module_and_nothing_of_it_is_left_open) {
       const auto touched = compute::reflect(planned.spirv);
       ASSERT_TRUE(touched) << touched.error();
       EXPECT_TRUE(touched->spec_constants.empty()) << planned.label;
-      EXPECT_EQ(touched->local_size[0], planned.pass->a_workgroup_each ? kNarrow : planned.pass->crew ? kCrew : planned.pass->alone ? kAlone : kWorkgroup) << planned.label;
+      const Pass& pass = *planned.pass;
+      EXPECT_EQ(touched->local_size[0],
+                pass.a_workgroup_each ? kNarrow : pass.thin ? kThin : pass.crew ? kCrew : pass.alone ? kAlone : kWorkgroup) << planned.label;
     }
   });
 }
@@ -156,7 +158,9 @@ TEST(Plan, every_pass_is_valid_on_a_device_of_vulkan_1_1_without_features) {
   for_every_plan([&](const Plan& plan, const Calls&, bool texels) {
     for (const PlannedPass& planned : plan.passes) {
       const auto is_storage = [](const PlannedPass::Resource& r) { return r.binding.kind == compute::Binding::Kind::storage_buffer; };
-      std::ptrdiff_t& most = planned.pass->when != nullptr && (planned.pass->crowd == Crowd::seldom || planned.pass->crowd == Crowd::united) ? most_of_seldom : most_buffers;
+      const Crowd crowd = planned.pass->crowd;
+      std::ptrdiff_t& most =
+          planned.pass->when != nullptr && (crowd == Crowd::seldom || crowd == Crowd::united) ? most_of_seldom : most_buffers;
       const std::ptrdiff_t takes = std::ranges::count_if(planned.resources, is_storage);
       if (texels) most = std::max(most, takes);
       else if (&most == &most_of_seldom) most_of_seldom_in_storage = std::max(most_of_seldom_in_storage, takes);

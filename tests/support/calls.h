@@ -15,7 +15,7 @@ namespace weft {
 
 using Id = EffectId;
 namespace constant = gpu::constant;
-inline constexpr std::uint32_t kWorkgroup = 128, kNarrow = 64, kAlone = 256, kCrew = 512;
+inline constexpr std::uint32_t kWorkgroup = 128, kNarrow = 64, kAlone = 256, kCrew = 512, kThin = 4;
 
 // What a scene calls for, in short.
 struct Calls {
@@ -31,6 +31,7 @@ inline Needs setup_for(const Calls& calls, bool texels) {
   setup.narrow = kNarrow;
   setup.alone = kAlone;
   setup.crew = kCrew;
+  setup.thin = kThin;
   setup.constants[constant::workgroup] = kWorkgroup;
   setup.constants[constant::through_texels] = texels;
   setup.constants[constant::is_iterated] = calls.iterated;
