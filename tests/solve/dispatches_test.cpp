@@ -59,5 +59,17 @@ TEST_F(Dispatches, of_a_frame_are_as_many_as_these) {
   EXPECT_EQ(held.rest, fallen.rest) << "anchors that are where they should be";
 }
 
+// On the software driver 47 vertices a side, as shaders/README.md says: its loops end; on a GPU it is a matter of time.
+TEST_F(Dispatches, one_workgroup_does_detections_of_sheets_up_to_a_size) {
+  const auto can = [&](std::uint32_t cells) {
+    Scene scene = sheet(cells);
+    scene.contacts.enabled = true;
+    const CookedFabric fabric = must(cook(scene, must(make_meshes(scene))));
+    return must(Solver::create(device(), {}, scene, fabric, {})).can_detect_alone();
+  };
+  EXPECT_TRUE(can(46));
+  EXPECT_EQ(can(60), !device().is_software());
+}
+
 }  // namespace
 }  // namespace weft
