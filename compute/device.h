@@ -66,7 +66,7 @@ struct DeviceLimits {
   uint32_t max_storage_buffers_per_stage = 0;    ///< maxPerStageDescriptorStorageBuffers
   uint32_t max_push_constant_bytes = 0;          ///< maxPushConstantsSize
   uint32_t shared_memory_bytes = 0;              ///< maxComputeSharedMemorySize
-  uint32_t max_workgroup_invocations = 0;        ///< maxComputeWorkGroupInvocations
+  uint32_t max_workgroup_invocations = 0;        ///< maxComputeWorkGroupInvocations, and maxComputeWorkGroupSize[0]: they are rows
   uint32_t max_workgroups_x = 0;                 ///< maxComputeWorkGroupCount[0]
   uint32_t subgroup_size = 0;                    ///< lanes
   double timestamp_period_ns = 0;                ///< nanoseconds per tick; 0: the queue has no timestamps

@@ -111,7 +111,7 @@ Candidate describe(const Functions& fn, VkPhysicalDevice physical, uint32_t inde
   limits.max_storage_buffers_per_stage = from.maxPerStageDescriptorStorageBuffers;
   limits.max_push_constant_bytes = from.maxPushConstantsSize;
   limits.shared_memory_bytes = from.maxComputeSharedMemorySize;
-  limits.max_workgroup_invocations = from.maxComputeWorkGroupInvocations;
+  limits.max_workgroup_invocations = std::min(from.maxComputeWorkGroupInvocations, from.maxComputeWorkGroupSize[0]);
   limits.max_workgroups_x = from.maxComputeWorkGroupCount[0];
   found.version = std::min(properties.apiVersion, lent.version);
   if (found.version < VK_API_VERSION_1_1) {

@@ -304,7 +304,7 @@ bool Solver::can_detect_alone() const {
   constexpr std::uint64_t kMost = 8192, kOfCluster = 400;   // clusters; turns of a cluster's loops over its members, neighbours and lists
   const auto share = [&](std::uint64_t count) { return (count + needs_.crew - 1) / needs_.crew; };
   const std::uint64_t clusters = contacts_.clusters;
-  if (!has_united_) return false;
+  if (std::ranges::none_of(plan_.passes, [](const PlannedPass& planned) { return planned.pass->crowd == Crowd::seldom; })) return false;
   if (!device_->is_software()) return clusters <= kMost;
   const std::uint64_t elements =
       2 * std::uint64_t{contacts_.particles} + contacts_.triangles + contacts_.edges + 2 * std::uint64_t{contacts_.buckets} + contacts_.tangled_room;

@@ -265,7 +265,8 @@ double flapping_of(const compute::Device& device, double wind, std::uint32_t cel
 void expect_flapping(const compute::Device& device, Made made, const std::string& name) {
   for (const double wind : {3.0, 8.0, 15.0})
     for (const std::uint32_t cells : {20u, 32u, 48u}) {
-      if (cells == (made == Made::centred ? 48u : made == Made::rising ? 0u : 32u)) continue;   // 48 with centres are 68 elsewhere
+      if (made == Made::centred && cells == 48) continue;   // as many vertices as 68 cells have elsewhere
+      if ((made == Made::falling || made == Made::at_random) && cells == 32) continue;   // between the other two
       const double strouhal = flapping_of(device, wind, cells, made);
       testing::Test::RecordProperty("f_L_over_U_at_" + std::to_string(int(wind)) + "_with_" + std::to_string(cells) + "_" + name,
                                     std::to_string(strouhal));
