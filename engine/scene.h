@@ -261,6 +261,7 @@ struct SolverSettings {
   double rate = 60;             // Hz: frames a second; a substep lasts 1 / (rate substeps)
   std::uint32_t substeps = 0;   // 0: the default (engine/reference/README.md says why)
   std::uint32_t iterations = 1; // 1 ... 1000
+  std::uint32_t bend_steps = 1; // 1 ... 4: towards how the fabric bends, in one dispatch; no more than are needed. One iteration only
   Method method = Method::by_default;   // method_of says which
   std::optional<double> budget_ms = {};   // of a frame; method automatic only
   Linear linear = Linear::cg;   // method implicit only

@@ -93,6 +93,7 @@ void fields(V& v, SolverSettings& solver) {
   v.number("rate", solver.rate, above(0, 1e4, "Hz"));
   v.whole("substeps", solver.substeps, between(0, 1000));
   v.whole("iterations", solver.iterations, between(1, 1000));
+  v.whole("bend_steps", solver.bend_steps, between(1, 4));
   v.choice("method", solver.method, kMethods);
   v.optional_number("budget_ms", solver.budget_ms, above(0, 1e4, "ms"));
   v.choice("linear", solver.linear, kLinears);

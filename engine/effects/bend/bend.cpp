@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/cook/cook_state.h"
+#include "engine/effects/bend/matrix.h"
 #include "engine/effects/effect.h"
 
 namespace weft::effects {
@@ -45,39 +46,6 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   return {};
 }
 
-// A line of a lattice has three; a hinge has four, but for some on slivers whose last counts nothing.
-int particles_of(const gpu::Bend& bend) { return bend.k[3] == 0 ? 3 : 4; }
-
-// Row i of the matrix in bend.comp: M_ij = sum over stencils e of share_i(e) K_j(e) / D_e.
-std::vector<std::vector<gpu::uvec2>> bend_matrix(std::span<const std::vector<gpu::uvec2>> shares, const CookedFabric& fabric,
-                                                 double softening, bool may_pin) {
-  struct Entry {
-    std::uint32_t other;
-    double value, size;   // `size` tells whether the entry is there: that may not depend on who is held where the host may pin
-  };
-  std::vector<std::vector<gpu::uvec2>> rows(shares.size());
-  std::vector<Entry> row;
-  for (std::uint32_t i = 0; i < shares.size(); ++i) {
-    row.clear();
-    for (const auto& [e, share] : shares[i]) {
-      const gpu::Bend& bend = fabric.bends[e];
-      const double part = std::bit_cast<float>(share), scale = part == 0 ? 0 : part / (bend.split_weight + bend.compliance * softening);
-      for (int j = 0; j < particles_of(bend); ++j)
-        if (bend.particle[j] != i) row.push_back({bend.particle[j], scale * bend.k[j], may_pin ? std::abs(bend.k[j]) : scale * bend.k[j]});
-    }
-    std::sort(row.begin(), row.end(), [](const Entry& a, const Entry& b) { return a.other < b.other; });
-    double largest = 0;
-    for (std::size_t k = 0; k < row.size();) {
-      Entry sum{row[k].other, 0, 0};
-      for (; k < row.size() && row[k].other == sum.other; ++k) sum.value += row[k].value, sum.size += row[k].size;
-      largest = std::max(largest, std::abs(sum.size));
-      // Entries that cancel but for rounding, as on right angles, are left out.
-      if (std::abs(sum.size) > 1e-9 * largest) rows[i].push_back({sum.other, std::bit_cast<std::uint32_t>(static_cast<float>(sum.value))});
-    }
-  }
-  return rows;
-}
-
 // A particle's mass is split among its stencils as among its links; with plain averaging only the gather divides by the counts.
 void lay_out(cooking::CookState& state) {
   CookedFabric& fabric = state.fabric();
@@ -85,7 +53,7 @@ void lay_out(cooking::CookState& state) {
   const bool split = state.scene().solver.averaging == Averaging::mass_split;
   std::vector<std::uint32_t> uses(fabric.positions.size());
   for (const gpu::Bend& bend : fabric.bends)
-    for (int j = 0; j < particles_of(bend); ++j) ++uses[bend.particle[j]];
+    for (int j = 0; j < cooking::particles_of(bend); ++j) ++uses[bend.particle[j]];
   std::vector<std::vector<gpu::uvec2>> shares(fabric.positions.size());
   for (std::uint32_t e = 0; e < fabric.bends.size(); ++e) {
     gpu::Bend& bend = fabric.bends[e];
@@ -93,7 +61,7 @@ void lay_out(cooking::CookState& state) {
     for (int j = 0; j < 4; ++j)
       weight += double(split ? uses[bend.particle[j]] : 1) * fabric.positions[bend.particle[j]].w * bend.k[j] * bend.k[j];
     bend.split_weight = static_cast<float>(weight);
-    for (int j = 0; j < particles_of(bend); ++j) {
+    for (int j = 0; j < cooking::particles_of(bend); ++j) {
       const std::uint32_t p = bend.particle[j];
       const float share = bend.k[j] * fabric.positions[p].w / static_cast<float>(split ? 1 : uses[p]);
       if (share != 0 || (state.may_pin() && bend.k[j] != 0)) shares[p].push_back({e, std::bit_cast<std::uint32_t>(share)});
@@ -103,7 +71,11 @@ void lay_out(cooking::CookState& state) {
     fabric.bend_uses = cooking::pack_rows(shares, cooking::Padding::repeated);
     return;
   }
-  fabric.bend = cooking::pack_rows(bend_matrix(shares, fabric, state.softening(), state.may_pin()), cooking::Padding::repeated);
+  const std::uint32_t steps = split ? state.scene().solver.bend_steps : 1;
+  const double relaxation = relaxation_of(state.scene());
+  const auto matrix = steps == 1 ? cooking::bend_matrix(shares, fabric, state.softening(), state.may_pin())
+                                 : cooking::bend_matrix_of_steps(steps, fabric, state.softening() / relaxation, relaxation, state.may_pin());
+  fabric.bend = cooking::pack_rows(matrix, cooking::Padding::repeated);
 }
 
 constexpr Figure kFigures[] = {{.name = "bends", .cooked = [](const CookedFabric& f) { return std::uint64_t(f.bends.size()); }}};

@@ -1,0 +1,149 @@
+// Bending's multipliers lambda solve the linear system (alpha~ + K W K^T) lambda = -K x, with alpha~ = alpha / h^2 and W the inverse masses:
+// an implicit step of the quadratic energy of bending alone. One Jacobi step towards it, with masses split, multiplies by
+// 1 / D_e, D_e = sum_j n_j w_j K_j^2 + alpha~_e. T = D^-1 (alpha~ + K W K^T) then has its eigenvalues between the least alpha~ / D and 1 (n_j
+// stencils share particle j, so that K W K^T is no more than the diagonal of the sums: Cauchy and Schwarz).
+//
+// What a smooth fold feels of its rigidity is what such a step solves of the smallest eigenvalue. A fine, stiff cloth has alpha~ / D of a
+// few hundredths (D grows with h^2 B / (rho d^4), d the cells' size): one step leaves it as limp as silk. Several steps of sizes
+// 1 / t_k, t_k the roots of Chebyshev's polynomial on an interval (Golub and Varga 1961), leave
+//
+//     r(t) = prod_k (1 - t / t_k) = T_m((1 + d - 2 t) / (1 - d)) / T_m((1 + d) / (1 - d))    on [d, 1],
+//
+// no more than a quarter of anything there, which is as much as explicit feedback by substeps stands (method.cpp). All of them
+// are linear in x. So their product is one sparse matrix, and several steps cost one dispatch with longer rows: of 12, 40 and 84 on a
+// lattice. Its columns are found one by one, from what a bump of a metre at one particle does.
+#include "engine/effects/bend/matrix.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+namespace weft::cooking {
+namespace {
+
+constexpr double kMostLeft = 0.25;     // of a mode: with more than a third, substeps blow up
+constexpr double kLittleLeft = 0.05;   // of the smoothest: no more steps than leave that
+
+// T_m(x) for x >= 1.
+double chebyshev(std::uint32_t m, double x) { return std::cosh(m * std::acosh(x)); }
+
+// How far down the interval of m steps reaches that leave kMostLeft of it.
+double reach(std::uint32_t m) {
+  const double c = std::cosh(std::acosh(1 / kMostLeft) / m);
+  return (c - 1) / (c + 1);
+}
+
+// 1 / t_k for a cloth whose smallest eigenvalue is `least`, by as few of `most` steps as leave little.
+std::vector<double> step_sizes(std::uint32_t most, double least) {
+  least = std::min(least, 0.999);
+  std::uint32_t m = 1;
+  while (m < most && 1 / chebyshev(m, (1 + least) / (1 - least)) > kLittleLeft) ++m;
+  const double low = std::max(least, reach(m));
+  std::vector<double> sizes;
+  for (std::uint32_t k = 0; k < m; ++k)
+    sizes.push_back(1 / (0.5 * (1 + low) - 0.5 * (1 - low) * std::cos((2 * k + 1) * std::numbers::pi / (2 * m))));
+  return sizes;
+}
+
+// Numbers by stencil or particle of which few are not zero. Those that were touched are in it whatever their value is.
+struct Sparse {
+  explicit Sparse(std::size_t size) : value(size), in(size) {}
+  double& operator[](std::uint32_t k) {
+    if (!in[k]) in[k] = true, touched.push_back(k);
+    return value[k];
+  }
+  void clear() {
+    for (const std::uint32_t k : touched) value[k] = 0, in[k] = false;
+    touched.clear();
+  }
+  std::vector<double> value;
+  std::vector<bool> in;
+  std::vector<std::uint32_t> touched;
+};
+
+}  // namespace
+
+std::vector<std::vector<gpu::uvec2>> bend_matrix(std::span<const std::vector<gpu::uvec2>> shares, const CookedFabric& fabric,
+                                                 double softening, bool may_pin) {
+  struct Entry {
+    std::uint32_t other;
+    double value, size;   // `size` tells whether the entry is there: that may not depend on who is held where the host may pin
+  };
+  std::vector<std::vector<gpu::uvec2>> rows(shares.size());
+  std::vector<Entry> row;
+  for (std::uint32_t i = 0; i < shares.size(); ++i) {
+    row.clear();
+    for (const auto& [e, share] : shares[i]) {
+      const gpu::Bend& bend = fabric.bends[e];
+      const double part = std::bit_cast<float>(share), scale = part == 0 ? 0 : part / (bend.split_weight + bend.compliance * softening);
+      for (int j = 0; j < particles_of(bend); ++j)
+        if (bend.particle[j] != i) row.push_back({bend.particle[j], scale * bend.k[j], may_pin ? std::abs(bend.k[j]) : scale * bend.k[j]});
+    }
+    std::sort(row.begin(), row.end(), [](const Entry& a, const Entry& b) { return a.other < b.other; });
+    double largest = 0;
+    for (std::size_t k = 0; k < row.size();) {
+      Entry sum{row[k].other, 0, 0};
+      for (; k < row.size() && row[k].other == sum.other; ++k) sum.value += row[k].value, sum.size += row[k].size;
+      largest = std::max(largest, std::abs(sum.size));
+      // Entries that cancel but for rounding, as on right angles, are left out.
+      if (std::abs(sum.size) > 1e-9 * largest) rows[i].push_back({sum.other, std::bit_cast<std::uint32_t>(static_cast<float>(sum.value))});
+    }
+  }
+  return rows;
+}
+
+std::vector<std::vector<gpu::uvec2>> bend_matrix_of_steps(std::uint32_t steps, const CookedFabric& fabric, double inverse_h2,
+                                                          double relaxation, bool may_pin) {
+  const std::span<const gpu::Bend> bends = fabric.bends;
+  std::vector<std::vector<std::uint32_t>> stencils_of(fabric.positions.size());
+  for (std::uint32_t e = 0; e < bends.size(); ++e)
+    for (int c = 0; c < particles_of(bends[e]); ++c) stencils_of[bends[e].particle[c]].push_back(e);
+  std::vector<std::vector<gpu::uvec2>> rows(fabric.positions.size());
+  Sparse lambda(bends.size()), bump(fabric.positions.size());
+  for (const ClothRange& cloth : fabric.cloths) {
+    const std::uint32_t end = cloth.first_particle + cloth.particles;
+    double least = 1;
+    for (std::uint32_t i = cloth.first_particle; i < end; ++i)
+      for (const std::uint32_t e : stencils_of[i]) {
+        const double alpha = bends[e].compliance * inverse_h2;
+        least = std::min(least, alpha / (bends[e].split_weight + alpha));
+      }
+    const std::vector<double> sizes = step_sizes(steps, least);
+    for (std::uint32_t j = cloth.first_particle; j < end; ++j) {
+      lambda.clear(), bump.clear();
+      bump[j] = 1;
+      for (const double size : sizes) {
+        // x + W K^T lambda as it is now; every stencil that it touches takes its step from there.
+        for (const std::uint32_t i : bump.touched)
+          for (const std::uint32_t e : stencils_of[i]) lambda[e];
+        for (const std::uint32_t e : lambda.touched) {
+          const gpu::Bend& bend = bends[e];
+          const double alpha = bend.compliance * inverse_h2;
+          double l = alpha * lambda.value[e];
+          for (int c = 0; c < particles_of(bend); ++c) l += bend.k[c] * bump.value[bend.particle[c]];
+          lambda.value[e] -= size * l / (bend.split_weight + alpha);
+        }
+        bump.clear();
+        bump[j] = 1;
+        for (const std::uint32_t e : lambda.touched)
+          for (int c = 0; c < particles_of(bends[e]); ++c) {
+            const std::uint32_t i = bends[e].particle[c];
+            bump[i] += fabric.positions[i].w * bends[e].k[c] * lambda.value[e];
+          }
+      }
+      double largest = 0;
+      for (const std::uint32_t i : bump.touched)
+        if (i != j) largest = std::max(largest, std::abs(bump.value[i]));
+      for (const std::uint32_t i : bump.touched) {
+        const double value = -bump.value[i] / relaxation;
+        // Nothing moves what is held. Where the host may pin, though, its row is there.
+        if (i == j || !(may_pin || (fabric.positions[i].w > 0 && std::abs(bump.value[i]) > 1e-9 * largest))) continue;
+        rows[i].push_back({j, std::bit_cast<std::uint32_t>(static_cast<float>(value))});
+      }
+    }
+  }
+  return rows;
+}
+
+}  // namespace weft::cooking
