@@ -7,6 +7,7 @@
     table.glb        a table, 0.9 m x 0.9 m, 0.72 m high, on y = 0: one closed surface with hard edges
     balloon.glb      a closed ball, 0.5 m across, of a cube's six sides with 16 x 16 cells each; its middle at the origin
     cushion.glb      two square sheets, 0.5 m x 0.5 m, 33 x 33 places, sewn together all around and 2 cm apart in the middle; upright
+    disc.glb         a disc, 30 cm across, in cells of 5 mm; flat, on y = 0; its colour is 1 within 9 cm, which a drape meter's plate holds
     table_linen.glb  two panels, 1.5 m x 1.5 m, 61 x 61 places, sewn along a UV seam; flat, on y = 0
     quilt.glb        a padded quilt, 1.2 m x 1.2 m, closed, 2 x 97 x 97 places; flat, its middle on y = 0
     sleeper.glb      a sleeper under a blanket as a mound, 0.9 m x 1.3 m; morph targets that breathe and turn, and an animation of their weights
@@ -208,6 +209,29 @@ def pleats():
             normals.append((x / math.hypot(x, z), 0.0, z / math.hypot(x, z)))
             uvs.append((0.03 * i, length * (1 - j / rows)))
     return glb("pleats", positions, normals, uvs, sheet_triangles(columns, rows, 0, 0), wide_indices=False)
+
+
+def disc():
+    """A lattice whose rim is moved onto the circle. Where it is held is a staircase about the plate's circle."""
+    radius, plate, cells = 0.15, 0.09, 60
+    cell = 2 * radius / cells
+    place = lambda i, j: (cell * (i - cells / 2), cell * (cells / 2 - j))
+    inside = lambda i, j: math.hypot(*place(i, j)) < radius + 0.5 * cell
+    squares = {(i, j) for i in range(cells) for j in range(cells) if all(inside(i + a, j + b) for a in (0, 1) for b in (0, 1))}
+    numbers, positions, colours, triangles = {}, [], [], []
+    for i, j in sorted({(i + a, j + b) for i, j in squares for a in (0, 1) for b in (0, 1)}, key=lambda p: (p[1], p[0])):
+        x, z = place(i, j)
+        distance = math.hypot(x, z)
+        if any((i - a, j - b) not in squares for a in (0, 1) for b in (0, 1)):
+            x, z = x * radius / distance, z * radius / distance
+        numbers[i, j] = len(positions)
+        positions.append((x, 0.0, z))
+        colours.append((float(distance < plate + 0.25 * cell),) * 3)
+    for i, j in sorted(squares, key=lambda p: (p[1], p[0])):
+        a, b, c, d = (numbers[i + x, j + y] for y in (0, 1) for x in (0, 1))
+        triangles += [(a, b, d), (a, d, c)] if (i + j) % 2 == 0 else [(a, b, c), (b, d, c)]
+    uvs = [(x + radius, z + radius) for x, _, z in positions]
+    return glb("disc", positions, [(0.0, 1.0, 0.0)] * len(positions), uvs, triangles, wide_indices=False, colours=colours)
 
 
 def quilt():
@@ -578,6 +602,7 @@ def main():
         save(folder / "tablecloth.glb", tablecloth())
         save(folder / "pleats.glb", pleats())
         save(folder / "quilt.glb", quilt())
+        save(folder / "disc.glb", disc())
         save(folder / "table.glb", table())
         save(folder / "table_linen.glb", table_linen())
         save(folder / "balloon.glb", balloon())

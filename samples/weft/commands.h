@@ -93,6 +93,16 @@ struct ContactOptions {
 };
 Exit contacts(const ContactOptions& options);
 
+struct DrapeOptions {
+  std::filesystem::path file;   // a scene whose cloths hang over the rim of what holds them
+  std::filesystem::path out = "out/drape";
+  std::optional<std::uint32_t> frames;   // none: the scene's
+  std::string device;
+  BufferFiles buffer_files = BufferFiles::below_its_folder;
+  std::vector<Assignment> assignments;
+};
+Exit drape(const DrapeOptions& options);
+
 struct EffectsOptions {
   std::filesystem::path out = "out/effects";
   std::uint32_t size = 100;     // cells along a side of the sheet

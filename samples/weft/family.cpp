@@ -43,13 +43,6 @@ Row row_of(const std::string& name, const Figures& figures, std::uint32_t frames
   return row;
 }
 
-// Names with a comma or a quotation mark are quoted, as RFC 4180 has it.
-std::string quoted(std::string name) {
-  if (name.find_first_of(",\"\n") == name.npos) return name;
-  for (std::size_t at = 0; (at = name.find('"', at)) != name.npos; at += 2) name.insert(at, 1, '"');
-  return '"' + name + '"';
-}
-
 Exit conclude_family(const Rows& all, const fs::path& out) {
   TextStream text;
   text.precision(9);

@@ -67,4 +67,10 @@ std::string file_name(std::string_view name) {
   return plain.empty() || plain[0] == '.' ? "scene" + plain : plain;
 }
 
+std::string quoted(std::string text) {
+  if (text.find_first_of(",\"\n") == text.npos) return text;
+  for (std::size_t at = 0; (at = text.find('"', at)) != text.npos; at += 2) text.insert(at, 1, '"');
+  return '"' + text + '"';
+}
+
 }  // namespace weft::command

@@ -40,4 +40,7 @@ class Fingerprint {
 /// `name` without what a file's name cannot hold.
 std::string file_name(std::string_view name);
 
+/// A field of a CSV file: text with a comma or a quotation mark is quoted, as RFC 4180 has it.
+std::string quoted(std::string text);
+
 }  // namespace weft::command

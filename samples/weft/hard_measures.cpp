@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/reference/intersections.h"
+#include "samples/weft/drape_measure.h"
 
 namespace weft::command::figure {
 
@@ -237,39 +238,11 @@ double pendulum_error(const Glance& at) {
   return std::abs(off) / expected;
 }
 
-// Cusick: the share that a cloth's shadow has of the ring that hangs free. Corners that lie over each other count once.
 double drape_order(const Glance& at) {
-  constexpr int kPixels = 400;   // along a side of the sheet
   double worst = 0, before = 0;
-  for (std::size_t k = 0; k < at.fabric.cloths.size(); ++k) {
-    const ClothRange& cloth = at.fabric.cloths[k];
-    const double side = at.scene.cloths[k].grid->size.x, pixel = 1.02 * side / kPixels;
-    const Vector3d middle = centre_of_mass(at, at.start, cloth.first_particle, cloth.particles);
-    std::vector<bool> shadow(kPixels * kPixels), held(kPixels * kPixels);
-    for (std::uint32_t t = 0; t < at.fabric.cloth_triangles; ++t) {
-      const Triangle& triangle = at.fabric.triangles[t];
-      if (triangle[0] < cloth.first_particle || triangle[0] >= cloth.first_particle + cloth.particles) continue;
-      double u[3], w[3];
-      bool pinned = true;
-      for (int c = 0; c < 3; ++c) {
-        const Vector3d p = (vector(at.positions[triangle[static_cast<std::size_t>(c)]]) - middle) / pixel;
-        u[c] = p.x() + kPixels / 2, w[c] = p.z() + kPixels / 2;
-        pinned &= at.start[triangle[static_cast<std::size_t>(c)]].w == 0;
-      }
-      const double area = (u[1] - u[0]) * (w[2] - w[0]) - (u[2] - u[0]) * (w[1] - w[0]);
-      if (area == 0) continue;
-      for (int y = std::max(0, int(*std::min_element(w, w + 3))); y < std::min(kPixels, int(*std::max_element(w, w + 3)) + 1); ++y)
-        for (int x = std::max(0, int(*std::min_element(u, u + 3))); x < std::min(kPixels, int(*std::max_element(u, u + 3)) + 1); ++x) {
-          const double a = ((u[1] - x) * (w[2] - y) - (u[2] - x) * (w[1] - y)) / area;
-          const double b = ((u[2] - x) * (w[0] - y) - (u[0] - x) * (w[2] - y)) / area;
-          if (a < 0 || b < 0 || a + b > 1) continue;
-          (pinned ? held : shadow)[static_cast<std::size_t>(y * kPixels + x)] = true;
-        }
-    }
-    double shaded = 0, plate = 0;
-    for (std::size_t p = 0; p < shadow.size(); ++p) plate += held[p], shaded += shadow[p] && !held[p];
-    const double coefficient = shaded / (side * side / (pixel * pixel) - plate);
-    if (k > 0) worst = std::max(worst, before / coefficient);
+  for (const ClothRange& cloth : at.fabric.cloths) {
+    const double coefficient = drape_coefficient(at.fabric, cloth, at.start, at.positions);
+    worst = std::max(worst, before / coefficient);
     before = coefficient;
   }
   return worst;

@@ -135,6 +135,18 @@ Exit obey(int count, char** arguments) {
   add_set(*contacts_command, sets);
   contacts_command->add_option("--device", contact_options.device, "Index or part of the name; weft info lists them");
 
+  DrapeOptions drape_options;
+  CLI::App* drape_command =
+      app.add_subcommand("drape", "Cusick's drape coefficient of a scene's cloths, beside published ones; a table, CSV and a plot");
+  drape_command->add_option("scene", file, "A scene (JSON) whose cloths hang over the rim of what holds them")->required()->type_name("SCENE");
+  std::uint32_t drape_frames = 0;
+  CLI::Option* drape_frames_option =
+      drape_command->add_option("--frames", drape_frames, "Frames until it is measured (default: the scene's)")->check(CLI::Range(1u, kMostFrames));
+  drape_command->add_option("--out", drape_options.out, "Where files go")->type_name("DIR")->capture_default_str();
+  add_set(*drape_command, sets);
+  add_outside(*drape_command, allow_outside);
+  drape_command->add_option("--device", drape_options.device, "Index or part of the name; weft info lists them");
+
   EffectsOptions effects_options;
   CLI::App* effects_command = app.add_subcommand(
       "effects", "Tabulate what each effect adds to the barest cloth, alone and in pairs: passes, dispatches, bytes, instructions, time");
@@ -279,6 +291,13 @@ Exit obey(int count, char** arguments) {
     contact_options.farm = farm;
     contact_options.assignments = std::move(assignments);
     return contacts(contact_options);
+  }
+  if (*drape_command) {
+    drape_options.file = file;
+    drape_options.buffer_files = buffer_files;
+    drape_options.assignments = std::move(assignments);
+    if (*drape_frames_option) drape_options.frames = drape_frames;
+    return drape(drape_options);
   }
   if (*harden_command) {
     harden_options.file = file;

@@ -12,7 +12,7 @@ namespace {
 using Pulls = GpuTest;
 using Eigen::Vector3d;
 
-Vector3d wide(Vec3 v) { return {v.x, v.y, v.z}; }
+Vector3d in_doubles(Vec3 v) { return {v.x, v.y, v.z}; }
 
 struct Momentum {
   Vector3d linear = Vector3d::Zero(), angular = Vector3d::Zero();   // kg m/s; kg m^2/s about the origin
@@ -63,7 +63,7 @@ TEST_F(Pulls, momentum_of_cloth_and_hands_is_balanced_in_all_ways) {
         (void)must(simulation->read_positions());   // waits
         const auto pulls = simulation->take_pulls();
         ASSERT_EQ(pulls.size(), 2u);
-        for (const Reaction& pull : pulls) given += wide(pull.impulse);
+        for (const Reaction& pull : pulls) given += in_doubles(pull.impulse);
         most = std::max(most, momentum_of(*simulation).linear.norm());
       }
       EXPECT_GT(most, 0.05);

@@ -13,7 +13,7 @@ namespace {
 
 using ReactionCase = GpuTest;
 
-Collider block(Vec3 centre, Vec3 size) {
+Collider box_of(Vec3 centre, Vec3 size) {
   Collider collider;
   collider.shape = ColliderShape::box;
   collider.centre = centre;
@@ -29,7 +29,7 @@ Scene falling_sheet(std::vector<Collider> colliders, std::uint32_t cells = 16) {
 }
 
 TEST_F(ReactionCase, a_falling_sheet_gives_every_shape_what_it_loses) {
-  Collider capsule = block({0, -0.35f, 0}, {1, 1, 1});
+  Collider capsule = box_of({0, -0.35f, 0}, {1, 1, 1});
   capsule.shape = ColliderShape::capsule;
   capsule.radius = 0.2;
   capsule.axis = {0.96f, 0.28f, 0};
@@ -38,7 +38,7 @@ TEST_F(ReactionCase, a_falling_sheet_gives_every_shape_what_it_loses) {
   expect_balance(device(), falling_sheet({capsule}));
   capsule.radius_end = 0.35;
   expect_balance(device(), falling_sheet({capsule}));
-  expect_balance(device(), falling_sheet({block({0, -0.3f, 0}, {0.6f, 0.4f, 0.6f}), plane(-0.5f)}));   // by triangles too
+  expect_balance(device(), falling_sheet({box_of({0, -0.3f, 0}, {0.6f, 0.4f, 0.6f}), plane(-0.5f)}));   // by triangles too
   expect_balance(device(), falling_sheet({sphere({0, -0.4f, 0}, 0.1), plane(-0.5f)}, 6));            // a round one, cells coarse for it
 }
 
@@ -47,20 +47,20 @@ TEST_F(ReactionCase, moving_and_spinning_colliders_rub_it_along_and_are_given_wh
   scene.colliders[0].friction = 1;
   scene.colliders[0].keys = {{0, {}, {0, 1, 0}, 0}, {1, {0.5f, 0.3f, 0}, {0, 1, 0}, 720}};
   expect_balance(device(), scene);
-  scene.colliders[0] = block({0, -0.4f, 0}, {0.5f, 0.3f, 0.5f});
+  scene.colliders[0] = box_of({0, -0.4f, 0}, {0.5f, 0.3f, 0.5f});
   scene.colliders[0].keys = {{0, {}, {0, 1, 0}, 0}, {1, {0.2f, 0.3f, 0}, {0, 1, 0}, 360}};
   expect_balance(device(), scene);
 }
 
 // What they hold back in the solve (shaders/support) they are given, too.
 TEST_F(ReactionCase, bodies_that_hold_fine_cloth_are_given_what_they_held) {
-  Collider thin = block({0.1f, -0.1f, 0.05f}, {1, 1, 1});
+  Collider thin = box_of({0.1f, -0.1f, 0.05f}, {1, 1, 1});
   thin.shape = ColliderShape::capsule;
   thin.radius = 0.04;
   thin.axis = {0.8f, 0.6f, 0};
   for (const Method method : {Method::jacobi, Method::strands, Method::gauss_seidel})
     for (const std::uint32_t iterations : {1u, 3u})
-      for (const Collider& body : {thin, block({0.1f, -0.3f, 0}, {0.3f, 0.4f, 0.3f})}) {
+      for (const Collider& body : {thin, box_of({0.1f, -0.3f, 0}, {0.3f, 0.4f, 0.3f})}) {
         SCOPED_TRACE(std::to_string(int(method)) + ", " + std::to_string(iterations) + " iterations");
         Scene scene = falling_sheet({plane(-0.5f), body}, 52);
         scene.solver.method = method;
@@ -72,7 +72,7 @@ TEST_F(ReactionCase, bodies_that_hold_fine_cloth_are_given_what_they_held) {
 
 TEST_F(ReactionCase, every_method_that_tells_them_balances) {
   for (const Method method : {Method::jacobi, Method::strands, Method::gauss_seidel}) {
-    Scene scene = falling_sheet({sphere({0, -0.4f, 0}, 0.3), block({0.3f, -0.4f, 0}, {0.3f, 0.3f, 0.3f})});
+    Scene scene = falling_sheet({sphere({0, -0.4f, 0}, 0.3), box_of({0.3f, -0.4f, 0}, {0.3f, 0.3f, 0.3f})});
     scene.solver.method = method;
     scene.solver.iterations = method == Method::gauss_seidel ? 3 : 1;
     expect_balance(device(), scene, 30);
@@ -123,7 +123,7 @@ TEST_F(ReactionCase, a_hundred_blocks_are_given_the_weight_of_the_sheet_on_each)
     cloth.grid = Grid{{0.1f, 0.1f}, 2, 2, Topology::diagonal, false};
     cloth.fabric.area_density = 0.1 + 0.01 * (k % 7);
     cloth.transform.translate = {x, 0.003f, z};
-    scene.colliders.push_back(block({x, -0.1f, z}, {0.2f, 0.2f, 0.2f}));
+    scene.colliders.push_back(box_of({x, -0.1f, z}, {0.2f, 0.2f, 0.2f}));
   }
   const auto simulation = must(Simulation::create(device(), scene));
   run(*simulation, 1);
@@ -159,7 +159,7 @@ TEST_F(ReactionCase, contacts_change_nothing_about_the_balance_while_no_step_is_
 
 // But fine cloth over thin bodies, where nodes are held only if nobody asks.
 TEST_F(ReactionCase, who_does_not_ask_has_no_byte_and_the_same_bits) {
-  Scene scene = falling_sheet({sphere({0, -0.4f, 0}, 0.3), block({0.3f, -0.4f, 0}, {0.3f, 0.3f, 0.3f})});
+  Scene scene = falling_sheet({sphere({0, -0.4f, 0}, 0.3), box_of({0.3f, -0.4f, 0}, {0.3f, 0.3f, 0.3f})});
   const auto silent = must(Simulation::create(device(), scene));
   scene.reactions = true;
   const auto telling = must(Simulation::create(device(), scene));
@@ -191,7 +191,7 @@ bool same_bits(const std::vector<Reaction>& a, const std::vector<Reaction>& b) {
 
 TEST_F(ReactionCase, advance_submit_and_record_tell_the_same_bits_and_snapshots_go_on) {
   for (const bool contacts : {false, true}) {
-    Scene scene = falling_sheet({block({0.3f, -0.3f, 0}, {0.3f, 0.3f, 0.3f}), plane(-0.4f), sphere({-0.2f, -0.3f, 0}, 0.2)});
+    Scene scene = falling_sheet({box_of({0.3f, -0.3f, 0}, {0.3f, 0.3f, 0.3f}), plane(-0.4f), sphere({-0.2f, -0.3f, 0}, 0.2)});
     scene.reactions = true;
     scene.contacts.enabled = contacts;
     const auto simulation = [&] { return must(Simulation::create(device(), scene)); };
