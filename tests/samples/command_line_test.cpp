@@ -293,6 +293,25 @@ TEST_F(CommandLine, contacts_tells_the_price_of_a_scene_as_it_is) {
   EXPECT_NE(table.find("\ntrue,5,"), std::string::npos) << table;
 }
 
+TEST_F(CommandLine, drape_tells_how_far_cloth_stands_out_from_what_holds_it_beside_what_is_published) {
+  const std::string held = write("held.json", R"({"frames": 2, "cloths": [
+      {"name": "silk, grey", "grid": {"size": [0.3, 0.3], "cells": [12, 12]}, "fabric": "silk",
+       "anchors": [{"box": {"low": [-0.09, -1, -0.09], "high": [0.09, 1, 0.09]}}]},
+      {"name": "own", "grid": {"size": [0.3, 0.3], "cells": [12, 12]}, "fabric": {"bend": 0.1}, "transform": {"translate": [1, 0, 0]},
+       "anchors": [{"box": {"low": [0.91, -1, -0.09], "high": [1.09, 1, 0.09]}}]}]})");
+  const Outcome outcome = weft({"drape", held, "--out", out()});
+  ASSERT_EQ(outcome.exit, 0) << outcome.error;
+  EXPECT_NE(outcome.out.find("20 to 40 %, it is stiffer: light woven silks"), std::string::npos) << outcome.out;   // it has hardly fallen yet
+  for (const char* name : {"drape.csv", "drape.svg", "drape.png"}) EXPECT_FALSE(read(folder / "out" / name).empty()) << name;
+  const std::string table = read(folder / "out" / "drape.csv");
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 3) << table;
+  EXPECT_NE(table.find("\n\"silk, grey\",silk,0.06,4e-06,20,"), std::string::npos) << table;
+
+  const Outcome refused = weft({"drape", write("sheet.json", kSheet), "--set", "cloths[0].anchors=[]", "--out", out()});
+  EXPECT_EQ(refused.exit, 2);
+  EXPECT_NE(refused.error.find("is held by fewer than 3 of its vertices"), std::string::npos) << refused.error;
+}
+
 TEST_F(CommandLine, effects_tells_what_each_adds_to_the_barest_cloth_and_which_do_not_go_together) {
   const Outcome outcome = weft({"effects", "--quick", "--out", out()});
   ASSERT_EQ(outcome.exit, 0) << outcome.error;

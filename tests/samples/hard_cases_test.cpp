@@ -10,6 +10,7 @@
 #include <set>
 #include <sstream>
 
+#include "samples/weft/drape_measure.h"
 #include "samples/weft/hard_run.h"
 #include "samples/weft/hardening.h"
 #include "tests/support/gpu_fixture.h"
@@ -46,6 +47,24 @@ INSTANTIATE_TEST_SUITE_P(Small, HardCases, testing::ValuesIn(small_cases()), [](
     if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
   return name;
 });
+
+// A sheet that is held in its middle third: flat, with its free ring hanging straight down, and with half of it turned over onto the rest.
+TEST(DrapeMeasure, flat_cloth_stands_out_whole_and_what_hangs_down_not_at_all) {
+  Scene scene;
+  scene.cloths.emplace_back().grid = Grid{{0.3f, 0.3f}, 30, 30, Topology::diagonal, false};
+  scene.cloths[0].anchors.emplace_back().box = Anchor::Box{{-0.051f, -1, -0.051f}, {0.051f, 1, 0.051f}};
+  scene.cloths[0].start.imperfection = 0;
+  const CookedFabric fabric = must(cook(scene, must(make_meshes(scene))));
+  const auto coefficient = [&](auto place) {
+    std::vector<gpu::vec4> positions = fabric.positions;
+    for (gpu::vec4& p : positions) place(p);
+    return drape_coefficient(fabric, fabric.cloths[0], fabric.positions, positions);
+  };
+  EXPECT_NEAR(coefficient([](gpu::vec4&) {}), 1, 1e-9);
+  const auto hang = [](gpu::vec4& p) { p.x = std::clamp(p.x, -0.05f, 0.05f), p.z = std::clamp(p.z, -0.05f, 0.05f); };
+  EXPECT_NEAR(coefficient(hang), 0, 0.02);
+  EXPECT_NEAR(coefficient([](gpu::vec4& p) { p.x = std::min(p.x, 0.1f - p.x); }), (0.3 * 0.2 - 0.01) / 0.08, 0.02);
+}
 
 // Family 11: what the physics is invariant under changes nothing: the mean within 2 % of the sheet's size, the shape within 4 %.
 class Perturbed : public GpuTest {};

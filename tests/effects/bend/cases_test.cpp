@@ -23,7 +23,7 @@ double sinks(const compute::Device& device, std::uint32_t steps, std::uint32_t i
   scene.solver.bend_steps = steps;
   scene.solver.iterations = iterations;
   const auto simulation = must(Simulation::create(device, scene));
-  for (int frame = 0; frame < 180; ++frame) must(simulation->advance(1.0 / 60));
+  for (int frame = 0; frame < 90; ++frame) must(simulation->advance(1.0 / 60));
   double lowest = 0;
   for (const gpu::vec4& p : must(simulation->read_positions())) lowest = std::min(lowest, static_cast<double>(p.y));
   return -lowest / kLength;
