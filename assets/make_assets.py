@@ -212,26 +212,17 @@ def pleats():
 
 
 def disc():
-    """A lattice whose rim is moved onto the circle. Where it is held is a staircase about the plate's circle."""
+    """The triangles of a lattice that lie within a circle: its rim is jagged by half a cell, and so is that of what is held."""
     radius, plate, cells = 0.15, 0.09, 60
     cell = 2 * radius / cells
-    place = lambda i, j: (cell * (i - cells / 2), cell * (cells / 2 - j))
-    inside = lambda i, j: math.hypot(*place(i, j)) < radius + 0.5 * cell
-    squares = {(i, j) for i in range(cells) for j in range(cells) if all(inside(i + a, j + b) for a in (0, 1) for b in (0, 1))}
-    numbers, positions, colours, triangles = {}, [], [], []
-    for i, j in sorted({(i + a, j + b) for i, j in squares for a in (0, 1) for b in (0, 1)}, key=lambda p: (p[1], p[0])):
-        x, z = place(i, j)
-        distance = math.hypot(x, z)
-        if any((i - a, j - b) not in squares for a in (0, 1) for b in (0, 1)):
-            x, z = x * radius / distance, z * radius / distance
-        numbers[i, j] = len(positions)
-        positions.append((x, 0.0, z))
-        colours.append((float(distance < plate + 0.25 * cell),) * 3)
-    for i, j in sorted(squares, key=lambda p: (p[1], p[0])):
-        a, b, c, d = (numbers[i + x, j + y] for y in (0, 1) for x in (0, 1))
-        triangles += [(a, b, d), (a, d, c)] if (i + j) % 2 == 0 else [(a, b, c), (b, d, c)]
-    uvs = [(x + radius, z + radius) for x, _, z in positions]
-    return glb("disc", positions, [(0.0, 1.0, 0.0)] * len(positions), uvs, triangles, wide_indices=False, colours=colours)
+    places = [(cell * (i - cells / 2), cell * (cells / 2 - j)) for j in range(cells + 1) for i in range(cells + 1)]
+    inside = [t for t in sheet_triangles(cells, cells, 0, 0) if math.hypot(*(sum(places[v][k] for v in t) / 3 for k in (0, 1))) < radius]
+    used = sorted({v for t in inside for v in t})
+    number = {v: k for k, v in enumerate(used)}
+    positions = [(places[v][0], 0.0, places[v][1]) for v in used]
+    held = [(float(math.hypot(*places[v]) < plate + 0.25 * cell),) * 3 for v in used]
+    return glb("disc", positions, [(0.0, 1.0, 0.0)] * len(positions), [(x + radius, z + radius) for x, _, z in positions],
+               [tuple(number[v] for v in t) for t in inside], wide_indices=False, colours=held)
 
 
 def quilt():

@@ -85,7 +85,7 @@ std::string csv(const std::vector<DrapeRow>& rows) {
 }
 
 Drawing drape_plot(const std::vector<DrapeRow>& rows) {
-  Panel panel{"Cusick's drape coefficient", "bending length (mm)", "%", {}, {}};
+  Panel panel{"Cusick's drape coefficient", "bending length (mm)", "of the free ring (%)", {}, {}};
   Series ends{"published, least and most", {120, 120, 120}, {}};
   std::size_t colour = 0;
   for (const DrapeRow& row : rows) {
