@@ -29,7 +29,7 @@ struct Published {
 constexpr Published kPublished[] = {
     {"silk", 0.20, 0.40, "light woven silks: Matsudaira and Yang 2003, Textile Research Journal 73(3)"},
     {"cotton", 0.48, 0.72, "one plain weave at 18 to 32 picks/cm: Analysis of a Fabric Drape Profile, Fibres and Textiles 1/2018"},
-    {"denim", 0.77, 0.89, "cotton and polyester of 220 to 250 g/m2, five weaves, a 3/1 twill 0.80: the same; none of denim itself is known"},
+    {"denim", 0.77, 0.89, "cotton and polyester of 220 to 250 g/m2 in six weaves: the same 1/2018; none of denim itself is known"},
     {"leather", 0.4735, 0.699, "sheep garment leather of 0.64 to 0.96 mm: Memon et al. 2021, Materials 14(16), 4553"},
 };
 
@@ -66,14 +66,15 @@ void print(const std::vector<DrapeRow>& rows) {
     std::printf("%-12s %8.4g %12.3g %10.4g %9.3g mm %6.1f %%", row.cloth.c_str(), 1000 * row.area_density, row.bend, row.shear,
                 1000 * row.bending_length, 100 * row.coefficient);
     if (const Published* one = row.published)
-      std::printf("   %.0f to %.0f %%%s: %s", 100 * one->least, 100 * one->most,
-                  row.coefficient < one->least ? ", it is limper" : row.coefficient > one->most ? ", it is stiffer" : ", it fits", one->source);
+      std::printf("   %.0f to %.0f %%, it %s: %s", 100 * one->least, 100 * one->most,
+                  row.coefficient < one->least ? "is limper" : row.coefficient > one->most ? "is stiffer" : "fits", one->source);
     std::printf("\n");
   }
 }
 
 std::string csv(const std::vector<DrapeRow>& rows) {
-  std::string text = "cloth,preset,area_density_kg_m2,bend_N_m,shear_N_m,bending_length_m,drape_coefficient,published_least,published_most\n";
+  std::string text =
+      "cloth,preset,area_density_kg_m2,bend_N_m,shear_N_m,bending_length_m,drape_coefficient,published_least,published_most\n";
   for (const DrapeRow& row : rows) {
     char line[256];
     std::snprintf(line, sizeof line, ",%g,%g,%g,%g,%g,", row.area_density, row.bend, row.shear, row.bending_length, row.coefficient);
@@ -91,7 +92,8 @@ Drawing drape_plot(const std::vector<DrapeRow>& rows) {
   for (const DrapeRow& row : rows) {
     const double length = 1000 * row.bending_length;
     if (row.coefficient > 0) panel.series.push_back({row.cloth, series_colour(colour++), {{length, 100 * row.coefficient}}});
-    if (row.published) ends.points.push_back({length, 100 * row.published->least}), ends.points.push_back({length, 100 * row.published->most});
+    if (!row.published) continue;
+    for (const double end : {row.published->least, row.published->most}) ends.points.push_back({length, 100 * end});
   }
   panel.series.push_back(std::move(ends));
   return plot({panel}, 1);
@@ -119,7 +121,8 @@ Exit drape(const DrapeOptions& options) {
   for (const ClothRange& cloth : started.simulation->fabric().cloths) {
     const auto all = std::span(started.simulation->fabric().positions).subspan(cloth.first_particle, cloth.particles);
     if (std::count_if(all.begin(), all.end(), [](const gpu::vec4& p) { return p.w == 0; }) >= 3) continue;
-    complain(options.file.string() + ": a cloth is held by fewer than 3 of its vertices: what drapes hangs over the rim of a plate that holds it");
+    complain(options.file.string() +
+             ": a cloth is held by fewer than 3 of its vertices: what drapes hangs over the rim of a plate that holds it");
     return kBadInput;
   }
   const std::uint32_t frames = options.frames.value_or(scene->frames);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace weft::command {
@@ -34,7 +35,8 @@ class Shadow {
   double along(double z) const { return (z - back_) / pixel_; }
   static std::pair<int, int> range(const double (&values)[3]) {
     const auto [least, most] = std::minmax_element(values, values + 3);
-    return {static_cast<int>(std::clamp(std::floor(*least), 0.0, double(kPixels))), static_cast<int>(std::clamp(*most + 1, 0.0, double(kPixels)))};
+    const auto within = [](double value) { return static_cast<int>(std::clamp(value, 0.0, double(kPixels))); };
+    return {within(std::floor(*least)), within(*most + 1)};
   }
 
   double left_, back_, pixel_;

@@ -138,7 +138,9 @@ Exit obey(int count, char** arguments) {
   DrapeOptions drape_options;
   CLI::App* drape_command =
       app.add_subcommand("drape", "Cusick's drape coefficient of a scene's cloths, beside published ones; a table, CSV and a plot");
-  drape_command->add_option("scene", file, "A scene (JSON) whose cloths hang over the rim of what holds them")->required()->type_name("SCENE");
+  drape_command->add_option("scene", file, "A scene (JSON) whose cloths hang over the rim of what holds them")
+      ->required()
+      ->type_name("SCENE");
   std::uint32_t drape_frames = 0;
   CLI::Option* drape_frames_option =
       drape_command->add_option("--frames", drape_frames, "Frames until it is measured (default: the scene's)")->check(CLI::Range(1u, kMostFrames));
