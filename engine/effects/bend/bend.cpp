@@ -47,7 +47,7 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
 }
 
 // A particle's mass is split among its stencils as among its links; with plain averaging only the gather divides by the counts.
-void lay_out(cooking::CookState& state) {
+void lay_out(cooking::CookState& state, bool is_first = true) {
   CookedFabric& fabric = state.fabric();
   if (fabric.bends.empty()) return;
   const bool split = state.scene().solver.averaging == Averaging::mass_split;
@@ -72,9 +72,17 @@ void lay_out(cooking::CookState& state) {
     return;
   }
   const std::uint32_t steps = split ? state.scene().solver.bend_steps : 1;
-  const double relaxation = relaxation_of(state.scene());
-  const auto matrix = steps == 1 ? cooking::bend_matrix(shares, fabric, state.softening(), state.may_pin())
-                                 : cooking::bend_matrix_of_steps(steps, fabric, state.softening() / relaxation, relaxation, state.may_pin());
+  std::vector<std::vector<gpu::uvec2>> matrix;
+  if (steps == 1) {
+    matrix = cooking::bend_matrix(shares, fabric, state.softening(), state.may_pin());
+  } else {
+    const double relaxation = relaxation_of(state.scene());
+    const cooking::BendSteps several(fabric, state.softening() / relaxation, relaxation, state.may_pin());
+    matrix.resize(fabric.positions.size());
+    for (std::size_t k = 0; k < fabric.cloths.size(); ++k)
+      if (!several.add(steps, fabric.cloths[k], matrix) && is_first)
+        state.note(state.scene().cloths[k], "so many triangles share a vertex that bending takes fewer than ", steps, " steps");
+  }
   fabric.bend = cooking::pack_rows(matrix, cooking::Padding::repeated);
 }
 
@@ -90,8 +98,8 @@ constinit const Effect bend{
     .reference = Reference::modelled,
     .figures = kFigures,
     .cook = cook,
-    .lay_out = lay_out,
-    .hold = [](cooking::CookState& state, std::span<const Mesh>) { lay_out(state); },
+    .lay_out = [](cooking::CookState& state) { lay_out(state); },
+    .hold = [](cooking::CookState& state, std::span<const Mesh>) { lay_out(state, false); },
 };
 
 }  // namespace weft::effects

@@ -24,6 +24,9 @@ namespace {
 
 constexpr double kMostLeft = 0.25;     // of a mode: with more than a third, substeps blow up
 constexpr double kLittleLeft = 0.05;   // of the smoothest: no more steps than leave that
+// Particles that a particle feels, on the mean of a cloth: a lattice has 145 with four steps. Where many triangles share a vertex all of
+// their corners would feel each other.
+constexpr std::size_t kMostEntries = 256;
 
 // T_m(x) for x >= 1.
 double chebyshev(std::uint32_t m, double x) { return std::cosh(m * std::acosh(x)); }
@@ -34,12 +37,16 @@ double reach(std::uint32_t m) {
   return (c - 1) / (c + 1);
 }
 
-// 1 / t_k for a cloth whose smallest eigenvalue is `least`, by as few of `most` steps as leave little.
-std::vector<double> step_sizes(std::uint32_t most, double least) {
-  least = std::min(least, 0.999);
+// As few of `most` steps as leave little of a cloth's smallest eigenvalue.
+std::uint32_t steps_for(std::uint32_t most, double least) {
   std::uint32_t m = 1;
-  while (m < most && 1 / chebyshev(m, (1 + least) / (1 - least)) > kLittleLeft) ++m;
-  const double low = std::max(least, reach(m));
+  while (m < most && least < 1 && 1 / chebyshev(m, (1 + least) / (1 - least)) > kLittleLeft) ++m;
+  return m;
+}
+
+// 1 / t_k of m steps for a cloth whose smallest eigenvalue is `least`.
+std::vector<double> step_sizes(std::uint32_t m, double least) {
+  const double low = std::max(std::min(least, 0.999), reach(m));
   std::vector<double> sizes;
   for (std::uint32_t k = 0; k < m; ++k)
     sizes.push_back(1 / (0.5 * (1 + low) - 0.5 * (1 - low) * std::cos((2 * k + 1) * std::numbers::pi / (2 * m))));
@@ -93,57 +100,69 @@ std::vector<std::vector<gpu::uvec2>> bend_matrix(std::span<const std::vector<gpu
   return rows;
 }
 
-std::vector<std::vector<gpu::uvec2>> bend_matrix_of_steps(std::uint32_t steps, const CookedFabric& fabric, double inverse_h2,
-                                                          double relaxation, bool may_pin) {
-  const std::span<const gpu::Bend> bends = fabric.bends;
-  std::vector<std::vector<std::uint32_t>> stencils_of(fabric.positions.size());
-  for (std::uint32_t e = 0; e < bends.size(); ++e)
-    for (int c = 0; c < particles_of(bends[e]); ++c) stencils_of[bends[e].particle[c]].push_back(e);
-  std::vector<std::vector<gpu::uvec2>> rows(fabric.positions.size());
-  Sparse lambda(bends.size()), bump(fabric.positions.size());
-  for (const ClothRange& cloth : fabric.cloths) {
-    const std::uint32_t end = cloth.first_particle + cloth.particles;
-    double least = 1;
-    for (std::uint32_t i = cloth.first_particle; i < end; ++i)
-      for (const std::uint32_t e : stencils_of[i]) {
-        const double alpha = bends[e].compliance * inverse_h2;
-        least = std::min(least, alpha / (bends[e].split_weight + alpha));
-      }
-    const std::vector<double> sizes = step_sizes(steps, least);
-    for (std::uint32_t j = cloth.first_particle; j < end; ++j) {
-      lambda.clear(), bump.clear();
-      bump[j] = 1;
-      for (const double size : sizes) {
-        // x + W K^T lambda as it is now; every stencil that it touches takes its step from there.
-        for (const std::uint32_t i : bump.touched)
-          for (const std::uint32_t e : stencils_of[i]) lambda[e];
-        for (const std::uint32_t e : lambda.touched) {
-          const gpu::Bend& bend = bends[e];
-          const double alpha = bend.compliance * inverse_h2;
-          double l = alpha * lambda.value[e];
-          for (int c = 0; c < particles_of(bend); ++c) l += bend.k[c] * bump.value[bend.particle[c]];
-          lambda.value[e] -= size * l / (bend.split_weight + alpha);
-        }
-        bump.clear();
-        bump[j] = 1;
-        for (const std::uint32_t e : lambda.touched)
-          for (int c = 0; c < particles_of(bends[e]); ++c) {
-            const std::uint32_t i = bends[e].particle[c];
-            bump[i] += fabric.positions[i].w * bends[e].k[c] * lambda.value[e];
-          }
-      }
-      double largest = 0;
+BendSteps::BendSteps(const CookedFabric& fabric, double inverse_h2, double relaxation, bool may_pin)
+    : fabric_(fabric), relaxation_(relaxation), may_pin_(may_pin), stencils_of_(fabric.positions.size()) {
+  for (std::uint32_t e = 0; e < fabric.bends.size(); ++e) {
+    const gpu::Bend& bend = fabric.bends[e];
+    softness_.push_back(bend.compliance * inverse_h2);
+    // One without an area, all of it held, has neither softness nor weight: it takes no steps.
+    const double whole = bend.split_weight + softness_.back();
+    inverse_.push_back(whole > 0 ? 1 / whole : 0);
+    for (int c = 0; c < particles_of(bend); ++c) stencils_of_[bend.particle[c]].push_back(e);
+  }
+}
+
+bool BendSteps::add(std::uint32_t most, const ClothRange& cloth, std::vector<std::vector<gpu::uvec2>>& rows) const {
+  const std::uint32_t end = cloth.first_particle + cloth.particles;
+  double least = 1;
+  for (std::uint32_t i = cloth.first_particle; i < end; ++i)
+    for (const std::uint32_t e : stencils_of_[i]) least = std::min(least, softness_[e] * inverse_[e]);
+  const std::uint32_t wanted = steps_for(most, least);
+  std::uint32_t steps = wanted;
+  while (!try_to_add(step_sizes(steps, least), cloth, rows)) {
+    for (std::uint32_t i = cloth.first_particle; i < end; ++i) rows[i].clear();
+    --steps;
+  }
+  return steps == wanted;
+}
+
+// False where the rows would be too long; never with one step.
+bool BendSteps::try_to_add(std::span<const double> sizes, const ClothRange& cloth, std::vector<std::vector<gpu::uvec2>>& rows) const {
+  const std::span<const gpu::Bend> bends = fabric_.bends;
+  Sparse lambda(bends.size()), bump(fabric_.positions.size());
+  std::size_t entries = 0;
+  for (std::uint32_t j = cloth.first_particle; j < cloth.first_particle + cloth.particles; ++j) {
+    lambda.clear(), bump.clear();
+    bump[j] = 1;
+    for (const double size : sizes) {
+      // x + W K^T lambda as it is now; every stencil that it touches takes its step from there.
       for (const std::uint32_t i : bump.touched)
-        if (i != j) largest = std::max(largest, std::abs(bump.value[i]));
-      for (const std::uint32_t i : bump.touched) {
-        const double value = -bump.value[i] / relaxation;
-        // Nothing moves what is held. Where the host may pin, though, its row is there.
-        if (i == j || !(may_pin || (fabric.positions[i].w > 0 && std::abs(bump.value[i]) > 1e-9 * largest))) continue;
-        rows[i].push_back({j, std::bit_cast<std::uint32_t>(static_cast<float>(value))});
+        for (const std::uint32_t e : stencils_of_[i]) lambda[e];
+      for (const std::uint32_t e : lambda.touched) {
+        double l = softness_[e] * lambda.value[e];
+        for (int c = 0; c < particles_of(bends[e]); ++c) l += bends[e].k[c] * bump.value[bends[e].particle[c]];
+        lambda.value[e] -= size * l * inverse_[e];
       }
+      bump.clear();
+      bump[j] = 1;
+      for (const std::uint32_t e : lambda.touched)
+        for (int c = 0; c < particles_of(bends[e]); ++c) {
+          const std::uint32_t i = bends[e].particle[c];
+          bump[i] += fabric_.positions[i].w * bends[e].k[c] * lambda.value[e];
+        }
+    }
+    entries += bump.touched.size();
+    if (sizes.size() > 1 && entries > kMostEntries * cloth.particles) return false;
+    double largest = 0;
+    for (const std::uint32_t i : bump.touched)
+      if (i != j) largest = std::max(largest, std::abs(bump.value[i]));
+    for (const std::uint32_t i : bump.touched) {
+      // Nothing moves what is held. Where the host may pin, though, its row is there.
+      if (i == j || !(may_pin_ || (fabric_.positions[i].w > 0 && std::abs(bump.value[i]) > 1e-9 * largest))) continue;
+      rows[i].push_back({j, std::bit_cast<std::uint32_t>(static_cast<float>(-bump.value[i] / relaxation_))});
     }
   }
-  return rows;
+  return true;
 }
 
 }  // namespace weft::cooking

@@ -15,9 +15,25 @@ namespace weft::cooking {
 std::vector<std::vector<gpu::uvec2>> bend_matrix(std::span<const std::vector<gpu::uvec2>> shares, const CookedFabric& fabric,
                                                  double softening, bool may_pin);
 
-/// The same of `steps` corrections with masses split, or of fewer where those suffice (matrix.cpp). `inverse_h2`: 1 / solve_step^2, in 1/s^2.
-std::vector<std::vector<gpu::uvec2>> bend_matrix_of_steps(std::uint32_t steps, const CookedFabric& fabric, double inverse_h2,
-                                                          double relaxation, bool may_pin);
+/// Rows of the same matrix, cloth by cloth, when stencils are corrected several times a visit, with masses split.
+class BendSteps {
+ public:
+  /// `inverse_h2`: 1 / solve_step^2, in 1/s^2.
+  BendSteps(const CookedFabric& fabric, double inverse_h2, double relaxation, bool may_pin);
+
+  /// Adds the rows of a cloth, which are empty, for `most` steps or fewer where those suffice. False where those would
+  /// make rows too long, and it took fewer.
+  bool add(std::uint32_t most, const ClothRange& cloth, std::vector<std::vector<gpu::uvec2>>& rows) const;
+
+ private:
+  bool try_to_add(std::span<const double> sizes, const ClothRange& cloth, std::vector<std::vector<gpu::uvec2>>& rows) const;
+
+  const CookedFabric& fabric_;
+  double relaxation_;
+  bool may_pin_;
+  std::vector<double> softness_, inverse_;                  // stencils: alpha~ and 1 / D
+  std::vector<std::vector<std::uint32_t>> stencils_of_;     // of each particle
+};
 
 /// A line of a lattice has three; a hinge has four, but for some on slivers whose last counts nothing.
 inline int particles_of(const gpu::Bend& bend) { return bend.k[3] == 0 ? 3 : 4; }

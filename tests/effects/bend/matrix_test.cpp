@@ -121,6 +121,29 @@ TEST(BendMatrix, no_more_steps_are_taken_than_are_needed) {
   EXPECT_GT(entries(fine_sheet(3, true)), entries(fine_sheet(2, true)));
 }
 
+// A fan of two thousand triangles: with two steps all of its corners would feel each other, four million entries.
+TEST(BendMatrix, a_vertex_of_thousands_of_triangles_takes_fewer_steps_and_says_so) {
+  constexpr std::uint32_t kCorners = 2000;
+  RenderMesh fan;
+  fan.positions.push_back({0, 0, 0});
+  for (std::uint32_t k = 0; k < kCorners; ++k) {
+    const float angle = 6.2831853f * static_cast<float>(k) / kCorners;
+    fan.positions.push_back({std::cos(angle), 0, std::sin(angle)});
+    fan.triangles.push_back({0, 1 + (k + 1) % kCorners, 1 + k});
+  }
+  fan.normals.assign(fan.positions.size(), {0, 1, 0});
+  fan.tangents.assign(fan.positions.size(), {1, 0, 0, 1});
+  fan.uvs.assign(fan.positions.size(), {0, 0});
+  Scene scene;
+  scene.cloths.emplace_back().name = "fan";
+  scene.solver.bend_steps = 4;
+  const CookedFabric fabric = must(cook(scene, std::vector<Mesh>{must(weld_mesh(std::move(fan)))}));
+  EXPECT_LT(fabric.bend.pairs.size(), 100u * kCorners);
+  ASSERT_FALSE(fabric.notes.empty());
+  EXPECT_NE(fabric.notes.back().find("fan: so many triangles share a vertex that bending takes fewer than 4 steps"), std::string::npos)
+      << fabric.notes.back();
+}
+
 // Where the host may hold particles, the rows have room for all of them whoever is held.
 TEST(BendMatrix, which_entries_there_are_does_not_depend_on_who_is_held) {
   Scene held = fine_sheet(3, true), free = held;
