@@ -84,7 +84,7 @@ std::string png_header(const PngKind& kind) {
 }
 
 Result<Image> read_bytes(const std::string& bytes) {
-  const std::filesystem::path file = testing::TempDir() + "weft_made.png";
+  const std::filesystem::path file = testing::TempDir() + "weft_made_" + testing::UnitTest::GetInstance()->current_test_info()->name();
   std::ofstream(file, std::ios::binary) << bytes;
   auto read = read_image(file);
   std::filesystem::remove(file);
