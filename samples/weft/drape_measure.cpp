@@ -45,8 +45,8 @@ class Shadow {
 
 }  // namespace
 
-double drape_coefficient(const CookedFabric& fabric, const ClothRange& cloth, std::span<const gpu::vec4> start,
-                         std::span<const gpu::vec4> positions) {
+std::optional<double> drape_coefficient(const CookedFabric& fabric, const ClothRange& cloth, std::span<const gpu::vec4> start,
+                                        std::span<const gpu::vec4> positions) {
   double left = INFINITY, right = -INFINITY, back = INFINITY, front = -INFINITY;
   for (std::uint32_t i = cloth.first_particle; i < cloth.first_particle + cloth.particles; ++i) {
     left = std::min(left, double(start[i].x)), right = std::max(right, double(start[i].x));
@@ -61,7 +61,9 @@ double drape_coefficient(const CookedFabric& fabric, const ClothRange& cloth, st
     draped.add(positions[a], positions[b], positions[c]);
     if (start[a].w == 0 && start[b].w == 0 && start[c].w == 0) plate.add(start[a], start[b], start[c]);
   }
-  return (draped.area() - plate.area()) / (whole.area() - plate.area());
+  const double held = plate.area(), free = whole.area() - held;
+  if (!(held > 0 && free > 0)) return std::nullopt;
+  return (draped.area() - held) / free;
 }
 
 }  // namespace weft::command

@@ -241,7 +241,7 @@ double pendulum_error(const Glance& at) {
 double drape_order(const Glance& at) {
   double worst = 0, before = 0;
   for (const ClothRange& cloth : at.fabric.cloths) {
-    const double coefficient = drape_coefficient(at.fabric, cloth, at.start, at.positions);
+    const double coefficient = drape_coefficient(at.fabric, cloth, at.start, at.positions).value_or(0);
     worst = std::max(worst, before / coefficient);
     before = coefficient;
   }

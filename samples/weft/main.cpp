@@ -143,7 +143,8 @@ Exit obey(int count, char** arguments) {
       ->type_name("SCENE");
   std::uint32_t drape_frames = 0;
   CLI::Option* drape_frames_option =
-      drape_command->add_option("--frames", drape_frames, "Frames until it is measured (default: the scene's)")->check(CLI::Range(1u, kMostFrames));
+      drape_command->add_option("--frames", drape_frames, "Frames until it is measured (default: the scene's)");
+  drape_frames_option->check(CLI::Range(1u, kMostFrames));
   drape_command->add_option("--out", drape_options.out, "Where files go")->type_name("DIR")->capture_default_str();
   add_set(*drape_command, sets);
   add_outside(*drape_command, allow_outside);

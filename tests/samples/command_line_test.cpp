@@ -301,15 +301,23 @@ TEST_F(CommandLine, drape_tells_how_far_cloth_stands_out_from_what_holds_it_besi
        "anchors": [{"box": {"low": [0.91, -1, -0.09], "high": [1.09, 1, 0.09]}}]}]})");
   const Outcome outcome = weft({"drape", held, "--out", out()});
   ASSERT_EQ(outcome.exit, 0) << outcome.error;
-  EXPECT_NE(outcome.out.find("20 to 40 %, it is stiffer: light woven silks"), std::string::npos) << outcome.out;   // it has hardly fallen yet
+  // It has hardly fallen yet.
+  EXPECT_NE(outcome.out.find("20 to 40 %, it is stiffer: light woven silks"), std::string::npos) << outcome.out;
   for (const char* name : {"drape.csv", "drape.svg", "drape.png"}) EXPECT_FALSE(read(folder / "out" / name).empty()) << name;
   const std::string table = read(folder / "out" / "drape.csv");
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 3) << table;
   EXPECT_NE(table.find("\n\"silk, grey\",silk,0.06,4e-06,20,"), std::string::npos) << table;
 
-  const Outcome refused = weft({"drape", write("sheet.json", kSheet), "--set", "cloths[0].anchors=[]", "--out", out()});
-  EXPECT_EQ(refused.exit, 2);
-  EXPECT_NE(refused.error.find("is held by fewer than 3 of its vertices"), std::string::npos) << refused.error;
+  // Held nowhere, held everywhere, and upright.
+  for (const char* set : {"cloths[0].anchors=[]", R"(cloths[0].anchors=[{"box":{"low":[-9,-9,-9],"high":[9,9,9]}}])",
+                          "cloths[0].grid.upright=true"}) {
+    const Outcome refused = weft({"drape", held, "--set", set, "--out", out()});
+    EXPECT_EQ(refused.exit, 2) << set;
+    EXPECT_NE(refused.error.find("cloth 'silk, grey' does not start flat with a part of it held and a part free"), std::string::npos)
+        << refused.error;
+  }
+  const Outcome weightless = weft({"drape", held, "--set", "gravity=[0,0,0]", "--out", out()});
+  EXPECT_EQ(weightless.exit, 0) << weightless.error;
 }
 
 TEST_F(CommandLine, effects_tells_what_each_adds_to_the_barest_cloth_and_which_do_not_go_together) {

@@ -66,6 +66,10 @@ inline std::vector<Subject> subjects() {
   levels.solver.method = Method::gauss_seidel;
   levels.solver.levels = true;
   all.emplace_back("second order", moving()).scene.solver.order = 2;
+  Scene& board = all.emplace_back("bending in steps", moving()).scene;
+  board.solver.method = Method::jacobi;
+  board.solver.bend_steps = 3;
+  board.cloths[0].fabric.bend = 1;   // so stiff for its cells that it takes all of them
   all.emplace_back("hinges", moving()).scene.cloths[0].bend_rest = BendRest::mesh;
   all.push_back({"mass_spring", springy(Method::mass_spring)});
   all.push_back({"verlet", springy(Method::verlet)});

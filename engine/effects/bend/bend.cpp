@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "engine/cook/cook_state.h"
 #include "engine/effects/bend/matrix.h"
@@ -67,17 +68,21 @@ void lay_out(cooking::CookState& state, bool is_first = true) {
       if (share != 0 || (state.may_pin() && bend.k[j] != 0)) shares[p].push_back({e, std::bit_cast<std::uint32_t>(share)});
     }
   }
-  if (state.scene().solver.iterations > 1) {
+  const SolverSettings& solver = state.scene().solver;
+  if (is_first && solver.bend_steps > 1 && (!split || solver.iterations > 1 || on_springs(solver.method)))
+    fabric.notes.push_back("solver.bend_steps: " + std::to_string(solver.bend_steps) +
+                           " has no effect: it takes one iteration, averaging mass_split and a method of constraints.");
+  if (solver.iterations > 1) {
     fabric.bend_uses = cooking::pack_rows(shares, cooking::Padding::repeated);
     return;
   }
-  const std::uint32_t steps = split ? state.scene().solver.bend_steps : 1;
+  const std::uint32_t steps = split ? solver.bend_steps : 1;
   std::vector<std::vector<gpu::uvec2>> matrix;
   if (steps == 1) {
     matrix = cooking::bend_matrix(shares, fabric, state.softening(), state.may_pin());
   } else {
     const double relaxation = relaxation_of(state.scene());
-    const cooking::BendSteps several(fabric, state.softening() / relaxation, relaxation, state.may_pin());
+    cooking::BendSteps several(fabric, state.softening() / relaxation, relaxation, state.may_pin());
     matrix.resize(fabric.positions.size());
     for (std::size_t k = 0; k < fabric.cloths.size(); ++k)
       if (!several.add(steps, fabric.cloths[k], matrix) && is_first)

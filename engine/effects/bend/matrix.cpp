@@ -1,17 +1,19 @@
-// Bending's multipliers lambda solve the linear system (alpha~ + K W K^T) lambda = -K x, with alpha~ = alpha / h^2 and W the inverse masses:
-// an implicit step of the quadratic energy of bending alone. One Jacobi step towards it, with masses split, multiplies by
-// 1 / D_e, D_e = sum_j n_j w_j K_j^2 + alpha~_e. T = D^-1 (alpha~ + K W K^T) then has its eigenvalues between the least alpha~ / D and 1 (n_j
-// stencils share particle j, so that K W K^T is no more than the diagonal of the sums: Cauchy and Schwarz).
+// Chebyshev's semi-iteration (Golub and Varga 1961) for an implicit step of bending, as one sparse matrix.
 //
-// What a smooth fold feels of its rigidity is what such a step solves of the smallest eigenvalue. A fine, stiff cloth has alpha~ / D of a
-// few hundredths (D grows with h^2 B / (rho d^4), d the cells' size): one step leaves it as limp as silk. Several steps of sizes
-// 1 / t_k, t_k the roots of Chebyshev's polynomial on an interval (Golub and Varga 1961), leave
+// The multipliers lambda of that step solve the linear system (alpha~ + K W K^T) lambda = -K x, with alpha~ = alpha / h^2 and W the inverse
+// masses. A Jacobi step towards it, with masses split, divides by D_e = sum_j n_j w_j K_j^2 + alpha~_e. So T = D^-1 (alpha~ + K W K^T) has
+// its eigenvalues between the least alpha~ / D and 1: n_j stencils share particle j, and K W K^T is no more than the diagonal of these
+// sums (Cauchy and Schwarz).
 //
-//     r(t) = prod_k (1 - t / t_k) = T_m((1 + d - 2 t) / (1 - d)) / T_m((1 + d) / (1 - d))    on [d, 1],
+// What a smooth fold feels of its rigidity is the part of the smallest eigenvalue that is solved. Fine and stiff cloth has alpha~ / D of a
+// few hundredths, as D grows with h^2 B / (rho d^4), d the cells' size: one step leaves it as limp as silk. Steps of the sizes
+// 1 / t_k, t_k the roots of Chebyshev's polynomial on [low, 1], leave
 //
-// no more than a quarter of anything there, which is as much as explicit feedback by substeps stands (method.cpp). All of them
-// are linear in x. So their product is one sparse matrix, and several steps cost one dispatch with longer rows: of 12, 40 and 84 on a
-// lattice. Its columns are found one by one, from what a bump of a metre at one particle does.
+//     r(t) = prod_k (1 - t / t_k) = T_m((1 + low - 2 t) / (1 - low)) / T_m((1 + low) / (1 - low)),
+//
+// there no more than a quarter of anything, which is as much as substeps stand (method.cpp). All of them are linear in x, so
+// their product is one matrix, and they cost one dispatch with longer rows: of 12, 40, 84 and 144 on a lattice. Its columns are
+// found one by one, from what a bump of a metre at one particle does.
 #include "engine/effects/bend/matrix.h"
 
 #include <algorithm>
@@ -53,24 +55,9 @@ std::vector<double> step_sizes(std::uint32_t m, double least) {
   return sizes;
 }
 
-// Numbers by stencil or particle of which few are not zero. Those that were touched are in it whatever their value is.
-struct Sparse {
-  explicit Sparse(std::size_t size) : value(size), in(size) {}
-  double& operator[](std::uint32_t k) {
-    if (!in[k]) in[k] = true, touched.push_back(k);
-    return value[k];
-  }
-  void clear() {
-    for (const std::uint32_t k : touched) value[k] = 0, in[k] = false;
-    touched.clear();
-  }
-  std::vector<double> value;
-  std::vector<bool> in;
-  std::vector<std::uint32_t> touched;
-};
-
 }  // namespace
 
+// Of one step over-relaxation leaves the compliance alone, as of links (CookState::softening).
 std::vector<std::vector<gpu::uvec2>> bend_matrix(std::span<const std::vector<gpu::uvec2>> shares, const CookedFabric& fabric,
                                                  double softening, bool may_pin) {
   struct Entry {
@@ -101,7 +88,8 @@ std::vector<std::vector<gpu::uvec2>> bend_matrix(std::span<const std::vector<gpu
 }
 
 BendSteps::BendSteps(const CookedFabric& fabric, double inverse_h2, double relaxation, bool may_pin)
-    : fabric_(fabric), relaxation_(relaxation), may_pin_(may_pin), stencils_of_(fabric.positions.size()) {
+    : fabric_(fabric), relaxation_(relaxation), may_pin_(may_pin), stencils_of_(fabric.positions.size()), lambda_(fabric.bends.size()),
+      bump_(fabric.positions.size()) {
   for (std::uint32_t e = 0; e < fabric.bends.size(); ++e) {
     const gpu::Bend& bend = fabric.bends[e];
     softness_.push_back(bend.compliance * inverse_h2);
@@ -112,7 +100,7 @@ BendSteps::BendSteps(const CookedFabric& fabric, double inverse_h2, double relax
   }
 }
 
-bool BendSteps::add(std::uint32_t most, const ClothRange& cloth, std::vector<std::vector<gpu::uvec2>>& rows) const {
+bool BendSteps::add(std::uint32_t most, const ClothRange& cloth, std::vector<std::vector<gpu::uvec2>>& rows) {
   const std::uint32_t end = cloth.first_particle + cloth.particles;
   double least = 1;
   for (std::uint32_t i = cloth.first_particle; i < end; ++i)
@@ -127,39 +115,38 @@ bool BendSteps::add(std::uint32_t most, const ClothRange& cloth, std::vector<std
 }
 
 // False where the rows would be too long; never with one step.
-bool BendSteps::try_to_add(std::span<const double> sizes, const ClothRange& cloth, std::vector<std::vector<gpu::uvec2>>& rows) const {
+bool BendSteps::try_to_add(std::span<const double> sizes, const ClothRange& cloth, std::vector<std::vector<gpu::uvec2>>& rows) {
   const std::span<const gpu::Bend> bends = fabric_.bends;
-  Sparse lambda(bends.size()), bump(fabric_.positions.size());
   std::size_t entries = 0;
   for (std::uint32_t j = cloth.first_particle; j < cloth.first_particle + cloth.particles; ++j) {
-    lambda.clear(), bump.clear();
-    bump[j] = 1;
+    lambda_.clear(), bump_.clear();
+    bump_[j] = 1;
     for (const double size : sizes) {
       // x + W K^T lambda as it is now; every stencil that it touches takes its step from there.
-      for (const std::uint32_t i : bump.touched)
-        for (const std::uint32_t e : stencils_of_[i]) lambda[e];
-      for (const std::uint32_t e : lambda.touched) {
-        double l = softness_[e] * lambda.value[e];
-        for (int c = 0; c < particles_of(bends[e]); ++c) l += bends[e].k[c] * bump.value[bends[e].particle[c]];
-        lambda.value[e] -= size * l * inverse_[e];
+      for (const std::uint32_t i : bump_.touched)
+        for (const std::uint32_t e : stencils_of_[i]) lambda_[e];
+      for (const std::uint32_t e : lambda_.touched) {
+        double l = softness_[e] * lambda_.value[e];
+        for (int c = 0; c < particles_of(bends[e]); ++c) l += bends[e].k[c] * bump_.value[bends[e].particle[c]];
+        lambda_.value[e] -= size * l * inverse_[e];
       }
-      bump.clear();
-      bump[j] = 1;
-      for (const std::uint32_t e : lambda.touched)
+      bump_.clear();
+      bump_[j] = 1;
+      for (const std::uint32_t e : lambda_.touched)
         for (int c = 0; c < particles_of(bends[e]); ++c) {
           const std::uint32_t i = bends[e].particle[c];
-          bump[i] += fabric_.positions[i].w * bends[e].k[c] * lambda.value[e];
+          bump_[i] += fabric_.positions[i].w * bends[e].k[c] * lambda_.value[e];
         }
     }
-    entries += bump.touched.size();
+    entries += bump_.touched.size();
     if (sizes.size() > 1 && entries > kMostEntries * cloth.particles) return false;
     double largest = 0;
-    for (const std::uint32_t i : bump.touched)
-      if (i != j) largest = std::max(largest, std::abs(bump.value[i]));
-    for (const std::uint32_t i : bump.touched) {
+    for (const std::uint32_t i : bump_.touched)
+      if (i != j) largest = std::max(largest, std::abs(bump_.value[i]));
+    for (const std::uint32_t i : bump_.touched) {
       // Nothing moves what is held. Where the host may pin, though, its row is there.
-      if (i == j || !(may_pin_ || (fabric_.positions[i].w > 0 && std::abs(bump.value[i]) > 1e-9 * largest))) continue;
-      rows[i].push_back({j, std::bit_cast<std::uint32_t>(static_cast<float>(-bump.value[i] / relaxation_))});
+      if (i == j || !(may_pin_ || (fabric_.positions[i].w > 0 && std::abs(bump_.value[i]) > 1e-9 * largest))) continue;
+      rows[i].push_back({j, std::bit_cast<std::uint32_t>(static_cast<float>(-bump_.value[i] / relaxation_))});
     }
   }
   return true;

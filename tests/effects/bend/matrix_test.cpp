@@ -144,6 +144,18 @@ TEST(BendMatrix, a_vertex_of_thousands_of_triangles_takes_fewer_steps_and_says_s
       << fabric.notes.back();
 }
 
+TEST(BendMatrix, steps_without_effect_are_told) {
+  for (const bool iterated : {true, false}) {
+    Scene scene = fine_sheet(3, true);
+    if (iterated) scene.solver.iterations = 2;
+    else scene.solver.averaging = Averaging::count;
+    const CookedFabric fabric = cooked(scene);
+    ASSERT_FALSE(fabric.notes.empty());
+    EXPECT_NE(fabric.notes.back().find("solver.bend_steps: 3 has no effect"), std::string::npos) << fabric.notes.back();
+  }
+  EXPECT_TRUE(cooked(fine_sheet(3, true)).notes.empty());
+}
+
 // Where the host may hold particles, the rows have room for all of them whoever is held.
 TEST(BendMatrix, which_entries_there_are_does_not_depend_on_who_is_held) {
   Scene held = fine_sheet(3, true), free = held;
