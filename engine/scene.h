@@ -194,7 +194,7 @@ struct Cloth {
   Fabric fabric;
   Maps maps;
   bool bending = true;
-  bool bends_as_plate = false;           // about flat: where the mesh is a lattice of quads it has a plate's energy in every direction
+  bool bends_as_plate = true;            // about flat: where the mesh is a lattice of quads it has a plate's energy in every direction
   BendRest bend_rest = BendRest::flat;   // mesh: methods jacobi, strands and gauss_seidel only
   bool tethers = true;          // takes effect when there are anchors
   std::uint32_t tethers_per_vertex = 4;   // 1 ... 8

@@ -1,9 +1,8 @@
 // bend: bending about flat (engine/effects/bend: a lattice, or hinges) in one visit a substep.
 //
-// A stencil's constraint l = sum K_j p_j = 0 is linear, and with one visit a substep its multiplier starts at zero, so the
-// Jacobi step with masses split is a constant sparse matrix: dp_i = -omega w_i sum_e (K_i / D_e) l_e = -omega sum_j M_ij (p_j - p_i)
-// with D_e = sum_j n_j w_j K_j^2 + omega alpha/h^2 (engine/fabric.cpp says why omega). The matrix is summed when cooking;
-// the pass multiplies. Several such steps are a matrix, too, with longer rows (solver.bend_steps, engine/effects/bend/matrix.cpp).
+// A stencil's constraint l = sum K_j p_j = 0 is linear, and with one visit a substep its multiplier starts at zero, so that a step of it, or
+// several (solver.bend_steps), are a constant sparse matrix: dp_i = -sum_j M_ij (p_j - p_i), summed when cooking
+// (engine/effects/bend/matrix.cpp). The pass multiplies.
 // Because every row of M sums to zero only differences enter, so that the distance from the origin costs no precision.
 // Scenes with more iterations use bend_lambda and bend_gather.
 #version 460
@@ -35,6 +34,6 @@ void main() {
   }
   // A neighbour that is not finite must not spoil this particle.
   const bool usable = dot(sum, sum) < 1e20;
-  const vec4 next = vec4(usable ? p.xyz - motion.relaxation * sum : p.xyz, p.w);
+  const vec4 next = vec4(usable ? p.xyz - sum : p.xyz, p.w);
   leave(i, next);
 }

@@ -56,7 +56,27 @@ struct Bend {
 /// A line of a lattice has three.
 inline std::size_t particles_of(const Bend& bend) { return bend.k[3] == 0 ? 3 : 4; }
 
-/// One iteration. `lambda`: one vector a stencil, renewed.
+/// The one visit of a substep: a stabilised explicit step of the bending force,
+///     p - h^2 W K^T C^-1 K p,   with C no less than h^2 sum n_j w_j K_j^2 / 1.25, n_j stencils sharing particle j:
+/// no eigenvalue is then above 1.25 and no mode has more than a quarter left.
+inline Points bend_in_one_step(std::span<const Bend> bends, const Points& p, std::span<const double> inverse_masses, double h) {
+  std::vector<double> uses(p.size());
+  for (const Bend& bend : bends)
+    for (std::size_t j = 0; j < particles_of(bend); ++j) ++uses[bend.particle[j]];
+  Points q = p;
+  for (const Bend& bend : bends) {
+    double weight = 0;
+    for (int j = 0; j < 4; ++j) weight += uses[bend.particle[j]] * inverse_masses[bend.particle[j]] * bend.k[j] * bend.k[j];
+    const double compliance = std::max(bend.compliance, h * h * weight / 1.25);
+    if (!(compliance > 0)) continue;
+    const Vector l = bend_value(bend.k, {p[bend.particle[0]], p[bend.particle[1]], p[bend.particle[2]], p[bend.particle[3]]});
+    for (std::size_t j = 0; j < particles_of(bend); ++j)
+      q[bend.particle[j]] -= h * h * inverse_masses[bend.particle[j]] * bend.k[static_cast<Eigen::Index>(j)] / compliance * l;
+  }
+  return q;
+}
+
+/// One of several iterations. `lambda`: one vector a stencil, renewed.
 inline Points relax_bend(std::span<const Bend> bends, const Points& p, std::span<const double> inverse_masses, std::span<Vector> lambda,
                          double h, double omega, Averaged averaging) {
   Copies copies(inverse_masses, averaging);

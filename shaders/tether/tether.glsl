@@ -14,7 +14,7 @@
 
 GATHER_UINT4(tethers)
 
-const float tether_share = 0.1;   // of the displacement bound, in a pass
+const float tether_share = 0.05;   // of the displacement bound, in a pass
 
 // The correction that makes d = p - a as short as the max distance. Exactly 0 where the tether is slack.
 vec3 correction(vec3 d, float max_distance) {

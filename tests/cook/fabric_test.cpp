@@ -189,9 +189,8 @@ struct BendSheet {
   std::vector<std::map<std::uint32_t, double>> matrix, from_stencils;   // off the diagonal; the diagonal in from_stencils only
 };
 
-BendSheet bend_sheet(Averaging averaging) {
+BendSheet bend_sheet() {
   Scene scene = hung(9);
-  scene.solver.averaging = averaging;
   scene.cloths[0].fabric.bend = 1e-3;
   auto meshes = make_meshes(scene);
   std::mt19937_64 random(4);
@@ -208,39 +207,37 @@ BendSheet bend_sheet(Averaging averaging) {
     for (const auto& [other, bits] : lists[i]) sheet.matrix[i][other] = std::bit_cast<float>(bits);
   std::vector<int> uses(n);
   for (const gpu::Bend& bend : sheet.fabric.bends)
-    for (const std::uint32_t p : bend.particle) ++uses[p];
-  for (const gpu::Bend& bend : sheet.fabric.bends)
+    for (int j = 0; j < (bend.k[3] == 0 ? 3 : 4); ++j) ++uses[bend.particle[j]];
+  for (const gpu::Bend& bend : sheet.fabric.bends) {
+    double weight = 0;
+    for (int j = 0; j < 4; ++j) weight += uses[bend.particle[j]] * double(sheet.fabric.positions[bend.particle[j]].w) * bend.k[j] * bend.k[j];
+    const double softness = std::max(bend.compliance / (double(sheet.fabric.h) * sheet.fabric.h), weight / 1.25);
     for (int i = 0; i < 4; ++i)
-      for (int j = 0; j < 4; ++j) {
-        const std::uint32_t p = bend.particle[i];
-        const double mean = averaging == Averaging::mass_split ? 1 : uses[p];
-        sheet.from_stencils[p][bend.particle[j]] +=
-            double(bend.k[i]) * sheet.fabric.positions[p].w / mean * bend.k[j] /
-            (bend.split_weight + relaxation_of(scene) * bend.compliance / (sheet.fabric.h * sheet.fabric.h));
-      }
+      for (int j = 0; j < 4; ++j)
+        sheet.from_stencils[bend.particle[i]][bend.particle[j]] +=
+            double(bend.k[i]) * sheet.fabric.positions[bend.particle[i]].w * bend.k[j] / softness;
+  }
   return sheet;
 }
 
 TEST(Fabric, the_bending_matrix_is_the_sum_of_the_stencils_and_its_rows_sum_to_zero_with_the_diagonal) {
-  for (const Averaging averaging : {Averaging::mass_split, Averaging::count}) {
-    const BendSheet sheet = bend_sheet(averaging);
-    for (std::uint32_t i = 0; i < sheet.matrix.size(); ++i) {
-      const double diagonal = sheet.from_stencils[i].contains(i) ? sheet.from_stencils[i].at(i) : 0;
-      const double tolerance = 1e-6 * std::max(diagonal, 1e-9);
-      double sum = diagonal;
-      for (const auto& [j, m] : sheet.matrix[i]) {
-        sum += m;
-        ASSERT_NEAR(m, sheet.from_stencils[i].at(j), tolerance) << i << " " << j;
-      }
-      EXPECT_NEAR(sum, 0, 10 * tolerance);
-      EXPECT_FALSE(sheet.matrix[i].contains(i));
-      EXPECT_EQ(sheet.matrix[i].empty(), sheet.fabric.positions[i].w == 0);
+  const BendSheet sheet = bend_sheet();
+  for (std::uint32_t i = 0; i < sheet.matrix.size(); ++i) {
+    const double diagonal = sheet.from_stencils[i].contains(i) ? sheet.from_stencils[i].at(i) : 0;
+    const double tolerance = 1e-6 * std::max(diagonal, 1e-9);
+    double sum = diagonal;
+    for (const auto& [j, m] : sheet.matrix[i]) {
+      sum += m;
+      ASSERT_NEAR(m, sheet.from_stencils[i].at(j), tolerance) << i << " " << j;
     }
+    EXPECT_NEAR(sum, 0, 10 * tolerance);
+    EXPECT_FALSE(sheet.matrix[i].contains(i));
+    EXPECT_EQ(sheet.matrix[i].empty(), sheet.fabric.positions[i].w == 0);
   }
 }
 
 TEST(Fabric, the_bending_matrix_conserves_momentum) {
-  const BendSheet sheet = bend_sheet(Averaging::mass_split);
+  const BendSheet sheet = bend_sheet();
   for (std::uint32_t i = 0; i < sheet.matrix.size(); ++i)
     for (const auto& [j, m] : sheet.matrix[i]) {
       // Terms are rounded to single precision before they are summed, and may nearly cancel.

@@ -47,10 +47,9 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
   return {};
 }
 
-// A particle's mass is split among its stencils as among its links; with plain averaging only the gather divides by the counts.
-void lay_out(cooking::CookState& state, bool is_first = true) {
+// With iterations a particle's mass is split among its stencils as among its links; with plain averaging only the gather divides by the counts.
+void lay_out_uses(cooking::CookState& state) {
   CookedFabric& fabric = state.fabric();
-  if (fabric.bends.empty()) return;
   const bool split = state.scene().solver.averaging == Averaging::mass_split;
   std::vector<std::uint32_t> uses(fabric.positions.size());
   for (const gpu::Bend& bend : fabric.bends)
@@ -68,26 +67,22 @@ void lay_out(cooking::CookState& state, bool is_first = true) {
       if (share != 0 || (state.may_pin() && bend.k[j] != 0)) shares[p].push_back({e, std::bit_cast<std::uint32_t>(share)});
     }
   }
+  fabric.bend_uses = cooking::pack_rows(shares, cooking::Padding::repeated);
+}
+
+void lay_out(cooking::CookState& state, bool is_first = true) {
+  CookedFabric& fabric = state.fabric();
+  if (fabric.bends.empty()) return;
   const SolverSettings& solver = state.scene().solver;
-  if (is_first && solver.bend_steps > 1 && (!split || solver.iterations > 1 || on_springs(solver.method)))
+  if (is_first && solver.bend_steps > 1 && (solver.iterations > 1 || on_springs(solver.method)))
     fabric.notes.push_back("solver.bend_steps: " + std::to_string(solver.bend_steps) +
-                           " has no effect: it takes one iteration, averaging mass_split and a method of constraints.");
-  if (solver.iterations > 1) {
-    fabric.bend_uses = cooking::pack_rows(shares, cooking::Padding::repeated);
-    return;
-  }
-  const std::uint32_t steps = split ? solver.bend_steps : 1;
-  std::vector<std::vector<gpu::uvec2>> matrix;
-  if (steps == 1) {
-    matrix = cooking::bend_matrix(shares, fabric, state.softening(), state.may_pin());
-  } else {
-    const double relaxation = relaxation_of(state.scene());
-    cooking::BendSteps several(fabric, state.softening() / relaxation, relaxation, state.may_pin());
-    matrix.resize(fabric.positions.size());
-    for (std::size_t k = 0; k < fabric.cloths.size(); ++k)
-      if (!several.add(steps, fabric.cloths[k], matrix) && is_first)
-        state.note(state.scene().cloths[k], "so many triangles share a vertex that bending takes fewer than ", steps, " steps");
-  }
+                           " has no effect: it takes one iteration and a method of constraints.");
+  if (solver.iterations > 1) return lay_out_uses(state);
+  cooking::BendSteps steps(fabric, solve_step(state.scene(), fabric), state.may_pin());
+  std::vector<std::vector<gpu::uvec2>> matrix(fabric.positions.size());
+  for (std::size_t k = 0; k < fabric.cloths.size(); ++k)
+    if (!steps.add(solver.bend_steps, fabric.cloths[k], matrix) && is_first)
+      state.note(state.scene().cloths[k], "so many triangles share a vertex that bending takes fewer than ", solver.bend_steps, " steps");
   fabric.bend = cooking::pack_rows(matrix, cooking::Padding::repeated);
 }
 

@@ -9,20 +9,14 @@
 
 namespace weft::cooking {
 
-/// Row i of the matrix in bend.comp, M_ij without the diagonal as pairs of particle and float bits, when stencils are corrected once a
-/// visit: M_ij = sum over stencils e of share_i(e) K_j(e) / D_e. `shares` are (stencil, K_i w_i as float bits) of each particle, `softening` is
-/// omega / h^2 (CookState::softening). With `may_pin` the entries that are there do not depend on who is held.
-std::vector<std::vector<gpu::uvec2>> bend_matrix(std::span<const std::vector<gpu::uvec2>> shares, const CookedFabric& fabric,
-                                                 double softening, bool may_pin);
-
-/// Rows of the same matrix, cloth by cloth, when stencils are corrected several times a visit, with masses split.
+/// Its rows, cloth by cloth: what a visit takes off a particle's place is sum_j M_ij (p_j - p_i).
 class BendSteps {
  public:
-  /// `inverse_h2`: 1 / solve_step^2, in 1/s^2.
-  BendSteps(const CookedFabric& fabric, double inverse_h2, double relaxation, bool may_pin);
+  /// `h`: solve_step, in s. With `may_pin` the entries that are there do not depend on who is held.
+  BendSteps(const CookedFabric& fabric, double h, bool may_pin);
 
-  /// Adds the rows of a cloth, which are empty, for `most` steps or fewer where those suffice. False where those would
-  /// make rows too long, and it took fewer.
+  /// Adds the rows of a cloth, which are empty: M_ij without the diagonal as pairs of particle and float bits. Takes `most` steps (1 to 4), or
+  /// fewer where those suffice. False where those would make rows too long, and it took fewer.
   bool add(std::uint32_t most, const ClothRange& cloth, std::vector<std::vector<gpu::uvec2>>& rows);
 
  private:
@@ -42,14 +36,14 @@ class BendSteps {
     std::vector<std::uint32_t> touched;
   };
 
-  bool try_to_add(std::span<const double> sizes, const ClothRange& cloth, std::vector<std::vector<gpu::uvec2>>& rows);
+  std::uint32_t steps_for(std::uint32_t most, const ClothRange& cloth) const;
+  bool try_to_add(std::uint32_t steps, const ClothRange& cloth, std::vector<std::vector<gpu::uvec2>>& rows);
 
   const CookedFabric& fabric_;
-  double relaxation_;
   bool may_pin_;
-  std::vector<double> softness_, inverse_;                  // stencils: alpha~ and 1 / D
+  std::vector<double> weight_, compliance_;                 // of stencils: the weight of split masses, and alpha / h^2
   std::vector<std::vector<std::uint32_t>> stencils_of_;     // of each particle
-  Sparse lambda_, bump_;                                    // of stencils and of particles, while a column is found
+  Sparse force_, bump_;                                     // of stencils and of particles, while a column is found
 };
 
 /// A line of a lattice has three; a hinge has four, but for some on slivers whose last counts nothing.

@@ -252,10 +252,11 @@ double compare_bend(const compute::Device& device, const Crumpled& c, bool gathe
   std::vector<reference::Vector> lambda(bends.size(), reference::Vector::Zero());
   const auto masses = inverse_masses(c.fabric);
   for (std::uint32_t k = 0; k < c.scene.solver.iterations; ++k) {
-    twin = reference::relax_bend(bends, twin, masses, lambda, c.fabric.h, c.scene.solver.relaxation, averaging(c.scene.solver.averaging));
     if (c.scene.solver.iterations == 1) {
+      twin = reference::bend_in_one_step(bends, twin, masses, c.fabric.h);
       passes.run("bend");
     } else {
+      twin = reference::relax_bend(bends, twin, masses, lambda, c.fabric.h, c.scene.solver.relaxation, averaging(c.scene.solver.averaging));
       passes.run("bend_lambda", static_cast<int>(k));
       passes.run("bend_gather", static_cast<int>(k));
     }
@@ -332,7 +333,8 @@ void twin_frame(const Scene& scene, const CookedFabric& fabric, reference::Point
       std::uint32_t skipped = 0;
       const reference::Averaged averaged = averaging(scene.solver.averaging);
       p = reference::relax_stretch(links, p, masses, stretch_lambda, fabric.h, scene.solver.relaxation, averaged, skipped);
-      p = reference::relax_bend(bends, p, masses, bend_lambda, fabric.h, scene.solver.relaxation, averaged);
+      p = scene.solver.iterations == 1 ? reference::bend_in_one_step(bends, p, masses, fabric.h)
+                                       : reference::relax_bend(bends, p, masses, bend_lambda, fabric.h, scene.solver.relaxation, averaged);
       for (std::size_t i = 0; i < x.size(); ++i) {
         if (masses[i] == 0) continue;
         std::vector<reference::Tether> tethers;
