@@ -56,7 +56,8 @@
   X(36, uint, first_mesh_body)  /* the body number of the first mesh collider (motion/body.glsl); 0: none is told what it is given (reaction/mesh.glsl) */ \
   X(37, uint, wake_count)       /* cloths and mesh colliders that have wakes in the air (air/wake.comp) */ \
   X(38, bool, has_supports)     /* 1: what colliders hold weighs more against them in the solve (support/support.glsl) */ \
-  X(39, bool, is_second_order)  /* 1: in time (bdf2/bdf2.glsl) */
+  X(39, bool, is_second_order)  /* 1: in time (bdf2/bdf2.glsl) */ \
+  X(40, bool, meets_meshes)     /* 1: cloth meets mesh colliders (tether/tether.glsl) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u

@@ -10,11 +10,11 @@
 
 // They know nothing of bodies: an anchor behind one pulls straight through it, by metres where cloth lags far behind, and what leads around
 // is drowned. With contacts a particle may go no farther than its displacement bound, and tethers take up no more than a part of it. The
-// part is a measured one (engine/README.md, "Tethers along geodesics").
+// part is a measured one (engine/README.md, "Tethers along geodesics"): with less cloth that hangs stretches, with more it hooks on meshes.
 
 GATHER_UINT4(tethers)
 
-const float tether_share = 0.05;   // of the displacement bound, in a pass
+const float tether_share = meets_meshes ? 0.05 : 0.1;   // of the displacement bound, in a pass
 
 // The correction that makes d = p - a as short as the max distance. Exactly 0 where the tether is slack.
 vec3 correction(vec3 d, float max_distance) {

@@ -175,6 +175,7 @@ constinit const Effect contact{
     .specialize =
         [](const Cooked& s, Constants& constants) {
           constants[gpu::constant::has_contacts] = 1;
+          constants[gpu::constant::meets_meshes] = !s.fabric.collider_meshes.empty();
           constants[gpu::constant::contact_mask_words] = s.fabric.own.of<ContactMasks>().stride;
         },
     .slice = {"contact_settings", [](const Cooked& s) { return made(std::vector{s.contacts}); }},
