@@ -39,9 +39,9 @@ inline Vector within_lens(const Tether& a, const Tether& b, const Vector& p) {
 }
 
 /// What a pass makes of `way`, all that the tethers of a particle ask for, where contacts give it a displacement bound (m).
-inline constexpr double kTetherShare = 0.1;
-inline Vector share_of(const Vector& way, double bound) {
-  const double most = kTetherShare * bound;
+inline constexpr double kTetherShare = 0.1, kTetherShareNearMeshes = 0.05;   // near mesh colliders tethers hook cloth on them
+inline Vector share_of(const Vector& way, double bound, double share) {
+  const double most = share * bound;
   return way.norm() > most ? Vector(most * way.normalized()) : way;
 }
 

@@ -113,7 +113,8 @@ TEST_F(MotionKernel, tethers_do_what_their_twin_does_for_none_to_eight_a_particl
 
 // In an iteration that is not a substep's last, so that nothing but tethers asks for the bound.
 TEST_F(MotionKernel, with_contacts_tethers_take_up_a_share_of_the_displacement_bound_as_their_twin_does) {
-  for (const bool gather_storage : {false, true}) {
+  for (const auto& [gather_storage, meshes] : {std::pair(false, false), {true, false}, {true, true}}) {
+    const double share = meshes ? reference::kTetherShareNearMeshes : reference::kTetherShare;
     Random random(9);
     Scene scene = loose_scene(4);
     scene.solver.iterations = 2;
@@ -125,18 +126,19 @@ TEST_F(MotionKernel, with_contacts_tethers_take_up_a_share_of_the_displacement_b
     fabric.cloth_triangles = 1;
     fabric.edges = {{0, 1}};
     fabric.mean_edge = 1;
+    if (meshes) fabric.collider_meshes.emplace_back();   // of no vertices
     const auto twins = tie(fabric, 4, random);
     const auto p = moved(random, fabric, 0.1);
     std::vector<std::uint32_t> bounds;
     reference::Points wanted;
     int cut = 0, whole = 0;
     for (std::size_t i = 0; i < p.size(); ++i) {
-      const float bound = i % 7 == 0 ? 0 : static_cast<float>(between(random, 0, 8));   // m
+      const float bound = i % 7 == 0 ? 0 : static_cast<float>(between(random, 0, 0.8 / share));   // m
       bounds.push_back(std::bit_cast<std::uint32_t>(bound) | (i % 3 == 0 ? WEFT_PAIRED : 0));
       const float kept = std::bit_cast<float>(bounds.back() & ~WEFT_PAIRED);
       const reference::Vector way = reference::within_tethers(twins[i], vector(p[i])) - vector(p[i]);
-      wanted.push_back(vector(p[i]) + reference::share_of(way, kept));
-      if (way.norm() > 0) ++(way.norm() > reference::kTetherShare * kept ? cut : whole);
+      wanted.push_back(vector(p[i]) + reference::share_of(way, kept, share));
+      if (way.norm() > 0) ++(way.norm() > share * kept ? cut : whole);
     }
     EXPECT_GT(cut, 20);
     EXPECT_GT(whole, 20);
