@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <stdexcept>
 #include <string>
 
 #include "compute/commands.h"
@@ -48,8 +49,7 @@ Snapshot with_candidates(Simulation& simulation, int& frames) {
     if (candidates != snapshot.contents.end() && candidates->bytes.size() > 16 * sizeof(gpu::uvec4))
       return ++frames, snapshot;
   }
-  ADD_FAILURE() << "every frame ended with a detection needed";
-  return must(simulation.save());
+  throw std::runtime_error("every frame ended with a detection needed");   // what follows looks into them
 }
 
 TEST_F(SimulationSnapshot, going_on_from_a_snapshot_is_bitwise_the_same_as_never_having_stopped) {
