@@ -4,6 +4,10 @@
 // yet. Cloth is woven of such lines; on other meshes they are shorter and less straight, which costs nothing but convergence. Long lines
 // are cut into even pieces, so that there are many to be solved at once. The links between the pieces and those askew to both rounds
 // are left to Jacobi.
+//
+// Strains are largest at these seams. Two ways out were measured and lost: pieces cut elsewhere in every second substep make cloth at rest
+// shiver, at five centimetres a second; and walked back over in the same substep cloth is stiffer than contacts can follow (a sheet driven
+// into a free one at 8 m/s waited for it by 1.8 mm instead of less than 1).
 #include <algorithm>
 #include <array>
 #include <cmath>
