@@ -57,15 +57,17 @@ namespace {
 // only shares less.
 std::vector<uint32_t> used_constants(std::span<const uint32_t> spirv) {
   using namespace spirv;
-  std::map<uint32_t, uint32_t> specs;   // result -> number
+  constexpr uint32_t kMostIds = 1u << 22, kNone = ~0u;   // SPIR-V's own limit (2.17, universal limits)
+  if (spirv.size() < kHeaderWords) return {};
+  std::vector<uint32_t> specs(std::min(spirv[kBound], kMostIds), kNone);   // result -> number
   std::set<uint32_t> used;
   for (size_t at = spirv::kHeaderWords; at < spirv.size() && spirv[at] >> 16 != 0; at += spirv[at] >> 16) {
     const auto words = spirv.subspan(at, std::min<size_t>(spirv[at] >> 16, spirv.size() - at));
     const uint32_t op = words[0] & 0xffff;
-    if (op == OpDecorate && words.size() > 3 && words[2] == kSpecId) specs[words[1]] = words[3];
+    if (op == OpDecorate && words.size() > 3 && words[2] == kSpecId && words[1] < specs.size()) specs[words[1]] = words[3];
     const bool names = op == OpName || op == OpDecorate || op == OpSpecConstantTrue || op == OpSpecConstantFalse || op == OpSpecConstant;
     for (size_t k = 1; k < words.size() && !names; ++k)
-      if (const auto spec = specs.find(words[k]); spec != specs.end()) used.insert(spec->second);
+      if (words[k] < specs.size() && specs[words[k]] != kNone) used.insert(specs[words[k]]);
   }
   return {used.begin(), used.end()};
 }

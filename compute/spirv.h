@@ -8,7 +8,7 @@ namespace weft::compute::spirv {
 
 constexpr uint32_t kMagic = 0x07230203;
 constexpr uint32_t kSwappedMagic = 0x03022307;
-constexpr size_t kHeaderWords = 5;
+constexpr size_t kHeaderWords = 5, kBound = 3;   // the fourth word is above every id
 
 enum Op : uint32_t {
   OpName = 5,

@@ -276,9 +276,9 @@ struct SolverSettings {
 /// The largest capacity for candidate pairs, 52 bytes each: what a device with a few GiB has for them. Others refuse less in create.
 inline constexpr std::uint32_t kMostCandidates = 1u << 26;
 
-/// Cloth against cloth, itself included, and against mesh colliders. Off unless the scene asks for it or has a mesh collider.
+/// Cloth against cloth, itself included, and against mesh colliders. contacts_on says whether a scene has them.
 struct Contacts {
-  bool enabled = false;
+  std::optional<bool> enabled;  // nothing: on, wherever the solver goes with contacts
   double recover = 0.25;        // m/s, >= 0: how fast a pair closer than its separation is pushed apart, and how fast an anchor that
                                 // cloth held back catches up with its target
   std::uint32_t capacity = 0;   // candidate pairs at the start; 0: chosen. It grows before more is needed
@@ -391,7 +391,8 @@ Scene default_scene(const std::filesystem::path& mesh, Vec3 low, Vec3 high);
 /// Silk, cotton, denim, leather with their figures; nothing for another name. Sources stand beside the table.
 std::optional<Fabric> fabric_preset(std::string_view name);
 
-/// Whether contacts are on: asked for, or needed by a mesh collider.
+/// Whether contacts are on: as the scene says, or where it has a mesh collider; where it says nothing, unless its solver does not go with
+/// them (the method chebyshev, second order).
 bool contacts_on(const Scene& scene);
 
 /// Methods that solve springs, the scene's or those that the fabric makes, instead of constraints.

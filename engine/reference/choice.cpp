@@ -90,6 +90,7 @@ Result<Scene> with_choice(const Scene& scene, std::uint64_t particles, const Cur
   if (const std::string fault = order_fault(scene); !fault.empty()) return fail("solver.order: ", fault);
   if (!scene.solver.budget_ms) return fail("solver.method: \"auto\" needs solver.budget_ms");
   Scene chosen = scene;
+  chosen.contacts.enabled = contacts_on(scene);   // no setting may turn them off
   const auto solve_by = [&](const CurvePoint& setting) -> Result<void> {
     auto solver = solver_of(setting);
     if (!solver) return solver.take_error();
@@ -108,7 +109,8 @@ Result<Scene> with_choice(const Scene& scene, std::uint64_t particles, const Cur
   note = "solver: " + setting.row + ", " + std::to_string(setting.substeps) + " substeps x " + std::to_string(setting.iterations) +
          " iterations: " + rounded_text(setting.ms_median, 3) + " ms and " + rounded_text(100 * setting.strain_rms, 2) +
          " % rms strain expected for " + std::to_string(particles) + " particles by the curve of " + curve.scene + " on " +
-         curve.device + " of " + curve.date + (choice->fits ? "." : "; nothing fits the budget.");
+         curve.device + " of " + curve.date + (choice->fits ? "" : "; nothing fits the budget") +
+         (*chosen.contacts.enabled ? "; contacts take their own time on top." : ".");
   return chosen;
 } catch (...) {
   return caught("the curve");

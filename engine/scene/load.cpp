@@ -67,8 +67,6 @@ Result<Scene> load_scene(const std::filesystem::path& file, std::span<const Assi
   return caught("the scene");
 }
 
-bool contacts_on(const Scene& scene) { return scene.contacts.enabled || !mesh_colliders(scene).empty(); }
-
 std::vector<std::uint32_t> mesh_colliders(const Scene& scene) {
   std::vector<std::uint32_t> meshes;
   for (std::uint32_t i = 0; i < scene.colliders.size(); ++i)

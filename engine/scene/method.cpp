@@ -37,6 +37,11 @@ double most_relaxation(const SolverSettings& solver) {
   return solver.method == Method::chebyshev ? 1 + rho_of(solver) : 1 + std::pow(least_of(solver).limit, -1.0 / std::max(1u, solver.iterations));
 }
 
+bool contacts_on(const Scene& scene) {
+  const bool go_together = scene.solver.method != Method::chebyshev && scene.solver.order == 1;
+  return scene.contacts.enabled.value_or(go_together) || !mesh_colliders(scene).empty();
+}
+
 bool tethers_hold(const Scene& scene) {
   const auto moves = [](const Anchor& anchor) { return !anchor.keys.empty(); };
   return std::ranges::all_of(scene.cloths, [&](const Cloth& cloth) {

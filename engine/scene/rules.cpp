@@ -126,7 +126,7 @@ void check(const Read& read, const Scene& scene) {
   if (const std::string fault = method_fault(scene); !fault.empty()) read.faults.add("solver.method", fault);
   if (const std::string fault = order_fault(scene); !fault.empty()) read.faults.add("solver.order", fault);
   if (const std::string fault = relaxation_fault(scene); !fault.empty()) read.faults.add("solver.relaxation", fault);
-  if (const auto meshes = mesh_colliders(scene); !meshes.empty() && !scene.contacts.enabled && read.has("contacts", false))
+  if (const auto meshes = mesh_colliders(scene); !meshes.empty() && scene.contacts.enabled == false)
     read.faults.add("contacts", join("are off, and colliders[", meshes.front(), "] is a mesh, which cloth meets through contacts alone"));
 }
 

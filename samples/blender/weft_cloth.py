@@ -141,10 +141,9 @@ def export(context, cloth, colliders, settings):
     held = pinned(cloth, settings.pins)
     if held:
         piece["anchors"] = [{"vertices": held}]
-    scene = {"name": cloth.name, "frames": settings.frames, "gravity": list(gravity), "solver": {"rate": rate}, "cloths": [piece],
+    scene = {"name": cloth.name, "frames": settings.frames, "gravity": list(gravity), "solver": {"rate": rate},
+             "contacts": settings.contacts or bool(colliders), "cloths": [piece],
              "colliders": [collider_of(context, obj, poses[obj], from_world, rate, folder) for obj in colliders]}
-    if settings.contacts or colliders:
-        scene["contacts"] = True
     with open(os.path.join(folder, "scene.json"), "w") as file:
         json.dump(scene, file, indent=1)
     return folder

@@ -128,6 +128,7 @@ struct Access : List {
   void optional_flag(std::string_view key, std::optional<bool>& value) {
     if (!is(key)) return;
     if (!given) read = Variant(value ? 1 + int(*value) : 0);
+    else if (given->type() == kFlag) value = given->to_bool();   // a project of the time when it was one of two
     else if (const std::int64_t choice = given->to_int(); choice == 1 || choice == 2) value = choice == 2;
     else value.reset();
   }

@@ -53,8 +53,8 @@ const EffectRow kRows[] = {
       {"colliders", R"([{"shape":"plane","centre":[0,-1,0]},{"shape":"sphere","radius":0.75,"centre":[0,-0.77,0]}])"}},
      {{"reactions", "false"}, {"colliders", "[]"}}},
     {"mesh_collider", "a body of triangles, by contacts",
-     {{"colliders", R"([{"shape":"mesh","mesh":"effects_body.obj","centre":[0.3,-0.12,0.3]}])"}},
-     {{"colliders", "[]"}}},
+     {{"contacts.enabled", "true"}, {"colliders", R"([{"shape":"mesh","mesh":"effects_body.obj","centre":[0.3,-0.12,0.3]}])"}},
+     {{"colliders", "[]"}, {"contacts.enabled", "false"}}},
     {"skin", "a skin of one joint, which carries two anchors",
      {{"cloths[0].skin", "{}"}, {"cloths[0].anchors", R"([{"corners":["high_low","high_high"]}])"}},
      {{"cloths[0].anchors", "[]"}}},
@@ -74,10 +74,10 @@ const EffectRow kRows[] = {
     {"pins", "room for 16 pins", {{"pins", "16"}}, {{"pins", "0"}}},
     {"grab", "a hand that could grab", {{"grabs", "1"}}, {{"grabs", "0"}}},
     {"contact", "contacts, without untangling",
-     {{"contacts.untangle", "false"}},
+     {{"contacts.enabled", "true"}, {"contacts.untangle", "false"}},
      {{"contacts.enabled", "false"}}},
     {"untangle", "contacts with untangling",
-     {{"contacts.untangle", "true"}},
+     {{"contacts.enabled", "true"}, {"contacts.untangle", "true"}},
      {{"contacts.enabled", "false"}, {"contacts.untangle", "true"}}},
     {"air", "a wind", {{"air.wind", "[2,0,0]"}}, {}},
     {"air_lee", "the lee of two cloths", {{"air.wind", "[2,0,0]"}, {"air.lee", "true"}}, {}},
@@ -95,7 +95,7 @@ const EffectRow kRows[] = {
 };
 
 // The patch falls on the sheet, so that contacts have something to do. Its links are as soft as the springs above.
-constexpr std::string_view kBase = R"({"name": "effects", "solver": {"method": "jacobi"}, "cloths": [
+constexpr std::string_view kBase = R"({"name": "effects", "solver": {"method": "jacobi"}, "contacts": false, "cloths": [
     {"name": "sheet", "grid": {}, "bending": false, "tethers": false},
     {"name": "patch", "grid": {"size": [0.3, 0.3], "cells": [8, 8]}, "fabric": {"stretch": 20, "shear": 1},
      "bending": false, "tethers": false, "transform": {"translate": [0, 0.004, 0]}, "start": {"velocity": [0, -0.5, 0]}}]})";

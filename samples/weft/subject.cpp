@@ -86,7 +86,7 @@ std::vector<std::string> file_faults(const Scene& scene) {
 
 std::string crossing_note(const Scene& scene, const CookedFabric& fabric) {
   constexpr std::uint64_t kMostCandidates = 256;   // an edge: a flat sheet has ten, a crumpled one some dozens
-  if (!scene.contacts.enabled) return "";
+  if (!contacts_on(scene)) return "";
   std::vector<Vec3> positions;
   positions.reserve(fabric.positions.size());
   for (const gpu::vec4& particle : fabric.positions) positions.push_back({particle.x, particle.y, particle.z});

@@ -14,6 +14,7 @@
 #include "engine/solve/solver.h"
 #include "tests/bench/need.h"
 #include "tests/bench/yardstick.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft::bench {
 namespace {
@@ -22,7 +23,7 @@ constexpr int kPasses = 40;
 
 // A sheet of n x n vertices hung from its two upper corners, with links as rigid as those of the engines it is compared with.
 Scene hung_sheet(std::uint32_t n) {
-  Scene scene;
+  Scene scene = without_contacts();
   Cloth cloth;
   cloth.grid = Grid{{10, 10}, n - 1, n - 1, Topology::diagonal, true};
   cloth.fabric = *fabric_preset("cotton");

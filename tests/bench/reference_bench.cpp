@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "engine/reference/trajectory.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft::bench {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 void reference_frame(benchmark::State& state) {
   constexpr std::uint32_t kFrames = 6;
   const auto cells = static_cast<std::uint32_t>(state.range(0) - 1);
-  Scene scene;
+  Scene scene = without_contacts();
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{{1, 1}, cells, cells, Topology::diagonal, false};
   if (state.range(2) != 0) cloth.fabric.stretch = cloth.fabric.shear = INFINITY;

@@ -5,12 +5,13 @@
 
 #include "engine/effects/tear/tear.h"
 #include "tests/bench/need.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft::bench {
 namespace {
 
 void tear(benchmark::State& state) {
-  Scene scene;
+  Scene scene = without_contacts();
   Cloth& cloth = scene.cloths.emplace_back();
   const auto cells = static_cast<std::uint32_t>(state.range(0));
   cloth.grid = Grid{{1, 1}, cells, cells, Topology::diagonal, true};

@@ -13,6 +13,7 @@
 #include "engine/reference/vbd.h"
 #include "engine/simulation.h"
 #include "tests/bench/need.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft::bench {
 namespace {
@@ -23,7 +24,7 @@ constexpr std::uint32_t kFrames = 48;
 
 // 33 x 33 particles, dropped from the horizontal into two corners, without tethers.
 Scene falling_sheet(Sheet sheet, std::uint32_t substeps) {
-  Scene scene;
+  Scene scene = without_contacts();
   scene.solver.method = Method::gauss_seidel;
   scene.solver.substeps = substeps;
   Cloth& cloth = scene.cloths.emplace_back();

@@ -12,6 +12,7 @@ import weft
 SCENE = {
     "pins": 2,
     "grabs": 1,
+    "contacts": False,
     "cloths": [{"grid": {"size": [1, 1], "cells": [8, 8]}, "anchors": [{"vertices": [0, 8]}]}],
     "colliders": [{"shape": "sphere", "radius": 0.1, "centre": [0, -5, 0]}],
 }

@@ -6,6 +6,7 @@
 #include "engine/cache.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/must.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -18,7 +19,7 @@ constexpr const char* kStrip =
     "f 2/1 3/1 7/1 6/1\nf 3/1 4/1 8/1 7/1\nf 4/2 5/1 10/1\nf 4/2 9/1 8/1\n";
 
 struct Cooked {
-  Scene scene;
+  Scene scene = without_contacts();
   std::vector<Mesh> meshes;
   CookedFabric fabric;
 
@@ -34,7 +35,7 @@ std::vector<Vec3> numbered(const CookedFabric& fabric) {
 }
 
 Scene scene_of(const Folder& folder, const std::string& mesh) {
-  Scene scene;
+  Scene scene = without_contacts();
   scene.folder = folder / "";
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.mesh = mesh;
@@ -103,7 +104,7 @@ TEST(CacheShape, of_several_cloths_is_one_mesh_without_the_mesh_colliders) {
 TEST(CacheShape, of_a_cloth_that_carries_a_render_mesh_is_this) {
   const Folder folder;
   folder.write("strip.obj", kStrip);
-  Scene scene;
+  Scene scene = without_contacts();
   scene.folder = folder / "";
   Cloth& coarse = scene.cloths.emplace_back();
   coarse.grid = Grid{.cells_x = 2, .cells_y = 2, .upright = true};

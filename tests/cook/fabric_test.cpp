@@ -12,6 +12,7 @@
 
 #include "engine/cook/parts.h"
 #include "tests/support/cooked.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -19,7 +20,7 @@ namespace {
 using cooking::vector;
 
 Scene hung(std::uint32_t cells, Topology topology = Topology::diagonal) {
-  Scene scene;
+  Scene scene = without_contacts();
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{{1, 1}, cells, cells, topology, true};
   cloth.anchors.resize(1);

@@ -10,13 +10,14 @@
 #include "engine/cook/parts.h"
 #include "engine/image.h"
 #include "tests/support/cooked.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
 
 // A sheet of 2 m by 1 m, with an attribute "_X" of four channels: 0 at its low x and 2, 4, 8 and 16 at its high x.
 struct Sheet {
-  Scene scene;
+  Scene scene = without_contacts();
   std::vector<Mesh> meshes;
   explicit Sheet(std::uint32_t cells = 8) {
     Cloth& cloth = scene.cloths.emplace_back();
@@ -128,7 +129,7 @@ class PaintedMap : public testing::Test {
     std::filesystem::remove_all(folder_, ignored);
   }
   Scene scene(const std::string& map) const {
-    Scene scene;
+    Scene scene = without_contacts();
     scene.folder = folder_;
     Cloth& cloth = scene.cloths.emplace_back();
     cloth.grid = Grid{{1, 1}, 8, 8, Topology::diagonal, true};

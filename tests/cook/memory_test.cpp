@@ -12,6 +12,7 @@
 #include "tests/support/must.h"
 #include "tests/support/scarce_memory.h"
 #include "tests/support/scene_texts.h"
+#include "tests/support/without_contacts.h"
 
 #ifdef __SANITIZE_ADDRESS__
 #include <sanitizer/lsan_interface.h>
@@ -149,7 +150,6 @@ TEST(Memory, that_runs_out_while_cloth_is_cooked_is_a_sentence) {
   cloth.grid = Grid{{1, 1}, 3, 4, Topology::diagonal, true};
   cloth.anchors.emplace_back().corners = {Corner::low_high};
   cloth.start.pose = StartPose::folded;
-  scene.contacts.enabled = true;
   for (const Method method : {Method::jacobi, Method::gauss_seidel, Method::implicit}) {
     scene.solver.method = method;
     const auto meshes = must(make_meshes(scene));
@@ -160,7 +160,7 @@ TEST(Memory, that_runs_out_while_cloth_is_cooked_is_a_sentence) {
 }
 
 TEST(Memory, that_runs_out_while_passes_are_planned_and_specialised_is_a_sentence) {
-  Scene scene;
+  Scene scene = without_contacts();
   scene.cloths.emplace_back().grid = Grid{{1, 1}, 2, 2};
   const CookedFabric fabric = cooked(scene);
   const Cooked subject = cooked_of(scene, fabric);

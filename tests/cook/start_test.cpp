@@ -4,12 +4,13 @@
 #include <cmath>
 
 #include "tests/support/cooked.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
 
 Scene sheet(StartPose pose) {
-  Scene scene;
+  Scene scene = without_contacts();
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{{2, 1}, 16, 8, Topology::diagonal, false};
   cloth.transform.translate = {3, 1, 0};

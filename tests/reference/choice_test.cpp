@@ -81,7 +81,7 @@ TEST(Choice, a_scene_gets_what_its_budget_buys_and_keeps_its_rate) {
   EXPECT_EQ(chosen->solver.rate, 30);
   EXPECT_EQ(note,
             "solver: jacobi, 4 substeps x 1 iterations: 4 ms and 2.5 % rms strain expected for 10000 particles "
-            "by the curve of hung on device of 2026-11-21T12:00Z.");
+            "by the curve of hung on device of 2026-11-21T12:00Z; contacts take their own time on top.");
   count.points[0].assignments = count.points[2].assignments = count.points[4].assignments = "solver.bogus=1";
   EXPECT_FALSE(with_choice(*scene, 10'000, count, note));
 }

@@ -4,6 +4,7 @@
 
 #include "engine/reference/errors.h"
 #include "tests/support/sheets.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -54,7 +55,7 @@ double distance_to_reference(const compute::Device& device, Scene scene, std::ui
 TEST_F(Convergence, jacobi_comes_within_a_thousandth_of_the_reference_on_compliant_and_rigid_cloth) {
   struct Case {
     const char* name;
-    Scene scene;
+    Scene scene = without_contacts();
     std::uint32_t few, many;
   };
   const Case cases[] = {
@@ -80,7 +81,7 @@ struct Strip {
 };
 
 Scene strip() {
-  Scene scene;
+  Scene scene = without_contacts();
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{{0.1f, 1}, 1, 10, Topology::diagonal, true};
   cloth.fabric.stretch = 10;

@@ -20,7 +20,7 @@ class Caches : public CommandLine {};
 constexpr std::uint32_t kFrames = 6;
 
 // A mesh in the order of its file, with a vertex that no face has, and a grid; far away, so that the simulation has an origin of its own.
-constexpr const char* kScene = R"({"name": "two cloths", "frames": 6, "cloths": [
+constexpr const char* kScene = R"({"name": "two cloths", "frames": 6, "contacts": false, "cloths": [
   {"mesh": "strip.obj", "transform": {"translate": [1000, 0, 0]}, "anchors": [{"vertices": [4]}]},
   {"grid": {"cells": [3, 3]}, "transform": {"translate": [1000, 1, 1]}, "anchors": [{"corners": ["low_low"]}]}]})";
 constexpr const char* kStrip =

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <set>
 #include <sstream>
 #include <thread>
@@ -160,12 +161,15 @@ TEST_F(CommandLine, check_counts_crossings_at_every_frame) {
   EXPECT_NE(read(folder / "stdout").find("in the worst frame"), std::string::npos);
 
   // An oblique sheet falls through one that is held, and is through at the end: no single frame would do.
-  const std::string through_it = write("through.json", R"({"frames": 30, "cloths": [
+  const std::string through_it = write("through.json", R"({"frames": 30, "contacts": false, "cloths": [
       {"grid": {"size": [0.3, 0.3], "cells": [4, 4]}, "anchors": [{"box": {"low": [-1, -1, -1], "high": [1, 1, 1]}}]},
       {"grid": {"size": [0.2, 0.2], "cells": [4, 4]}, "transform": {"translate": [0, 0.05, 0], "axis": [1, 0, 0], "degrees": 20}}]})");
   const json through = report_of({"run", through_it, "--check", "--no-picture", "--out", out()});
   EXPECT_GT(through["intersections"]["max"], 0);
   EXPECT_EQ(through["intersections"]["final"], 0);
+  const json kept = report_of({"run", write("kept.json", std::regex_replace(read(through_it), std::regex("\"contacts\": false, "), "")), "--check",
+                               "--no-picture", "--out", out()});
+  EXPECT_EQ(kept["intersections"]["max"], 0) << "contacts are on where nothing is said of them";
 }
 
 TEST_F(CommandLine, cloth_that_starts_out_crossing_is_a_note_where_contacts_are_to_keep_it_apart) {
@@ -174,7 +178,7 @@ TEST_F(CommandLine, cloth_that_starts_out_crossing_is_a_note_where_contacts_are_
                                    rest + "}").string();
   };
   const char *upright = R"(, {"grid": {"cells": [3, 3], "upright": true}, "transform": {"translate": [0.06, 0.03, 0.07]}})",
-             *wall = R"(, "contacts": true, "colliders": [{"shape": "mesh", "mesh": "wall.obj"}])", *contacts = R"(, "contacts": true)";
+             *wall = R"(, "colliders": [{"shape": "mesh", "mesh": "wall.obj"}])", *contacts = "", *none = R"(, "contacts": false)";
   write("wall.obj", "v 0.06 -0.3 -0.3\nv 0.06 0.3 -0.3\nv 0.06 -0.3 0.31\nf 1 2 3\n");
   const std::string said = "note: contacts: cloth starts out crossing or touching cloth or a mesh, in ";
   for (const auto& [more_cloth, rest] : {std::pair(upright, contacts), std::pair("", wall)}) {
@@ -185,7 +189,7 @@ TEST_F(CommandLine, cloth_that_starts_out_crossing_is_a_note_where_contacts_are_
       EXPECT_NE(outcome.out.find(said), std::string::npos) << call[0] << ": " << outcome.out;
     }
   }
-  for (const auto& [more_cloth, rest] : {std::pair("", contacts), std::pair(upright, "")}) {
+  for (const auto& [more_cloth, rest] : {std::pair("", contacts), std::pair(upright, none)}) {
     const Outcome outcome = weft({"check", scene(more_cloth, rest)});
     EXPECT_EQ(outcome.exit, 0) << outcome.error;
     EXPECT_EQ(outcome.out.find("note: contacts"), std::string::npos) << outcome.out;
@@ -294,7 +298,7 @@ TEST_F(CommandLine, contacts_tells_the_price_of_a_scene_as_it_is) {
 }
 
 TEST_F(CommandLine, drape_tells_how_far_cloth_stands_out_from_what_holds_it_beside_what_is_published) {
-  const std::string held = write("held.json", R"({"frames": 2, "cloths": [
+  const std::string held = write("held.json", R"({"frames": 2, "contacts": false, "cloths": [
       {"name": "silk, grey", "grid": {"size": [0.3, 0.3], "cells": [12, 12]}, "fabric": "silk",
        "anchors": [{"box": {"low": [-0.09, -1, -0.09], "high": [0.09, 1, 0.09]}}]},
       {"name": "own", "grid": {"size": [0.3, 0.3], "cells": [12, 12]}, "fabric": {"bend": 0.1}, "transform": {"translate": [1, 0, 0]},
@@ -402,7 +406,7 @@ TEST_F(CommandLine, an_interrupt_ends_the_frame_writes_what_there_is_and_exits_w
 
 // The sheet without its floor, for which there is no reference.
 constexpr const char* kHung =
-    R"({"name": "sheet", "cloths": [{"grid": {"cells": [6, 6], "upright": true}, "anchors": [{"corners": ["low_high"]}]}]})";
+    R"({"name": "sheet", "contacts": false, "cloths": [{"grid": {"cells": [6, 6], "upright": true}, "anchors": [{"corners": ["low_high"]}]}]})";
 
 TEST_F(CommandLine, sides_of_a_mesh_are_refused_by_a_sentence) {
   const Outcome mesh = weft({"accuracy", std::string(WEFT_ASSETS) + "/generated/cape.glb", "--sides", "9", "--out", out()});

@@ -32,7 +32,7 @@ class Outputs : public CommandLine {
 
 TEST_F(Outputs, a_texture_is_not_overwritten_by_the_picture_of_its_cloth) {
   fs::create_directories(folder / "own");
-  const std::string scene = write("own/flag.json", R"({"name": "flag", "frames": 1, "cloths": [{"grid": {"cells": [4, 4]},
+  const std::string scene = write("own/flag.json", R"({"name": "flag", "frames": 1, "contacts": false, "cloths": [{"grid": {"cells": [4, 4]},
       "appearance": {"albedo": "flag.png"}}]})");
   const std::string picture = write_picture("own/flag.png");
   const std::string own = (folder / "own").string();
@@ -49,7 +49,7 @@ TEST_F(Outputs, no_link_leads_around_it) {
   fs::create_directories(folder / "maps");
   write_picture("maps/cloth.png");
   fs::create_symlink("../maps/cloth.png", folder / "own/flag.png");
-  const std::string scene = write("flag.json", R"({"name": "flag", "frames": 1, "cloths": [{"grid": {"cells": [4, 4]},
+  const std::string scene = write("flag.json", R"({"name": "flag", "frames": 1, "contacts": false, "cloths": [{"grid": {"cells": [4, 4]},
       "appearance": {"roughness": "maps/cloth.png"}}]})");
   const std::string own = (folder / "own").string();
   expect_refusal({"run", scene, "--out", own}, "flag.png", "cloths[0].appearance.roughness");

@@ -35,7 +35,7 @@ class Shards : public CommandLine {
 };
 
 constexpr const char* kOneCorner =
-    R"({"name": "sheet", "cloths": [{"grid": {"cells": [6, 6], "upright": true}, "anchors": [{"corners": ["low_high"]}]}]})";
+    R"({"name": "sheet", "contacts": false, "cloths": [{"grid": {"cells": [6, 6], "upright": true}, "anchors": [{"corners": ["low_high"]}]}]})";
 
 // A table without its clocks.
 json timeless(const std::string& text) {

@@ -109,21 +109,39 @@ TEST(Scene, a_fabric_object_starts_from_its_preset) {
   EXPECT_EQ(scene->cloths[0].fabric, expected);
 }
 
-TEST(Scene, contacts_are_off_until_asked_for_in_any_of_three_ways) {
+TEST(Scene, contacts_are_what_is_said_of_them_in_any_of_three_ways) {
   const auto contacts_of = [](const std::string& value, std::vector<Assignment> assignments = {}) {
     const Result<Scene> scene = parse(R"({"cloths": [{"grid": {}}])" + (value.empty() ? "" : ", \"contacts\": " + value) + "}",
                                       std::move(assignments));
     return scene ? scene->contacts : Contacts{false, -1, 0, 0, 0};
   };
   EXPECT_EQ(contacts_of(""), Contacts{});
-  EXPECT_EQ(contacts_of("false"), Contacts{});
+  EXPECT_EQ(contacts_of("false"), (Contacts{false, 0.25, 0, 0, 0}));
   EXPECT_EQ(contacts_of("true"), (Contacts{true, 0.25, 0, 0, 0}));
   EXPECT_EQ(contacts_of("{}"), (Contacts{true, 0.25, 0, 0, 0}));
   EXPECT_EQ(contacts_of(R"({"enabled": false, "cell": 0.5})"), (Contacts{false, 0.25, 0, 0.5, 0}));
   EXPECT_EQ(contacts_of("", {{"contacts", "true"}}), (Contacts{true, 0.25, 0, 0, 0}));
   EXPECT_EQ(contacts_of("", {{"contacts.detection_margin", "0.01"}}), (Contacts{true, 0.25, 0, 0, 0.01}));
   EXPECT_EQ(contacts_of("false", {{"contacts.detection_margin", "0.01"}}), (Contacts{false, 0.25, 0, 0, 0.01}));
-  EXPECT_EQ(contacts_of("true", {{"contacts", "false"}}), Contacts{});
+  EXPECT_EQ(contacts_of("true", {{"contacts", "false"}}), (Contacts{false, 0.25, 0, 0, 0}));
+}
+
+TEST(Scene, contacts_are_on_where_nothing_is_said_of_them_and_the_solver_goes_with_them) {
+  const auto on = [](const std::string& rest) {
+    const Result<Scene> scene = parse(R"({"cloths": [{"grid": {}}])" + rest + "}");
+    EXPECT_TRUE(scene) << scene.error();
+    return scene && contacts_on(*scene);
+  };
+  EXPECT_TRUE(on(""));
+  EXPECT_FALSE(on(R"(, "contacts": false)"));
+  EXPECT_TRUE(on(R"(, "contacts": {"iterations": 8})"));
+  for (const char* method : {"jacobi", "strands", "gauss_seidel"})
+    EXPECT_TRUE(on(std::string(R"(, "solver": {"method": ")") + method + "\"}")) << method;
+  EXPECT_FALSE(on(R"(, "solver": {"method": "chebyshev", "substeps": 2, "iterations": 5})"));
+  EXPECT_FALSE(on(R"(, "solver": {"order": 2})"));
+  // Asked for, they are no less refused than before.
+  EXPECT_FALSE(parse(R"({"cloths": [{"grid": {}}], "contacts": true, "solver": {"order": 2}})"));
+  EXPECT_FALSE(parse(R"({"cloths": [{"grid": {}}], "contacts": {}, "solver": {"method": "chebyshev", "iterations": 5}})"));
 }
 
 TEST(Scene, a_mesh_collider_brings_contacts_also_when_it_is_written_and_read_again) {
@@ -134,8 +152,11 @@ TEST(Scene, a_mesh_collider_brings_contacts_also_when_it_is_written_and_read_aga
   const Result<Scene> second = parse(scene_text(*scene));
   ASSERT_TRUE(second) << second.error();
   EXPECT_TRUE(contacts_on(*second));
-  scene->colliders.pop_back();
-  EXPECT_FALSE(contacts_on(*scene));
+  Scene without = *scene;
+  without.contacts.enabled = false;
+  EXPECT_TRUE(contacts_on(without)) << "nothing else keeps cloth out of it";
+  without.colliders.pop_back();
+  EXPECT_FALSE(contacts_on(without));
 }
 
 TEST(Scene, a_default_fabric_is_cotton) { EXPECT_EQ(Fabric{}, *fabric_preset("cotton")); }
@@ -233,7 +254,8 @@ TEST(SceneText, a_written_scene_reads_back_the_same) {
     EXPECT_EQ(scene_text(*second), written);
     EXPECT_EQ(second->cloths[0].fabric, first->cloths[0].fabric);
     EXPECT_EQ(second->cloths[0].anchors.size(), first->cloths[0].anchors.size());
-    EXPECT_EQ(second->contacts, first->contacts);
+    EXPECT_EQ(contacts_on(*second), contacts_on(*first));
+    EXPECT_EQ(second->contacts.capacity, first->contacts.capacity);
     EXPECT_EQ(second->light.colour, first->light.colour);
   }
 }

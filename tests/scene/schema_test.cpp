@@ -130,9 +130,7 @@ struct Lister {
     put(key, {{"oneOf", {{{"type", "boolean"}}, properties_of(weft::scene_fields::Tethers{})}}, {"default", value.tethers}});
   }
   void contacts(std::string_view key, weft::Contacts& value) {
-    weft::Contacts asked_for = value;
-    asked_for.enabled = true;
-    put(key, {{"oneOf", {{{"type", "boolean"}}, properties_of(asked_for)}}, {"default", value.enabled}});
+    put(key, {{"oneOf", {{{"type", "boolean"}}, properties_of(value)}}});
   }
 };
 

@@ -255,6 +255,7 @@ TEST_F(Faults, a_mesh_collider_is_placed_whole_or_not_at_all) {
   folder.write("floor.obj", "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 4 3 2\n");
   Scene scene = sheet(4);
   scene.folder = folder / "";
+  scene.contacts.enabled = true;
   Collider& floor = scene.colliders.emplace_back();
   floor.shape = ColliderShape::mesh;
   floor.mesh = "floor.obj";

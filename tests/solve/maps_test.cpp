@@ -3,6 +3,7 @@
 
 #include "tests/support/every_method.h"
 #include "tests/support/sheets.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -10,7 +11,7 @@ namespace {
 using MapCase = GpuTest;
 
 struct Mapped {
-  Scene scene;
+  Scene scene = without_contacts();
   std::vector<Mesh> meshes;
   explicit Mapped(const Scene& described) : scene(described), meshes(must(make_meshes(described))) {}
   // An attribute "_X", of each point.

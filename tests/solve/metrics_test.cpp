@@ -6,12 +6,13 @@
 
 #include "engine/metrics.h"
 #include "tests/support/cooked.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
 
 CookedFabric strip() {
-  Scene scene;
+  Scene scene = without_contacts();
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{{2, 1}, 12, 6, Topology::diagonal, true};
   return cooked(scene);

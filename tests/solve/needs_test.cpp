@@ -8,6 +8,7 @@
 #include "engine/effects/buffers.h"
 #include "engine/figures.h"
 #include "tests/support/calls.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -28,7 +29,7 @@ TEST(Buffers, names_are_one_row_each_and_every_row_is_one_that_passes_touch) {
 
 // Small cloths with and without each effect.
 struct Sheet {
-  Scene scene;
+  Scene scene = without_contacts();
   CookedFabric fabric;
   Cooked subject() const { return cooked_of(scene, fabric); }
 };

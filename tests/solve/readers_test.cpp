@@ -11,6 +11,7 @@
 #include "read_vertices.h"
 #include "tests/support/lent_device.h"
 #include "tests/support/sheets.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -20,7 +21,7 @@ using compute::Device;
 constexpr std::uint32_t kReaderFrames = 4;
 
 Scene scene() {
-  Scene scene;
+  Scene scene = without_contacts();
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{{1, 1}, 15, 13, Topology::diagonal, true};
   cloth.anchors.emplace_back().corners = {Corner::low_high, Corner::high_high};

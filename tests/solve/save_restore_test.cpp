@@ -121,6 +121,7 @@ TEST_F(SimulationSnapshot, cloth_on_a_mesh_collider_10_km_away_goes_on_the_same_
   Scene scene = sheet(8);
   scene.folder = folder / "";
   scene.cloths[0].transform.translate = {10e3f, 0.02f, -10e3f};
+  scene.contacts.enabled = true;
   Collider& floor = scene.colliders.emplace_back();
   floor.shape = ColliderShape::mesh;
   floor.mesh = "floor.obj";

@@ -11,6 +11,7 @@
 #include "compute/commands.h"
 #include "tests/support/sheets.h"
 #include "tests/support/ways.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -375,7 +376,7 @@ TEST_F(SimulationApi, a_capacity_that_the_device_has_no_room_for_is_refused_by_i
 }
 
 TEST_F(SimulationApi, a_scene_that_cannot_be_cooked_is_refused) {
-  Scene scene;
+  Scene scene = without_contacts();
   expect_refused(Simulation::create(device(), scene), "cloths: is empty: at least 1 is needed");
   scene = sheet(4);
   Anchor beyond;

@@ -11,6 +11,7 @@
 #include "compute/digest.h"
 #include "engine/effects/effect.h"
 #include "engine/snapshot.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -143,7 +144,7 @@ TEST(Snapshots, a_file_appears_whole_or_not_at_all) {
 }
 
 TEST(Snapshots, the_digest_knows_what_a_simulation_depends_on_and_nothing_else) {
-  Scene scene;
+  Scene scene = without_contacts();
   scene.cloths.emplace_back().grid = Grid{{1, 1}, 4, 4, Topology::diagonal, true};
   scene.colliders.emplace_back();
   const auto digest = [](const Scene& s) {
@@ -182,7 +183,6 @@ TEST(Snapshots, the_digest_knows_every_list_that_was_cooked) {
   }
   scene.cloths[1].bend_rest = BendRest::mesh;
   scene.colliders.emplace_back();
-  scene.contacts.enabled = true;
   const auto meshes = make_meshes(scene);
   ASSERT_TRUE(meshes) << meshes.error();
   const auto fabric = cook(scene, *meshes);

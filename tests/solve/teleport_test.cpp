@@ -67,6 +67,7 @@ TEST_F(Teleport, a_mesh_collider_takes_the_cloth_that_lies_on_it_along) {
   scene.folder = folder / "";
   scene.cloths[0].transform.translate = {0, 0.02f, 0};
   scene.cloths[0].fabric.damping = 1;
+  scene.contacts.enabled = true;
   Collider& floor = scene.colliders.emplace_back();
   floor.shape = ColliderShape::mesh;
   floor.mesh = "floor.obj";

@@ -6,6 +6,7 @@
 
 #include "engine/simulation.h"
 #include "tests/support/must.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 
@@ -60,7 +61,7 @@ inline Mesh globe(double radius, std::uint32_t segments, std::uint32_t rings) {
 
 /// A free cloth that holds a gas, without gravity, damping or bending; its mesh is given to create.
 inline Scene gas_scene(const Gas& gas = {}) {
-  Scene scene;
+  Scene scene = without_contacts();
   scene.gravity = {};
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.pressure = gas;

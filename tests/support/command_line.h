@@ -85,7 +85,7 @@ class CommandLine : public testing::Test {
 };
 
 inline constexpr const char* kSheet =
-    R"({"name": "sheet", "cloths": [{"grid": {"cells": [8, 8]}, "anchors": [{"corners": ["low_low"]}]}], )"
+    R"({"name": "sheet", "contacts": false, "cloths": [{"grid": {"cells": [8, 8]}, "anchors": [{"corners": ["low_low"]}]}], )"
     R"("colliders": [{"centre": [0, -1, 0]}]})";
 
 }  // namespace weft

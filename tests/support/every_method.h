@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "tests/support/sheets.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 
@@ -34,7 +35,7 @@ inline Scene springy(Method method) {
 /// A small scene for every method and for contacts.
 struct Subject {
   const char* name;
-  Scene scene;
+  Scene scene = without_contacts();
 };
 
 /// So fine that its small ball holds it in the solve, and is told so.

@@ -10,12 +10,13 @@
 
 #include "engine/reference/trajectory.h"
 #include "tests/support/cooked.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft::reference {
 
 /// A square sheet of 1 m without damping or tethers, hung from two corners of its top.
 inline Scene hung_sheet(std::uint32_t cells, bool upright) {
-  Scene scene;
+  Scene scene = without_contacts();
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{{1, 1}, cells, cells, Topology::diagonal, upright};
   cloth.fabric.damping = 0;
@@ -26,7 +27,7 @@ inline Scene hung_sheet(std::uint32_t cells, bool upright) {
 
 /// Particles one after another along +x from the origin, each linked to the one before; the first is held, and the last if asked.
 struct Chain {
-  Scene scene;           // of one undamped cloth, at 60 Hz
+  Scene scene = without_contacts();           // of one undamped cloth, at 60 Hz
   CookedFabric fabric;
 };
 inline Chain chain(std::uint32_t links, double link_length, double particle_mass, double compliance, bool hold_last) {

@@ -15,6 +15,7 @@
 #include "shaders/motion/motion.ref.h"
 #include "shaders/jacobi.ref.h"
 #include "tests/support/gpu_fixture.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 
@@ -108,7 +109,7 @@ inline constexpr double kDampings[] = {0.1, 2.0};   // those of loose_particles,
 inline const reference::Vector kGravity(0.5, -9.81, 1);
 
 inline Scene loose_scene(std::uint32_t substeps) {
-  Scene scene;
+  Scene scene = without_contacts();
   scene.solver.substeps = substeps;
   return scene;
 }

@@ -13,7 +13,7 @@ namespace weft::view {
 namespace {
 
 constexpr const char* kScene =
-    R"({"cloths":[{"grid":{"size":[1,1],"cells":[12,12]},"anchors":[{"vertices":[0,12]}]}],
+    R"({"contacts":false,"cloths":[{"grid":{"size":[1,1],"cells":[12,12]},"anchors":[{"vertices":[0,12]}]}],
         "colliders":[{"shape":"sphere","radius":0.1,"centre":[0,-0.5,0],"keys":[{"time":0},{"time":2,"translate":[1,0,0]}]}]})";
 
 class ViewStage : public compute::OnDevice {

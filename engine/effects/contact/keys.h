@@ -8,7 +8,7 @@ namespace weft::scene_fields {
 /// The object form of `contacts`; its presence turns contacts on.
 template <class V>
 void fields(V& v, Contacts& contacts) {
-  v.flag("enabled", contacts.enabled);
+  v.optional_flag("enabled", contacts.enabled);
   v.whole("iterations", contacts.iterations, between(1, 100));
   v.number("recover", contacts.recover, between(0, 100, "m/s"));
   v.number("kinematic_lag_limit", contacts.kinematic_lag_limit, between(0, 1e6));

@@ -83,6 +83,7 @@ TEST_F(WakeCase, cloth_behind_a_wall_of_triangles_feels_as_little_as_behind_a_sp
   const double free = blown(device(), open);
   for (const float ahead : {0.5f, 1.5f, 6.0f}) {
     walled = open;
+    walled.contacts.enabled = true;
     walled.colliders = {wall(-ahead)};
     EXPECT_NEAR(blown(device(), walled), free, 1e-6) << "without lee";
     walled.air->lee = true;
@@ -121,6 +122,7 @@ TEST_F(WakeCase, the_same_bits_in_every_way_twice_and_from_a_snapshot) {
   Scene scene = in_wind(folder);
   scene.air->lee = true;
   scene.air->turbulence = 0.5;
+  scene.contacts.enabled = true;
   scene.colliders = {wall(-0.7f), sphere({-0.4f, 0.2f, 0}, 0.1)};
   scene.colliders[0].keys = {{0, {}, {0, 1, 0}, 0}, {1, {0, 0.5f, 0}, {0, 1, 0}, 90}};
   scene.cloths.push_back(scene.cloths[0]);
@@ -153,6 +155,7 @@ Crumpled crumpled(const test::Folder& folder, std::uint64_t seed) {
   c.scene.cloths[1].grid->cells_x = c.scene.cloths[1].grid->cells_y = 3;
   c.scene.cloths[2].grid->cells_x = 5;
   for (std::size_t k = 0; k < 3; ++k) c.scene.cloths[k].transform.translate = {0.7f * static_cast<float>(k), 0.1f, 0};
+  c.scene.contacts.enabled = true;
   c.scene.colliders = {wall(-0.6f)};
   c.scene.colliders[0].axis = {0, 0.8f, 0.6f};
   c.scene.colliders[0].degrees = 33;

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "engine/cook/parts.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -137,7 +138,7 @@ TEST(Anchors, corners_of_a_mesh_from_a_file_are_a_sentence) {
 }
 
 struct Moved {
-  Scene scene;
+  Scene scene = without_contacts();
   CookedFabric fabric;
   Vec3 at(std::uint32_t vertex, double time) const {
     const auto targets = anchor_targets(scene, fabric, time);

@@ -3,6 +3,7 @@
 
 #include "engine/simulation.h"
 #include "tests/support/sheets.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -12,7 +13,7 @@ using BendCase = GpuTest;
 // How far the end of a strip of denim of 6 cm sinks that is clamped at the other, over its length. Its cells are of 7.5 mm.
 double sinks(const compute::Device& device, std::uint32_t steps, std::uint32_t iterations) {
   constexpr float kCell = 0.0075f, kLength = 8 * kCell;
-  Scene scene;
+  Scene scene = without_contacts();
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{{kLength + kCell, 4 * kCell}, 9, 4, Topology::diagonal, false};
   cloth.fabric = *fabric_preset("denim");

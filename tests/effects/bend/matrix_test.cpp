@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tests/support/cooked.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -15,7 +16,7 @@ using Eigen::VectorXd;
 
 // A sheet of cells of 5 mm, held at a corner. As a plate where it says so; else by hinges.
 Scene fine_sheet(std::uint32_t steps, bool as_plate, double cell = 0.005) {
-  Scene scene;
+  Scene scene = without_contacts();
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{{static_cast<float>(8 * cell), static_cast<float>(6 * cell)}, 8, 6, Topology::diagonal, true};
   cloth.fabric = *fabric_preset("denim");
@@ -143,7 +144,7 @@ TEST(BendMatrix, a_vertex_of_thousands_of_triangles_takes_fewer_steps_and_says_s
   fan.normals.assign(fan.positions.size(), {0, 1, 0});
   fan.tangents.assign(fan.positions.size(), {1, 0, 0, 1});
   fan.uvs.assign(fan.positions.size(), {0, 0});
-  Scene scene;
+  Scene scene = without_contacts();
   scene.cloths.emplace_back().name = "fan";
   scene.solver.bend_steps = 4;
   const CookedFabric fabric = must(cook(scene, std::vector<Mesh>{must(weld_mesh(std::move(fan)))}));

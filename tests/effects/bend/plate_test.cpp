@@ -13,6 +13,7 @@
 #include "engine/fabric.h"
 #include "engine/mesh.h"
 #include "tests/support/twins.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft::reference {
 namespace {
@@ -22,7 +23,7 @@ constexpr Vec2 kSize{0.4f, 0.3f};    // m
 
 struct Sheet {
   std::string name;
-  Scene scene;
+  Scene scene = without_contacts();
   std::vector<Mesh> meshes;
 };
 

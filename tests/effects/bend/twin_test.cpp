@@ -8,6 +8,7 @@
 #include "engine/fabric.h"
 #include "shaders/bend/bend.ref.h"
 #include "tests/support/twins.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft::reference {
 namespace {
@@ -144,7 +145,7 @@ TEST(BendTwin, squares_with_a_diagonal_are_exact_along_a_side_and_within_their_k
 
 TEST(BendTwin, cooking_makes_the_same_stencils) {
   Random random(11);
-  Scene scene;
+  Scene scene = without_contacts();
   scene.cloths.emplace_back().grid = Grid{{1, 1}, 14, 7, Topology::centre, false};   // quads of 53 degrees are no lattice
   scene.cloths[0].fabric.bend = 3e-5;
   scene.cloths[0].start.imperfection = 0;

@@ -7,6 +7,7 @@
 #include "tests/support/cooked.h"
 #include "tests/support/single_pass.h"
 #include "tests/support/ways.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -39,7 +40,7 @@ double lowest(const Simulation& simulation, std::size_t cloth) {
 
 // Two sheets side by side over a table, its legs' tops and a floor far below; 40 colliders before them fill a word of the masks.
 Scene table(const std::vector<std::string>& meets) {
-  Scene scene;
+  Scene scene = without_contacts();
   scene.cloths = {named("skirt", 0.02f), named("cape", 0.02f)};
   scene.cloths[1].transform.translate.x = 3;
   for (int k = 0; k < 40; ++k) scene.colliders.push_back(sphere({50, static_cast<float>(k), 0}, 0.1));

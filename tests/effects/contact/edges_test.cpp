@@ -204,7 +204,7 @@ Scene with_tetrahedron(const test::Folder& folder) {
   folder.write("tetrahedron.obj", kTetrahedron);
   Scene scene = two_sheets();
   scene.folder = folder / "";
-  scene.contacts.enabled = false;
+  scene.contacts.enabled.reset();
   scene.colliders.resize(3);
   Collider& collider = scene.colliders[1];
   collider.shape = ColliderShape::mesh;

@@ -38,6 +38,7 @@ f 5 6 8 7
 Scene over_block(const test::Folder& folder) {
   folder.write("block.obj", kBlock);
   Scene scene = sheet(16);
+  scene.contacts.enabled = true;
   scene.folder = folder / "";
   scene.cloths[0].grid->size = {0.8f, 0.8f};
   scene.cloths[0].transform.translate = {0, 0.15f, 0};

@@ -9,6 +9,7 @@
 #include "shaders/dihedral/dihedral.ref.h"
 #include "tests/support/sheets.h"
 #include "tests/support/single_pass.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -19,7 +20,7 @@ constexpr double kPi = std::numbers::pi;
 
 // A sheet of 1 m by 1 m in pleats of two cells, at right angles, beside one that is flat and has stencils.
 struct Pleated {
-  Scene scene;
+  Scene scene = without_contacts();
   CookedFabric fabric;
 };
 
@@ -182,7 +183,7 @@ TEST_F(DihedralKernel, a_free_hinge_comes_back_to_any_rest_angle_from_any_other)
   ASSERT_EQ(hinges.mesh.points.size(), 4 * hinges.count) << "two hinges were welded";
   for (const Method method : {Method::jacobi, Method::strands, Method::gauss_seidel})
     for (const double rigidity : {0.01, 1e3}) {
-      Scene scene;
+      Scene scene = without_contacts();
       scene.gravity = {0, 0, 0};
       scene.solver.method = method;
       Cloth& cloth = scene.cloths.emplace_back();

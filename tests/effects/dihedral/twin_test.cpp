@@ -9,6 +9,7 @@
 #include "shaders/bend/bend.ref.h"
 #include "shaders/dihedral/dihedral.ref.h"
 #include "tests/support/twins.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft::reference {
 namespace {
@@ -85,7 +86,7 @@ Mesh rolled(double curvature, Random& random, std::uint32_t cells = 9) {
 }
 
 CookedFabric cooked(const Mesh& mesh, BendRest rest, Averaging averaging = Averaging::mass_split) {
-  Scene scene;
+  Scene scene = without_contacts();
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{};   // its points are the mesh's
   cloth.fabric.bend = 3e-5;

@@ -9,6 +9,7 @@
 #include "tests/support/sheets.h"
 #include "tests/support/single_pass.h"
 #include "tests/support/supports.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 using KernelSweep = GpuTest;
 
 struct CrumpledPatches {
-  Scene scene;
+  Scene scene = without_contacts();
   CookedFabric fabric;
 };
 

@@ -7,12 +7,13 @@
 
 #include "engine/effects/gauss_seidel/gauss_seidel.h"
 #include "tests/support/cooked.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
 
 CookedFabric patched(Topology topology, std::uint32_t cells, std::vector<Corner> corners, bool levels = false) {
-  Scene scene;
+  Scene scene = without_contacts();
   scene.solver.method = Method::gauss_seidel;
   scene.solver.levels = levels;
   Cloth& cloth = scene.cloths.emplace_back();
@@ -82,7 +83,7 @@ TEST(Patches, their_rounds_are_few) {
 
 // Which is the default for cloth that has coarse levels and no contacts.
 TEST(Patches, only_gauss_seidel_has_them) {
-  Scene scene;
+  Scene scene = without_contacts();
   scene.cloths.emplace_back().grid = Grid{};
   EXPECT_FALSE(lists_of(cooked(scene)).patches.empty());
   scene.contacts.enabled = true;

@@ -6,6 +6,7 @@
 
 #include "tests/effects/implicit/columns.h"
 #include "tests/support/sheets.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -25,7 +26,7 @@ gpu::Collider at_rest(const Collider& plane) {
 // A crumpled sheet of 9 x 11 vertices, held by two corners, that three planes cut: a wall through its middle, an aslant one and the floor.
 // So some particles are free, some meet one of them, some lie in an edge and a few in a corner.
 struct Cornered {
-  Scene scene;
+  Scene scene = without_contacts();
   CookedFabric fabric;
   ImplicitEquations equations;
   Columns flight;   // before anything was met (m/s)

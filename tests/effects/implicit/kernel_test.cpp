@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tests/effects/implicit/columns.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -15,7 +16,7 @@ using reference::ImplicitEquations;
 // A sheet of 9 x 11 vertices, its particles anywhere within 5 cm of where they rest and moving; two corners are held. `links`: with
 // the springs of a fabric, which only pull in part and bend, instead of 24 neighbours.
 struct CrumpledSprings {
-  Scene scene;
+  Scene scene = without_contacts();
   CookedFabric fabric;
   ImplicitEquations equations;
 

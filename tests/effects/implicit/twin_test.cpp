@@ -11,12 +11,13 @@
 #include "engine/reference/implicit.h"
 #include "shaders/bend/bend.ref.h"
 #include "tests/support/cooked.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft::reference {
 namespace {
 
 Scene implicit_scene(Linear linear, std::uint32_t iterations) {
-  Scene scene;
+  Scene scene = without_contacts();
   scene.solver.method = Method::implicit;
   scene.solver.linear = linear;
   scene.solver.iterations = iterations;

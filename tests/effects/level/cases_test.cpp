@@ -3,6 +3,7 @@
 
 #include "tests/support/closed.h"
 #include "tests/support/sheets.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -83,7 +84,7 @@ TEST_F(LevelCase, momentum_of_a_free_closed_mesh_stays) {
   for (const std::uint32_t segments : {16u, 32u, 48u})
     for (const std::uint32_t rings : {8u, 16u, 24u}) {
       SCOPED_TRACE(std::to_string(segments) + " x " + std::to_string(rings));
-      Scene scene;
+      Scene scene = without_contacts();
       scene.gravity = {};
       scene.cloths.emplace_back().fabric.damping = 0;
       const auto simulation = must(Simulation::create(device(), scene, {globe(0.5, segments, rings)}));
@@ -118,7 +119,7 @@ TEST_F(LevelCase, folds_are_not_flattened) {
 TEST_F(LevelCase, a_cape_that_is_moved_fast_strains_less_than_with_jacobi) {
   Strain strains[2];
   for (const Method method : {Method::jacobi, Method::strands}) {
-    Scene scene;
+    Scene scene = without_contacts();
     scene.solver.method = method;
     Cloth& cloth = scene.cloths.emplace_back();
     cloth.grid = Grid{{1, 1.5f}, 31, 47, Topology::diagonal, true};

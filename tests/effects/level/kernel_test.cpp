@@ -6,6 +6,7 @@
 #include "tests/support/sheets.h"
 #include "tests/support/single_pass.h"
 #include "tests/support/supports.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -50,7 +51,7 @@ std::vector<reference::Level> levels_of(const LevelLists& lists, double slack) {
 }
 
 struct Crumple {
-  Scene scene;
+  Scene scene = without_contacts();
   CookedFabric fabric;
 };
 

@@ -9,6 +9,7 @@
 #include "engine/effects/level/level.h"
 #include "engine/effects/level/threads.h"
 #include "tests/support/cooked.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -206,7 +207,7 @@ TEST(Levels, nothing_reaches_from_piece_to_piece_or_across_a_slit) {
 }
 
 TEST(Levels, what_is_held_is_held_at_every_level) {
-  Scene scene;
+  Scene scene = without_contacts();
   scene.solver.method = Method::strands;
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{{1, 1}, 60, 60, Topology::diagonal, true};
@@ -231,7 +232,7 @@ TEST(Levels, what_is_held_is_held_at_every_level) {
 
 TEST(Levels, a_free_cloth_weighs_the_same_at_every_level) {
   for (const Grid& grid : kLevelGrids) {
-    Scene scene;
+    Scene scene = without_contacts();
     scene.solver.method = Method::strands;
     scene.cloths.emplace_back().grid = grid;
     const CookedFabric fabric = cooked(scene);
@@ -249,7 +250,7 @@ TEST(Levels, a_free_cloth_weighs_the_same_at_every_level) {
 
 TEST(Levels, an_even_strain_costs_as_much_energy_as_without_them) {
   const auto energy = [](bool levels, double shear, double along_x, double along_y) {
-    Scene scene;
+    Scene scene = without_contacts();
     scene.solver.method = Method::jacobi;
     scene.solver.levels = levels;
     Cloth& cloth = scene.cloths.emplace_back();
@@ -284,7 +285,7 @@ TEST(Levels, an_even_strain_costs_as_much_energy_as_without_them) {
 
 // The rest lengths of links, over what their middles are apart in the cloth laid flat.
 void expect_links_as_long_as_middles_are_apart(const Mesh& mesh, const std::vector<Vec3>& flat, double within) {
-  Scene scene;
+  Scene scene = without_contacts();
   scene.solver.method = Method::strands;
   scene.cloths.emplace_back().mesh = "given";
   CookedFabric fabric = must(cook(scene, {&mesh, 1}));
@@ -319,7 +320,7 @@ TEST(Levels, links_are_as_long_as_middles_are_apart_in_flat_cloth_and_in_cloth_t
 }
 
 TEST(Levels, only_scenes_that_call_for_them_have_them) {
-  Scene scene;
+  Scene scene = without_contacts();
   scene.cloths.emplace_back().grid = Grid{};
   scene.solver.method = Method::strands;
   const auto has = [&] { return effect(EffectId::level).called_for(scene, cooked(scene)); };

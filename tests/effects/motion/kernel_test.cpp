@@ -12,6 +12,7 @@
 #include "shaders/surface/surface.ref.h"
 #include "shaders/tether/tether.ref.h"
 #include "tests/support/single_pass.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -283,7 +284,7 @@ Mesh tube() {
 }
 
 TEST_F(MotionKernel, surface_does_what_its_twin_does_and_gives_a_seam_one_normal) {
-  Scene scene;
+  Scene scene = without_contacts();
   scene.cloths.emplace_back().mesh = "tube";
   const Mesh mesh = tube();
   ASSERT_LT(mesh.points.size(), mesh.render.positions.size()) << "no seam";

@@ -7,6 +7,7 @@
 
 #include "compute/commands.h"
 #include "tests/support/momentum.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -115,7 +116,7 @@ TEST_F(ReactionCase, a_sheet_at_rest_weighs_on_a_plane_what_it_weighs_and_where_
 // advance and by submit; a snapshot knows them all.
 TEST_F(ReactionCase, a_hundred_blocks_are_given_the_weight_of_the_sheet_on_each) {
   constexpr int kMany = 100;
-  Scene scene;
+  Scene scene = without_contacts();
   scene.reactions = true;
   for (int k = 0; k < kMany; ++k) {
     const float x = 0.3f * static_cast<float>(k % 10), z = 0.3f * static_cast<float>(k / 10);

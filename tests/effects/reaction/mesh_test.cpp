@@ -38,6 +38,7 @@ class Bodies {
   // A sheet of 0.3 m and these bodies.
   Scene scene(std::vector<Collider> colliders, std::uint32_t cells = 12) const {
     Scene scene = sheet(cells);
+    scene.contacts.enabled = true;
     scene.folder = folder_ / "";
     scene.cloths[0].grid->size = {0.3f, 0.3f};
     scene.colliders = std::move(colliders);

@@ -6,6 +6,7 @@
 
 #include "tests/support/skins.h"
 #include "tests/support/ways.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -23,7 +24,7 @@ Affine turned_by(float angle, Vec3 way) {
 // A sheet held at two corners, whose two joints turn and lift in a second; a capsule goes with the one, a box with the other, a plane with
 // none.
 struct Limbs {
-  Scene scene;
+  Scene scene = without_contacts();
   std::vector<Mesh> meshes;
 };
 

@@ -32,6 +32,7 @@ Puppet puppet(bool animated, Vec3 place = {}) {
   made.scene.cloths[0].anchors.push_back(held_at({Corner::low_low, Corner::high_high}));
   made.scene.cloths[0].skin.emplace();
   made.meshes = must(make_meshes(made.scene));
+  made.scene.contacts.enabled = true;
   Collider& plate = made.scene.colliders.emplace_back();
   plate.shape = ColliderShape::mesh;
   plate.centre = place + Vec3{0, -0.4f, 0};

@@ -44,6 +44,7 @@ Faces faces(bool jointed, bool animated, Vec3 place = {}) {
   cloth.motion_constraints = MotionConstraints{.max_distance = 0.1, .backstop_distance = 0.05, .backstop_radius = 0.5};
   cloth.skin.emplace().loops = false;
   made.meshes = must(make_meshes(made.scene));
+  made.scene.contacts.enabled = true;
   Collider& plate = made.scene.colliders.emplace_back();
   plate.shape = ColliderShape::mesh;
   plate.centre = place + Vec3{0, -0.6f, 0};

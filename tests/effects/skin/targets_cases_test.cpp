@@ -27,6 +27,7 @@ Doll doll(bool constrained, bool jointed, Vec3 place = {}) {
   cloth.skin.emplace().takes_targets = true;
   if (constrained) cloth.motion_constraints = MotionConstraints{.max_distance = 0.1, .backstop_distance = 0.02, .backstop_radius = 0.5};
   made.meshes = must(make_meshes(made.scene));
+  made.scene.contacts.enabled = true;
   Collider& plate = made.scene.colliders.emplace_back();
   plate.shape = ColliderShape::mesh;
   plate.centre = place + Vec3{0, -0.3f, 0};
@@ -79,14 +80,13 @@ Vec3 way_at(int frame) {
 
 // The same bits as with a pose, where a pose takes points to the same places: one joint that moves all.
 TEST_F(SkinTargetCase, are_as_good_as_a_pose_to_the_bit_in_all_ways) {
-  for (const bool contacts : {false, true})
+  for (const bool tight : {false, true})
     for (const Way way : kWays) {
       Doll made = doll(true, false);
-      made.scene.contacts.enabled = contacts;
-      if (contacts) made.scene.contacts.capacity = 64;   // too few: advance repeats frames
+      if (tight) made.scene.contacts.capacity = 64;   // too few: advance repeats frames
       const auto posed = must(Simulation::create(device(), made.scene, made.meshes));
       const auto told = must(Simulation::create(device(), made.scene, made.meshes));
-      if (contacts && way != Way::advance)
+      if (tight && way != Way::advance)
         for (Simulation* each : {posed.get(), told.get()}) must(each->reserve_contacts(20000));
       Host host(device(), made);
       for (int frame = 1; frame <= 12; ++frame) {

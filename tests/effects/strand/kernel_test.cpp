@@ -6,6 +6,7 @@
 #include "tests/support/sheets.h"
 #include "tests/support/single_pass.h"
 #include "tests/support/supports.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 using KernelStrand = GpuTest;
 
 struct Crush {
-  Scene scene;
+  Scene scene = without_contacts();
   CookedFabric fabric;
 };
 

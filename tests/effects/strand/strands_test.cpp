@@ -5,12 +5,13 @@
 
 #include "engine/effects/strand/strand.h"
 #include "tests/support/cooked.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
 
 CookedFabric stranded(const Grid& grid, Method method = Method::strands) {
-  Scene scene;
+  Scene scene = without_contacts();
   scene.solver.method = method;
   scene.cloths.emplace_back().grid = grid;
   return cooked(scene);

@@ -15,6 +15,7 @@
 #include "tests/support/bodies.h"
 #include "tests/support/single_pass.h"
 #include "tests/support/supports.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -26,7 +27,7 @@ reference::Averaged averaging(Averaging averaging) {
 }
 
 Scene plain_scene(Averaging averaging, std::uint32_t iterations) {
-  Scene scene;
+  Scene scene = without_contacts();
   scene.solver.substeps = 1;
   scene.solver.rate = 600;
   scene.solver.iterations = iterations;
@@ -207,7 +208,7 @@ TEST_F(Kernel, ends_that_fall_together_are_pushed_apart_and_counted) {
 
 // A cloth whose points are shaken within the plane, so that stencils are irregular, and then crumpled.
 struct Crumpled {
-  Scene scene;
+  Scene scene = without_contacts();
   CookedFabric fabric;
   std::vector<gpu::vec4> pose;
 };
@@ -361,7 +362,7 @@ void twin_frame(const Scene& scene, const CookedFabric& fabric, reference::Point
 TEST_F(Kernel, whole_frames_do_what_all_twins_do_in_order) {
   for (const Averaging averaging : {Averaging::mass_split, Averaging::count})
     for (const auto& [iterations, cells] : {std::pair(1u, 12u), std::pair(3u, 12u), std::pair(1u, 4u)}) {   // 4: triangles collide, too
-      Scene scene;
+      Scene scene = without_contacts();
       scene.solver.substeps = 4;
       scene.solver.iterations = iterations;
       scene.solver.averaging = averaging;

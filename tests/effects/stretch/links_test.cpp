@@ -10,6 +10,7 @@
 #include <set>
 
 #include "engine/cook/parts.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -162,7 +163,7 @@ TEST(Links, a_rigid_fabric_has_no_compliance) {
 }
 
 TEST(Links, they_are_packed_within_their_tolerance) {
-  Scene scene;
+  Scene scene = without_contacts();
   scene.solver.method = Method::jacobi;
   scene.cloths.emplace_back().grid = Grid{{1.3f, 0.7f}, 21, 13, Topology::centre, false};
   const auto meshes = make_meshes(scene);

@@ -6,6 +6,7 @@
 #include "tests/effects/tear/torn.h"
 #include "tests/support/every_method.h"
 #include "tests/support/ways.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -14,7 +15,7 @@ using Tears = GpuTest;
 
 // A sheet held along its left and right rim, of which the right one moves away, until it must tear.
 Scene ripped(std::uint32_t cells = 12) {
-  Scene scene;
+  Scene scene = without_contacts();
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{{1, 1}, cells, cells, Topology::diagonal, true};
   cloth.tear = Tear{.strain = 0.3};

@@ -6,6 +6,7 @@
 #include "engine/fabric.h"
 #include "engine/snapshot.h"
 #include "tests/effects/tear/torn.h"
+#include "tests/support/without_contacts.h"
 
 namespace weft {
 namespace {
@@ -88,7 +89,7 @@ TEST(Splits, that_cannot_be_are_refused_or_left_out) {
 }
 
 TEST(Splits, have_no_more_room_than_there_are_corners_to_split) {
-  Scene scene;
+  Scene scene = without_contacts();
   scene.cloths.emplace_back().grid = Grid{{1, 1}, 4, 4, Topology::diagonal, true};
   scene.cloths[0].tear = Tear{.spare = 1000000};
   auto meshes = must(make_meshes(scene));
@@ -101,7 +102,7 @@ TEST(Splits, have_no_more_room_than_there_are_corners_to_split) {
 TEST(Splits, of_any_kind_can_be_cooked) {
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
     std::mt19937 words(seed);
-    Scene scene;
+    Scene scene = without_contacts();
     Cloth& cloth = scene.cloths.emplace_back();
     cloth.grid = Grid{{1, 1}, 24, 24, seed == 2 ? Topology::centre : Topology::diagonal, true};
     cloth.tear = Tear{.spare = 1200};
