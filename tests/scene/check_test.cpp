@@ -28,6 +28,12 @@ struct Flaw {
 };
 
 const Flaw kFlaws[] = {
+    {"contacts: are off, and colliders[0] is a mesh, which cloth meets through contacts alone",
+     [](Scene& s) {
+       s.contacts.enabled = false;
+       s.colliders[0].shape = ColliderShape::mesh;
+       s.colliders[0].mesh = "body.obj";
+     }},
     {"cloths: is empty: at least 1 is needed", [](Scene& s) { s.cloths.clear(); }},
     {"cloths: 1025 entries are more than 1024", [](Scene& s) { s.cloths.assign(1025, s.cloths[0]); }},
     {"cloths[0].fabric.stretch: -5 is not above 0 (N/m)", [](Scene& s) { s.cloths[0].fabric.stretch = -5; }},

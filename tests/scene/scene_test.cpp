@@ -254,8 +254,9 @@ TEST(SceneText, a_written_scene_reads_back_the_same) {
     EXPECT_EQ(scene_text(*second), written);
     EXPECT_EQ(second->cloths[0].fabric, first->cloths[0].fabric);
     EXPECT_EQ(second->cloths[0].anchors.size(), first->cloths[0].anchors.size());
-    EXPECT_EQ(contacts_on(*second), contacts_on(*first));
-    EXPECT_EQ(second->contacts.capacity, first->contacts.capacity);
+    Contacts said = first->contacts;   // what a scene leaves open is written as it was decided
+    said.enabled = contacts_on(*first);
+    EXPECT_EQ(second->contacts, said);
     EXPECT_EQ(second->light.colour, first->light.colour);
   }
 }
