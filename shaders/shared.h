@@ -135,6 +135,7 @@ WEFT_CONSTANTS(WEFT_DECLARE)
 #define GATHER_UINT2(name) WEFT_TEXELS(usamplerBuffer, name) READ(uvec2, name)
 #define GATHER_UINT(name) WEFT_TEXELS(usamplerBuffer, name) READ(uint, name)
 #define GATHER_WRITE(name) WEFT_TEXELS(samplerBuffer, name) WEFT_BUFFER(, vec4, name)
+#define GATHER_WRITE_UINT(name) WEFT_TEXELS(usamplerBuffer, name) WEFT_BUFFER(, uint, name)
 #define FETCH(name, i) (through_texels ? texelFetch(name##_texels, int(i)) : name[i])
 #define FETCH_UINT2(name, i) (through_texels ? texelFetch(name##_texels, int(i)).xy : name[i])
 #define FETCH_UINT(name, i) (through_texels ? texelFetch(name##_texels, int(i)).x : name[i])
@@ -432,6 +433,10 @@ struct Collisions {
 #define WEFT_LONGEST_LIFETIME 10u   // substeps: the longest candidate lifetime
 #define WEFT_NO_DISTANCE 4e-7f   // over the extent of a pair's sides: what is nearer has no direction (contact_prepare.comp)
 #define WEFT_MOST_TURNS 60000u      // of all loops that a thread of a crew makes: the software driver ends them at 65,535 (Needs::crew)
+#define WEFT_LANES 8u   // threads that the software driver has in a vector
+#define WEFT_TURNS_OF_CLUSTER 250u   // of detect_alone's, with a cluster, but for the search: over its members and its list
+// Elements that detect_alone goes through, one a turn.
+#define WEFT_TURNS_OF_ALL(s) (2 * (s).particles + (s).triangles + (s).edges + 2 * (s).buckets + (s).tangled_room)
 #define WEFT_LIMIT_PASSES 4u        // of contact_limit: the components of a particle's step_fractions
 
 // State of contact detection. A detection finds the candidate pairs: those whose sides can come within their separation while every
@@ -442,6 +447,7 @@ struct Detection {
   Groups outlined, grid, clusters, particles, edges;   // of the detection's passes; no groups in a substep without a detection
   Groups near_faces, near_edges;          // a thread a pair that the broad phase found
   Groups searchers, near_pairs;           // the same where detections are seldom: a thread a particle or edge, a row of workgroups each
+  Groups prepared;    // a thread a searcher, or where no detection is due a candidate (detect_prepare)
   Groups contacts;    // a thread a candidate
   Groups listed[2];   // a thread an active candidate, and an unsafe one
   Groups touched;     // a thread a particle of an active candidate
@@ -468,6 +474,7 @@ struct Detection {
   uint crossings;     // pairs of an edge and a triangle that it goes through, which the last detection found; 0 where it did not look
   uint stirs;         // 1: a kinematic particle moves in this substep, or has a trajectory from when it did
   uint stirred;       // substeps in which one did
+  uint gives_up;      // 1: one workgroup could not end this detection (detect_alone): nobody moves
   uint levels;        // a bit for each level that has boxes
   uint extents[WEFT_LEVELS];   // bits of the longest half side of a box (m) at each level
 };
@@ -541,6 +548,7 @@ struct ReactionSettings {
 #define WEFT_LAST_ITERATION 1u   // of the substep: velocities follow
 #define WEFT_LAST_SUBSTEP 2u     // of the frame: no further prediction
 #define WEFT_FIRST_ITERATION 4u  // of the substep: multipliers start at zero
+#define WEFT_ENDS_SUBSTEP 8u     // contact_alone does what contact_finalize does, too
 #define WEFT_PASS_SHIFT 8u       // bits 8 to 11: which dispatch of a pass that is repeated (contact_limit)
 #define WEFT_PHASE_SHIFT 16u     // bits 16 and 17: the phase, the substep modulo 3
 
@@ -564,7 +572,7 @@ static_assert(sizeof(SkinPoint) == 76 && sizeof(Joint) == 96 && sizeof(MotionLim
 static_assert(sizeof(MorphDelta) == 16 && sizeof(Carried) == 48 && sizeof(FrameChange) == 96);
 static_assert(sizeof(Gas) == 32 && sizeof(GasPart) == 16 && sizeof(GasState) == 8 && sizeof(GasSum) == 24);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 48);
-static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 364 && sizeof(Acceleration) == 48);
+static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 380 && sizeof(Acceleration) == 48);
 // As std430 and std140 have them.
 static_assert(offsetof(Collider, normal_from) == 32 && offsetof(Collider, rotation_from) == 80 && offsetof(Collider, half_size) == 96);
 static_assert(offsetof(Motion, origin) == 16 && offsetof(Motion, relaxation) == 36 && offsetof(Air, drag) == 16);

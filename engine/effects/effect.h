@@ -69,8 +69,10 @@ enum class Changes {
 
 /// In which frames a pass is recorded that does what others do, too, to the bit: those with few contacts, or with many; those in which
 /// detections of contacts are seldom, or often; these two, where also the device decides whether both kinds of pairs are looked for in one
-/// dispatch, or apart.
-enum class Crowd { any, few, many, seldom, often, united, apart };
+/// dispatch, or apart; those that are calm, as detections are seldom, contacts few and nothing can have gone through cloth, or stirred, and
+/// only in these both kinds are looked for by `united` or `apart`; those in which there were contacts when last was heard of them, as else
+/// another pass ends the substep.
+enum class Crowd { any, few, many, seldom, often, united, apart, calm, stirred, met };
 
 using Constants = std::array<std::uint32_t, gpu::constant::kCount>;
 
@@ -106,6 +108,7 @@ struct Pass {
   bool a_workgroup_each = false;                 // not a thread: a workgroup, of Needs::narrow threads
   bool alone = false;                            // one workgroup, of Needs::alone threads, does it all
   bool crew = false;                             // that of Needs::crew threads: it has to go through all particles or contacts
+  bool can_end_substep = false;                  // does what those of Crowd::met do where they are not recorded (WEFT_ENDS_SUBSTEP)
 };
 
 /// A slice of the uniform buffer, updated each frame, for all passes that read SLICE(..., name). The solver sets what changes while

@@ -229,8 +229,9 @@ Result<void> Simulation::State::run_to_the_end(FrameInput input) {
     }
     if (auto done = wait(); !done) return done;
     if (!contacts || heard.counters.contacts_overflowed == overflowed) return {};
-    // One workgroup may have found more contacts than it can do.
-    const bool was_alone = std::exchange(input.few_contacts, false);
+    // One workgroup may have found more than it can do.
+    const bool was_alone = input.few_contacts || input.seldom_detections;
+    input.few_contacts = input.no_contacts = input.seldom_detections = false;
     // What the torn frame has found says little: it depends on which pairs overflowed, and those on the order of threads.
     if (!was_alone || heard.counters.contacts_room > solver->contact_settings().capacity) {
       auto grown = grow_capacity(2 * std::uint64_t{solver->contact_settings().capacity});

@@ -63,6 +63,7 @@ Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input)
   input.first_substep = clock.substeps;
   input.gravity = gravity;
   input.few_contacts = contacts_are_few();
+  input.no_contacts = capacity.load == 0;
   if (advance.substeps == 0) {   // its report says nothing new
     if (!kinematic.rest) stir();
     return advance;

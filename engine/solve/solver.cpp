@@ -297,18 +297,16 @@ void Solver::follow(const Cooked& subject) {
 }
 
 // On a GPU it is a matter of time, and of how seldom detections are: with the clusters of a sheet of 200 x 200 one takes as long as what it
-// saves in a frame. The software driver ends loops (WEFT_MOST_TURNS): in the worst case a thread looks at all clusters and as many cells on
-// every level, for each of its own. That is never so on more than a few levels, which leaves turns enough for asking of each pair whether
-// the two touch.
+// saves in a frame. The software driver ends loops (WEFT_MOST_TURNS), and detect_alone before them: there are to be turns enough for all but
+// cloth that lies in heaps.
 bool Solver::can_detect_alone() const {
-  constexpr std::uint64_t kMost = 8192, kOfCluster = 400;   // clusters; turns of a cluster's loops over its members, neighbours and lists
+  constexpr std::uint64_t kMost = 8192;         // clusters
+  constexpr std::uint64_t kUsual = 300;         // turns of a cluster's search among those that are near (drop, curtain: 170 to 300)
   const auto share = [&](std::uint64_t count) { return (count + needs_.crew - 1) / needs_.crew; };
   const std::uint64_t clusters = contacts_.clusters;
   if (std::ranges::none_of(plan_.passes, [](const PlannedPass& planned) { return planned.pass->crowd == Crowd::seldom; })) return false;
   if (!device_->is_software()) return clusters <= kMost;
-  const std::uint64_t elements =
-      2 * std::uint64_t{contacts_.particles} + contacts_.triangles + contacts_.edges + 2 * std::uint64_t{contacts_.buckets} + contacts_.tangled_room;
-  return share(elements) + share(clusters) * (kOfCluster + 2 * WEFT_LEVELS * clusters) <= WEFT_MOST_TURNS;
+  return share(WEFT_TURNS_OF_ALL(contacts_)) + share(clusters) * (WEFT_TURNS_OF_CLUSTER + WEFT_LANES * kUsual) <= WEFT_MOST_TURNS;
 }
 
 std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
@@ -359,6 +357,7 @@ std::span<const Solver::Step> Solver::surface() {
 }
 
 bool Solver::is_recorded(Crowd crowd, const FrameInput& input) const {
+  const bool calm = input.seldom_detections && input.few_contacts && (input.kinematics_rest || !has(buffers::crossed_triangles));
   const bool unites = input.seldom_detections || (input.united_searches && has_united_);
   switch (crowd) {
     case Crowd::any: return true;
@@ -366,8 +365,11 @@ bool Solver::is_recorded(Crowd crowd, const FrameInput& input) const {
     case Crowd::many: return !input.few_contacts;
     case Crowd::seldom: return input.seldom_detections;
     case Crowd::often: return !input.seldom_detections;
-    case Crowd::united: return unites;
+    case Crowd::united: return unites && !calm;
     case Crowd::apart: return !unites;
+    case Crowd::calm: return calm;
+    case Crowd::stirred: return !calm;
+    case Crowd::met: return !input.no_contacts;
   }
   return true;
 }
@@ -387,6 +389,7 @@ void Solver::list(Stage stage, const FrameInput& input, const gpu::Push& push, s
       own.count = runs_[k].ranges[round].count;
       if (at_targets) own.fraction_from = own.fraction_to = 1;
       if (pass.rounds > 1) own.flags |= round << WEFT_PASS_SHIFT;
+      if (pass.can_end_substep && input.no_contacts && (push.flags & WEFT_LAST_ITERATION) != 0) own.flags |= WEFT_ENDS_SUBSTEP;
       steps_.push_back({k, parity_, own});
     }
     if (pass.changes == Changes::iterate) parity_ ^= 1;

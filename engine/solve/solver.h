@@ -56,6 +56,7 @@ struct FrameInput {
   bool anchors_move = false;
   bool kinematics_rest = false;               // no kinematic particle can move, or have been driven through cloth, since a frame that is done
   bool few_contacts = false;                  // Crowd::few; the same bits either way
+  bool no_contacts = false;                   // none were known, and they are few: not Crowd::met; the same bits either way
   bool seldom_detections = false;             // Crowd::seldom; the same bits either way
   bool united_searches = false;               // Crowd::united, also where detections are not seldom; the same bits either way
   std::span<const gpu::Anchor> anchors;       // when they move

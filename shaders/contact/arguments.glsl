@@ -27,7 +27,7 @@ void begin_detection(bool settled) {
   detection[0].least = untangled ? contact_settings.margin_low : least_after(detection[0].least, many);
   const float fastest = uintBitsToFloat(detection[0].fastest);
   detection[0].most_pushed = fastest > contact_settings.margin_low ? min(fastest, WEFT_MOST_PUSHED * contact_settings.cell) : 0;
-  detection[0].needs_detection = 0;
+  detection[0].needs_detection = detection[0].gives_up = 0;
   detection[0].settled = uint(settled);
   detection[0].steps = 0;
   detection[0].candidates = 0;
@@ -46,7 +46,7 @@ void begin_detection(bool settled) {
   detection[0].clusters = thin_groups_of(contact_settings.clusters);
   detection[0].particles = groups_of(particles);
   detection[0].edges = groups_of(contact_settings.edges);
-  detection[0].searchers = groups_of(particles + contact_settings.edges);
+  detection[0].searchers = detection[0].prepared = groups_of(particles + contact_settings.edges);
   ++counters[0].detections;
 }
 
@@ -62,6 +62,7 @@ void skip_detection() {
   detection[0].near_edges = none;
   detection[0].near_pairs = none;
   detection[0].searchers = none;
+  detection[0].prepared = detection[0].contacts;
 }
 
 // Those of the substep before.

@@ -1,10 +1,6 @@
-// candidate: how a pass adds a candidate pair. Needs Detection.
+// candidate: how a pass adds a candidate pair. Needs Detection, Counters, candidates and displacement_bounds.
 
 #include "contact/groups.glsl"
-
-WRITE(uvec4, candidates)
-READ_WRITE(uint, displacement_bounds)
-READ_WRITE(Counters, counters)
 
 // Its number. A candidate beyond the capacity overflows and has none: no contact keeps its sides apart, so its particles are held in place,
 // by a displacement bound of 0. A bit of the bound says that the particle has candidates.

@@ -6,13 +6,10 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 
-GATHER(positions)
-GATHER(velocities)
-GATHER(materials)
 GATHER_UINT4(candidates)
 GATHER(contact_normals)
 GATHER(contact_weights)
-GATHER_UINT(contact_counts)
+GATHER_WRITE_UINT(contact_counts)
 GATHER_UINT(touched_particles)
 READ(vec4, ways_out)
 READ_WRITE(Counters, counters)
@@ -28,10 +25,11 @@ SHARE(Detection, detection)
 #define LISTED(place) contact_list[place]
 #define PENETRATIONS(i) contact_penetrations[i]
 
+#include "motion/update_velocity.glsl"
+#include "motion/watch_bound.glsl"
 #include "collide/colliders.glsl"
 #include "reaction/touched_mesh.glsl"
 #include "reaction/mesh.glsl"
-#include "motion/displacement_bound.glsl"
 #include "motion_constraint/motion_constraint.glsl"
 #include "contact/contact.glsl"
 #include "contact/contact_share.glsl"
@@ -43,6 +41,7 @@ SHARE(Detection, detection)
 #include "contact/slide_apply.glsl"
 #include "contact/unsafe.glsl"
 #include "contact/limit.glsl"
+#include "contact/end_substep.glsl"
 
 #include "contact/wait.glsl"
 
@@ -78,11 +77,16 @@ void limit_all(uint thread) {
 
 uint share(uint count) { return (count + workgroup - 1) / workgroup; }
 
+void end_all(uint thread) {
+  for (uint i = thread; i < contact_settings.particles; i += workgroup)
+    if (is_paired(i)) end_substep(i);
+}
+
 // At most, of a thread's loops, those within the functions included.
 uint turns(uint contacts, uint touched) {
   const uint stored = min(detection[0].candidates, contact_settings.capacity);
   const uint rounds = contact_settings.iterations + WEFT_SLIDES;
-  return rounds * (10 * share(contacts) + share(touched)) + (1 + 16 * WEFT_LIMIT_PASSES) * share(stored);
+  return rounds * (10 * share(contacts) + share(touched)) + (1 + 16 * WEFT_LIMIT_PASSES) * share(stored) + share(contact_settings.particles);
 }
 
 // The host expected few contacts, and there are more than one workgroup can do: their particles wait for this substep, as those of pairs do
@@ -94,15 +98,19 @@ void wait_all(uint thread) {
   counters[0].contacts_overflowed += min(detection[0].candidates, contact_settings.capacity);
 }
 
-void main() {
-  const uint thread = gl_LocalInvocationID.x;
-  const uint contacts = detection[0].listings[WEFT_ACTIVE], touched = detection[0].touchings;
-  if (turns(contacts, touched) > WEFT_MOST_TURNS) {
-    wait_all(thread);
-    return;
-  }
+void solve_all(uint thread, uint contacts, uint touched) {
   for (uint k = 0; contacts > 0 && k < contact_settings.iterations; ++k) iterate(thread, contacts, touched);
   if ((push.flags & WEFT_LAST_ITERATION) == 0) return;
   for (uint k = 0; contacts > 0 && k < WEFT_SLIDES; ++k) slide(thread, contacts, touched);
   limit_all(thread);
+}
+
+void main() {
+  const uint thread = gl_LocalInvocationID.x;
+  const uint contacts = detection[0].listings[WEFT_ACTIVE], touched = detection[0].touchings;
+  if (turns(contacts, touched) > WEFT_MOST_TURNS) wait_all(thread);
+  else solve_all(thread, contacts, touched);
+  if ((push.flags & WEFT_ENDS_SUBSTEP) == 0) return;
+  wait();
+  end_all(thread);
 }

@@ -10,7 +10,7 @@ GATHER_UINT4(cluster_edges)
 READ(uvec2, near_faces)
 READ(uvec2, near_edges)
 
-#include "contact/pair.glsl"
+#include "contact/narrow.glsl"
 #include "contact/pair_faces.glsl"
 #include "contact/pair_edges.glsl"
 
@@ -18,6 +18,6 @@ READ(uvec2, near_edges)
 void main() {
   const uint i = gl_GlobalInvocationID.x, kind = gl_WorkGroupID.y == 0 ? of_triangles : of_edges;
   if (i >= min(push.count, detection[0].near[kind])) return;
-  if (kind == of_triangles) pair_face(i);
-  else pair_edge(i);
+  if (kind == of_triangles) pair_face(near_faces[i]);
+  else pair_edge(near_edges[i]);
 }

@@ -20,6 +20,7 @@ READ(Detection, detection)
 #include "contact/cluster.glsl"
 #include "contact/smooth.glsl"
 
+bool spend(uint turns) { return true; }
 #include "contact/find_near.glsl"
 
 // push.count: clusters.

@@ -10,17 +10,13 @@
 // trajectories end; the coordinate axes; and for edges the line between their middles half-way. The search rejects pairs by bounds along
 // the last two that are never tighter, so that it does not matter which pairs it lists besides. Of a pair that moves as one only the step
 // along n counts, by which one of them may be stopped.
+//
+// Needs contact/track.glsl, motion/body.glsl, contact/candidate.glsl with the buffers, and positions.
 
-#include "contact/track.glsl"
-#include "contact/candidate.glsl"
 #include "contact/proximity.glsl"
 #include "contact/contact.glsl"
 #include "untangle/tangled.glsl"
 
-GATHER(positions)
-GATHER(velocities)
-GATHER(materials)
-#include "motion/body.glsl"
 GATHER_UINT(tangled_pairs)
 
 float inverse_mass(uint i) { return FETCH(positions, i).w; }

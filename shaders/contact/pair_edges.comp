@@ -7,12 +7,12 @@ READ_WRITE(Detection, detection)
 GATHER_UINT4(cluster_edges)
 READ(uvec2, near_edges)
 
-#include "contact/pair.glsl"
+#include "contact/narrow.glsl"
 
 #include "contact/pair_edges.glsl"
 
 // push.count: places in near_edges.
 void main() {
   const uint i = gl_GlobalInvocationID.x;
-  if (i < min(push.count, detection[0].near[of_edges])) pair_edge(i);
+  if (i < min(push.count, detection[0].near[of_edges])) pair_edge(near_edges[i]);
 }

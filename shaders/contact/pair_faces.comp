@@ -7,12 +7,12 @@ READ_WRITE(Detection, detection)
 GATHER_UINT4(cluster_faces)
 READ(uvec2, near_faces)
 
-#include "contact/pair.glsl"
+#include "contact/narrow.glsl"
 
 #include "contact/pair_faces.glsl"
 
 // push.count: places in near_faces.
 void main() {
   const uint i = gl_GlobalInvocationID.x;
-  if (i < min(push.count, detection[0].near[of_triangles])) pair_face(i);
+  if (i < min(push.count, detection[0].near[of_triangles])) pair_face(near_faces[i]);
 }

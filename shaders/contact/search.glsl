@@ -10,8 +10,9 @@
 //
 // Bound, as in pair.glsl. Two outlines whose middles are m apart at the detection and whose trajectories differ by r are, s substeps of H
 // later, m + (s/H) r apart, which is within r/2 of m + r/2; and if one of them is stopped, another step of its trajectory.
+//
+// Needs contact/track.glsl, Detection, Counters and displacement_bounds.
 
-#include "contact/track.glsl"
 #include "contact/outline.glsl"
 #include "contact/cluster.glsl"
 #include "contact/outline_box.glsl"
@@ -22,8 +23,6 @@ GATHER(cluster_boxes)
 GATHER_UINT(near_clusters)
 GATHER(outlines)
 GATHER_UINT4(outline_boxes)
-READ_WRITE(uint, displacement_bounds)
-READ_WRITE(Counters, counters)
 
 Outline outline_at(uint primitive) {
   const vec4 middle = FETCH(outlines, 3 * primitive);

@@ -5,10 +5,13 @@
 #include "shared.h"
 
 READ_WRITE(Detection, detection)
+READ_WRITE(Counters, counters)
+READ_WRITE(uint, displacement_bounds)
 GATHER_UINT4(cluster_edges)
 WRITE(uvec2, near_edges)
 GATHER(velocities)
 
+#include "contact/track.glsl"
 #include "contact/search.glsl"
 #include "contact/mask.glsl"
 #include "untangle/crossing.glsl"

@@ -4,11 +4,14 @@
 #include "shared.h"
 
 READ_WRITE(Detection, detection)
+READ_WRITE(Counters, counters)
+READ_WRITE(uint, displacement_bounds)
 GATHER_UINT2(cluster_searchers)
 GATHER_UINT4(cluster_faces)
 WRITE(uvec2, near_faces)
 GATHER(velocities)
 
+#include "contact/track.glsl"
 #include "contact/search.glsl"
 #include "contact/mask.glsl"
 

@@ -26,6 +26,9 @@ SHARE(uint, regions)
 SHARE(uint, region_sizes)
 SHARE(Detection, detection)
 
+WRITE(uvec4, candidates)
+READ_WRITE(uint, displacement_bounds)
+READ_WRITE(Counters, counters)
 #include "contact/candidate.glsl"
 #include "contact/contact_list.glsl"
 #include "contact/count.glsl"

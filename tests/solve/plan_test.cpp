@@ -49,11 +49,11 @@ TEST(Plan, velocities_change_in_free_flight_by_forces_and_where_a_substep_ends_a
     for (const PlannedPass& planned : plan.passes) {
       const bool ends = planned.label.ends_with("finalize") || planned.label.starts_with("finalize");
       const bool may = planned.pass->stage == Stage::frame_begin || planned.pass->changes == Changes::velocity || ends;
-      EXPECT_TRUE(may || !planned.writes.contains(number_of(buffers::velocities))) << planned.label;
+      EXPECT_TRUE(may || planned.pass->can_end_substep || !planned.writes.contains(number_of(buffers::velocities))) << planned.label;
       if (planned.pass->changes == Changes::velocity) { EXPECT_EQ(planned.pass->stage, Stage::force); }
       enders += planned.pass->stage > Stage::force && planned.writes.contains(number_of(buffers::velocities));
     }
-    EXPECT_EQ(enders, calls.has(Id::contact) ? 2 : 1);   // contact_finalize for particles that have candidates
+    EXPECT_EQ(enders, calls.has(Id::contact) ? 3 : 1);   // contact_finalize for particles that have candidates, or contact_alone
     EXPECT_EQ(std::any_of(plan.passes.begin(), plan.passes.end(), [](const PlannedPass& p) { return p.label == "contact_finalize"; }),
               calls.has(Id::contact));
   });
@@ -296,12 +296,12 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
             (Labels{"predict", "gauss_seidel", "finalize+tether", "triangle_search", "triangle_collide", "finalize+collide", "surface"}));
   EXPECT_EQ(labels({{Id::stretch, Id::contact}}),
             (Labels{"predict+watch", "detect_alone", "detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search", "detect_outline", "search_faces",
-                    "search_edges", "pair_faces", "pair_edges", "detect_search", "detect_pair", "contact_prepare", "stretch+finalize", "contact_alone", "contact_penetration",
+                    "search_edges", "pair_faces", "pair_edges", "detect_search", "detect_pair", "detect_prepare", "contact_prepare", "stretch+finalize", "contact_alone", "contact_penetration",
                     "contact_solve", "contact_apply", "contact_slide", "contact_slide_apply", "contact_unsafe", "contact_limit",
                     "contact_finalize", "surface"}));
   EXPECT_EQ(labels(with(all, {Id::contact})),
             (Labels{"predict+watch", "anchor+watch", "detect_alone", "detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search", "detect_outline",
-                    "search_faces", "search_edges", "pair_faces", "pair_edges", "detect_search", "detect_pair", "contact_prepare", "stretch", "bend+tether+collide+finalize",
+                    "search_faces", "search_edges", "pair_faces", "pair_edges", "detect_search", "detect_pair", "detect_prepare", "contact_prepare", "stretch", "bend+tether+collide+finalize",
                     "contact_alone+collide", "contact_penetration", "contact_solve", "contact_apply+collide", "contact_slide",
                     "contact_slide_apply", "contact_unsafe", "contact_limit", "contact_finalize", "surface"}));
   const std::vector<std::string> untangled = labels({{Id::stretch, Id::contact, Id::untangle}});

@@ -79,6 +79,7 @@ struct Setting {
   bool untangle = false;
   bool seldom = false;   // by the passes for detections that are seldom
   bool united = false;   // those search for both kinds of pairs, and so do these
+  bool calm = false;     // by those for cloth of which little is to be expected, which are seldom as well
 };
 
 inline CookedFabric with_clusters(CookedFabric fabric) {
@@ -104,7 +105,8 @@ struct Detected {
   Detected(const compute::Device& device, const Soup& of, const Setting& setting, std::string_view last = "pair_edges")
       : fabric(with_clusters(of.fabric)), passes(device, scene(setting), fabric, setting.gather_storage, setting.workgroup), soup(of) {
     FrameInput input = frame_of(1);
-    input.seldom_detections = setting.seldom;
+    input.seldom_detections = setting.seldom || setting.calm;
+    input.few_contacts = input.kinematics_rest = setting.calm;
     input.united_searches = setting.united;
     passes.begin(input);
     passes.put(buffers::predicted, soup.predicted);
@@ -117,6 +119,7 @@ struct Detected {
     }
   }
   static std::vector<std::string_view> passes_of(const Setting& setting) {
+    if (setting.calm) return {"detect_alone", "detect_prepare"};
     if (setting.seldom) return {"detect_alone", "detect_search", "detect_pair"};
     std::vector<std::string_view> names{"detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search", "detect_outline"};
     if (setting.united) names.insert(names.end(), {"detect_search", "detect_pair"});

@@ -71,6 +71,7 @@ constexpr Threads kClusters{lengths::clusters, nullptr, {&buffers::detection, of
 constexpr Threads kDetectedParticles{lengths::particles, nullptr, {&buffers::detection, offsetof(gpu::Detection, particles)}};
 constexpr Threads kSearchers{[](const Cooked& s) { return lengths::particles(s) + lengths::edges(s); }, nullptr,
                              {&buffers::detection, offsetof(gpu::Detection, searchers)}};
+constexpr Threads kPrepared{kSearchers.count, nullptr, {&buffers::detection, offsetof(gpu::Detection, prepared)}};
 constexpr Threads kNearPairs{buffers::near_faces.length, nullptr, {&buffers::detection, offsetof(gpu::Detection, near_pairs)}, true};
 constexpr Threads kEdges{lengths::edges, nullptr, {&buffers::detection, offsetof(gpu::Detection, edges)}};
 constexpr Threads kNearFaces{buffers::near_faces.length, nullptr, {&buffers::detection, offsetof(gpu::Detection, near_faces)}, true};
@@ -100,8 +101,10 @@ constexpr Pass kPasses[] = {
     {.name = "pair_edges", .stage = Stage::detect, .threads = kNearEdges, .crowd = Crowd::apart},
     {.name = "detect_search", .stage = Stage::detect, .threads = kSearchers, .crowd = Crowd::united, .when = binds_all},
     {.name = "detect_pair", .stage = Stage::detect, .threads = kNearPairs, .crowd = Crowd::united, .when = binds_all},
-    {.name = "contact_prepare", .stage = Stage::detect, .threads = kCandidates},
-    {.name = "contact_alone", .stage = Stage::contacts, .threads = kContactsAlone, .crowd = Crowd::few, .collides = true, .alone = true, .crew = true},
+    {.name = "detect_prepare", .stage = Stage::detect, .threads = kPrepared, .crowd = Crowd::calm, .when = binds_all},
+    {.name = "contact_prepare", .stage = Stage::detect, .threads = kCandidates, .crowd = Crowd::stirred},
+    {.name = "contact_alone", .stage = Stage::contacts, .threads = kContactsAlone, .crowd = Crowd::few, .collides = true, .alone = true, .crew = true,
+     .can_end_substep = true},
     {.name = "contact_penetration", .stage = Stage::contact, .threads = kContacts, .crowd = Crowd::many},
     {.name = "contact_solve", .stage = Stage::contact, .threads = kContacts, .crowd = Crowd::many},
     {.name = "contact_apply", .stage = Stage::contact, .threads = kTouchedParticles, .crowd = Crowd::many, .collides = true},
@@ -109,7 +112,7 @@ constexpr Pass kPasses[] = {
     {.name = "contact_slide_apply", .stage = Stage::slide, .threads = kTouchedParticles, .crowd = Crowd::many},
     {.name = "contact_unsafe", .stage = Stage::substep_end, .threads = kCandidates, .crowd = Crowd::many},
     {.name = "contact_limit", .stage = Stage::substep_end, .threads = kUnsafeCandidates, .crowd = Crowd::many, .rounds = WEFT_LIMIT_PASSES},
-    {.name = "contact_finalize", .stage = Stage::substep_end, .threads = kPairedParticles},
+    {.name = "contact_finalize", .stage = Stage::substep_end, .threads = kPairedParticles, .crowd = Crowd::met},
 };
 
 // Nothing where all meet each other. Mesh colliders are kinematic, and meet none of their own kind.

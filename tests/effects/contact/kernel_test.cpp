@@ -195,7 +195,7 @@ TEST_F(ContactKernel, the_order_of_candidates_does_not_matter) {
   }
 }
 
-// One workgroup that does it all, and the passes with a thread a contact.
+// One workgroup that does it all, and the passes with a thread a contact; and one that also ends the substep.
 TEST_F(ContactKernel, few_contacts_are_solved_to_the_same_bits) {
   for (const double violence : {0.001, 0.02, 2.0})
     for (const bool gather_storage : {false, true})
@@ -206,22 +206,24 @@ TEST_F(ContactKernel, few_contacts_are_solved_to_the_same_bits) {
         if (collides) scene.colliders.resize(1);
         if (collides) scene.colliders[0].shape = ColliderShape::plane;
         const CookedFabric fabric = fabric_of(t, scene.solver);
-        Passes many(device(), scene, fabric, t, gather_storage), few(device(), scene, fabric, t, gather_storage);
+        Passes many(device(), scene, fabric, t, gather_storage), few(device(), scene, fabric, t, gather_storage),
+            none(device(), scene, fabric, t, gather_storage);
         gpu::Collider floor{};
         floor.normal_from = floor.normal_to = {0, 1, 0};
-        for (Passes* passes : {&few, &many}) {
+        for (Passes* passes : {&few, &many, &none}) {
           FrameInput input = frame_of(1);
-          input.few_contacts = passes == &few;
+          input.few_contacts = passes != &many;
+          input.no_contacts = passes == &none;
           if (collides) input.colliders = {&floor, 1};
           passes->begin(input);
+          passes->run("contact_prepare");
         }
-        many.run("contact_prepare");
         for (std::uint32_t k = 0; k < scene.contacts.iterations; ++k)
           for (const char* pass : {"contact_penetration", "contact_solve", "contact_apply"}) many.run(pass);
         many.slide();
         many.limit();
-        few.run("contact_prepare");
         few.run("contact_alone");
+        none.run("contact_alone");
         ASSERT_TRUE(violence < 0.01 || few.detection().listings[WEFT_UNSAFE] > 10);
         EXPECT_GT(few.detection().listings[WEFT_ACTIVE], 10u);
         EXPECT_EQ(few.detection().listings[WEFT_UNSAFE], many.detection().listings[WEFT_UNSAFE]);
@@ -229,11 +231,18 @@ TEST_F(ContactKernel, few_contacts_are_solved_to_the_same_bits) {
         EXPECT_TRUE(same_bits(few.iterate(), many.iterate()));
         for (const Buffer* row : {&buffers::step_fractions, &buffers::contact_sums})
           EXPECT_TRUE(same_bits(few.get<gpu::uvec4>(*row, t.x.size()), many.get<gpu::uvec4>(*row, t.x.size()))) << row->name;
-        EXPECT_TRUE(same_bits(few.get<std::uint32_t>(buffers::contact_penetrations, t.x.size()), std::vector<std::uint32_t>(t.x.size())));
-        EXPECT_EQ(few.counters().truncated, many.counters().truncated);
         for (Passes* passes : {&few, &many}) passes->run("contact_finalize");
-        EXPECT_TRUE(same_bits(few.get<gpu::ivec4>(buffers::contact_sums, t.x.size()), std::vector<gpu::ivec4>(t.x.size())));
-        EXPECT_TRUE(same_bits(few.particles(buffers::positions), many.particles(buffers::positions)));
+        for (const Passes* passes : {&few, &none}) {
+          EXPECT_TRUE(same_bits(passes->get<std::uint32_t>(buffers::contact_penetrations, t.x.size()), std::vector<std::uint32_t>(t.x.size())));
+          EXPECT_EQ(passes->counters().truncated, many.counters().truncated);
+          EXPECT_EQ(passes->detection().needs_detection, many.detection().needs_detection);
+          EXPECT_TRUE(same_bits(passes->get<gpu::ivec4>(buffers::contact_sums, t.x.size()), std::vector<gpu::ivec4>(t.x.size())));
+          EXPECT_TRUE(same_bits(passes->get<std::uint32_t>(buffers::contact_counts, t.x.size()), std::vector<std::uint32_t>(t.x.size())));
+          EXPECT_TRUE(same_bits(passes->get<gpu::uvec4>(buffers::step_fractions, t.x.size()), many.get<gpu::uvec4>(buffers::step_fractions, t.x.size())));
+          for (const Buffer* row : {&buffers::positions, &buffers::velocities})
+            EXPECT_TRUE(same_bits(passes->particles(*row), many.particles(*row))) << row->name;
+          EXPECT_TRUE(same_bits(passes->iterate(), many.iterate()));
+        }
       }
 }
 
