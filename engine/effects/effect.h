@@ -174,9 +174,9 @@ const Buffer* buffer_named(std::string_view name);
 
 Cooked cooked_of(const Scene& scene, const CookedFabric& fabric);
 
-/// What a cooked scene calls for. `workgroup`, `through_texels`, `narrow`, `alone`, `crew` and `thin` are the device's.
+/// What a cooked scene calls for. `workgroup`, `through_texels` and what follows are the device's.
 Needs needs_of(const Cooked& subject, std::uint32_t workgroup, bool through_texels, std::uint32_t narrow = 64, std::uint32_t alone = 128,
-               std::uint32_t crew = 256, std::uint32_t thin = 8);
+               std::uint32_t crew = 256, std::uint32_t thin = 8, bool idle_costs = false);
 
 /// Why the reference cannot follow the scene, as a sentence that begins with the key; empty if it can.
 std::string reference_fault(const Scene& scene, const CookedFabric& fabric);

@@ -42,7 +42,7 @@ const Buffer* buffer_named(std::string_view name) {
 Cooked cooked_of(const Scene& scene, const CookedFabric& fabric) { return {scene, fabric, contact_settings(scene, fabric)}; }
 
 Needs needs_of(const Cooked& subject, std::uint32_t workgroup, bool through_texels, std::uint32_t narrow, std::uint32_t alone,
-               std::uint32_t crew, std::uint32_t thin) {
+               std::uint32_t crew, std::uint32_t thin, bool idle_costs) {
   Needs needs;
   needs.narrow = std::min(narrow, workgroup);
   needs.alone = alone;
@@ -50,6 +50,7 @@ Needs needs_of(const Cooked& subject, std::uint32_t workgroup, bool through_texe
   needs.thin = std::min(thin, workgroup);
   needs.constants[gpu::constant::workgroup] = workgroup;
   needs.constants[gpu::constant::through_texels] = through_texels;
+  needs.constants[gpu::constant::idle_costs] = idle_costs;
   for (std::size_t k = 0; k < kEffects; ++k) {
     const Effect& effect = *all_effects()[k];
     if (!effect.called_for(subject.scene, subject.fabric)) continue;

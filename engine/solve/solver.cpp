@@ -84,7 +84,8 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   // Threads of a warp wait for each other. (H200, drop of 200 x 200, grid_search and cluster_box in workgroups of 64, 16, 8, 4, 2 and 1:
   // 1.32, 1.18, 1.04, 0.90, 0.85, 0.90 ms a frame; smaller GPUs have fewer places for workgroups.) On the software driver it is all the same.
   const std::uint32_t thin = device.is_software() ? 8 : 4;
-  solver.needs_ = needs_of(subject, solver.workgroup_, !options.gather_storage, narrow, alone, crew, thin);
+  solver.needs_ = needs_of(subject, solver.workgroup_, !options.gather_storage, narrow, alone, crew, thin,
+                           options.idle_costs.value_or(device.is_software()));
   solver.needs_.storage_buffers = device.limits().max_storage_buffers_per_stage;
   auto plan = make_plan(solver.needs_, device.specializer());
   if (!plan) return plan.take_error();
@@ -270,7 +271,8 @@ Result<Solver::Outgrown> Solver::grow(std::uint32_t candidates) {
 
 Result<void> Solver::fits(const Cooked& subject) const {
   const bool through_texels = needs_.constants[gpu::constant::through_texels] != 0;
-  const Needs wanted = needs_of(subject, workgroup_, through_texels, needs_.narrow, needs_.alone, needs_.crew, needs_.thin);
+  const Needs wanted = needs_of(subject, workgroup_, through_texels, needs_.narrow, needs_.alone, needs_.crew, needs_.thin,
+                                needs_.constants[gpu::constant::idle_costs] != 0);
   if (wanted.effects != needs_.effects || wanted.constants != needs_.constants) return fail("its passes would be others");
   for (std::size_t k = 0; k < plan_.buffers.size(); ++k) {
     const Buffer& row = *plan_.buffers[k].row;

@@ -23,6 +23,7 @@ struct SolverOptions {
   std::uint32_t workgroup = 0;   // threads; 0 chooses for the device
   Vec3 origin = {};              // m: of the particles' positions, in world space
   VkBufferUsageFlags vertex_usage = 0;   // of the buffers that a host draws from, besides Weft's own
+  std::optional<bool> idle_costs = {};   // threads without work go through all of a shader; as the device has it
 };
 
 /// Bytes of a buffer that a frame overwrites before all else.

@@ -1,5 +1,5 @@
 // detect_alone: a detection as far as its search, in one workgroup that waits for itself, where detections are seldom: it is a single dispatch
-// instead of six, which are empty in most substeps. What it does is to the bit what those passes do, so that the host may choose by what it
+// instead of six, which are empty in most substeps; on the software driver of five. What it does is to the bit what those passes do, so that the host may choose by what it
 // knows of earlier frames (FrameInput::seldom_detections): the order of lists is the only difference, and nothing depends on it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -77,9 +77,11 @@ void hold_all(uint thread) {
 
 void main() {
   const uint thread = gl_LocalInvocationID.x, particles = contact_settings.particles, clusters = contact_settings.clusters;
-  if (thread == 0) decide();
-  wait();
-  if (detection[0].clusters.x == 0) return;   // none is due
+  if (!idle_costs) {   // else detect_arguments has decided, and this is dispatched where a detection is due
+    if (thread == 0) decide();
+    wait();
+    if (detection[0].clusters.x == 0) return;
+  }
   for (uint i = thread; i < particles; i += workgroup) start_track(i);
   wait();
   for (uint k = thread; k < clusters; k += workgroup) make_box(k);

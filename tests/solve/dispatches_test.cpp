@@ -13,14 +13,15 @@ using Dispatches = GpuTest;
 struct Counted {
   std::size_t without, few, many;   // contacts: off, few of them, many
   std::size_t seldom, calm, none;   // few, and detections are seldom; what is kinematic is at rest, besides; and nothing has met
+  std::size_t idle_costs;           // the last, as on the software driver
   std::size_t united;               // few, and one search for both kinds of pairs
 };
 
 // Of a frame of ten substeps, as often as a frame's structure lists them.
 std::size_t dispatches_of(const compute::Device& device, const Scene& scene, bool few, bool seldom = false, bool rest = false,
-                          bool none = false, bool united = false) {
+                          bool none = false, bool united = false, bool idle_costs = false) {
   const CookedFabric fabric = must(cook(scene, must(make_meshes(scene))));
-  Solver solver = must(Solver::create(device, {}, scene, fabric, {}));
+  Solver solver = must(Solver::create(device, {}, scene, fabric, {.idle_costs = idle_costs}));
   FrameInput input;
   input.substeps = 10;
   input.few_contacts = few;
@@ -37,7 +38,7 @@ Counted count(const compute::Device& device, Scene scene) {
   scene.contacts.enabled = true;
   return {without, dispatches_of(device, scene, true), dispatches_of(device, scene, false), dispatches_of(device, scene, true, true),
           dispatches_of(device, scene, true, true, true), dispatches_of(device, scene, true, true, true, true),
-          dispatches_of(device, scene, true, false, false, false, true)};
+          dispatches_of(device, scene, true, true, true, true, false, true), dispatches_of(device, scene, true, false, false, false, true)};
 }
 
 TEST_F(Dispatches, of_a_frame_are_as_many_as_these) {
@@ -48,6 +49,7 @@ TEST_F(Dispatches, of_a_frame_are_as_many_as_these) {
   EXPECT_EQ(fallen.without, 22u) << "stretch and bending in each substep, a prediction, a surface";
   EXPECT_EQ(fallen.few, 22u + 10 * (11 + 1 + 2)) << "a detection, untangling, contacts in one workgroup, and the end of those with candidates";
   EXPECT_EQ(fallen.many, 22u + 10 * (11 + 1 + 4 * 3 + 2 * 2 + 1 + WEFT_LIMIT_PASSES + 1)) << "contacts pass by pass";
+  EXPECT_EQ(fallen.idle_costs, fallen.none + 10) << "whether a detection is due is decided before";
   EXPECT_EQ(fallen.seldom, 22u + 10 * (4 + 1 + 2)) << "a detection by one workgroup, its search and its pairs; what is prepared in each substep";
   EXPECT_EQ(fallen.united, fallen.few - 2 * 10) << "on a GPU";
   EXPECT_EQ(fallen.calm, 22u + 10 * (2 + 2)) << "nothing that could have crossed: the search tests and prepares what it finds";

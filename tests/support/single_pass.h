@@ -143,9 +143,9 @@ inline std::vector<gpu::vec4> leading_to(const std::vector<gpu::vec4>& p, const 
 class SinglePass {
  public:
   SinglePass(const compute::Device& device, const Scene& scene, const CookedFabric& fabric, bool gather_storage = false,
-             std::uint32_t workgroup = 0)
+             std::uint32_t workgroup = 0, std::optional<bool> idle_costs = {})
       : device_(device), cache_(must(compute::PipelineCache::create(device))),
-        solver_(must(Solver::create(device, cache_, scene, fabric, {gather_storage, workgroup}))), fabric_(fabric) {}
+        solver_(must(Solver::create(device, cache_, scene, fabric, {gather_storage, workgroup, {}, 0, idle_costs}))), fabric_(fabric) {}
 
   template <class T>
   void put(const Buffer& row, const std::vector<T>& values) {

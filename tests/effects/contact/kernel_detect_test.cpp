@@ -325,9 +325,9 @@ TEST_F(Detect, one_that_is_seldom_or_united_or_calm_finds_and_prepares_the_same_
       for (const bool untangle : {false, true}) {
         Random random(41 + triangles);
         const Soup soup = random_soup(random, triangles);
-        std::vector<Setting> settings(untangle ? 3 : 4);   // what may have crossed is not calm
-        settings[1].seldom = settings[2].united = true;
-        if (!untangle) settings[3].calm = true;
+        std::vector<Setting> settings(untangle ? 4 : 5);   // what may have crossed is not calm
+        settings[1].seldom = settings[2].united = settings[3].seldom = settings[3].idle_costs = true;
+        if (!untangle) settings[4].calm = true;
         std::vector<std::unique_ptr<Detected>> ways;
         for (Setting& setting : settings) {
           setting.gather_storage = gather_storage;
