@@ -8,6 +8,7 @@
 
 #include "compute/inventory.h"
 #include "compute/labels.h"
+#include "compute/shared_passes.h"
 #include "compute/synchronization.h"
 
 namespace weft::compute {
@@ -23,6 +24,7 @@ struct Device::State {
   mutable std::mutex queue_mutex;
   mutable std::atomic<bool> lost = false;
   mutable Specializer specializer;
+  mutable SharedPasses passes;
 
   ~State() {
     if (!own || device == VK_NULL_HANDLE) return;
@@ -156,7 +158,11 @@ Result<std::unique_ptr<Device>> Device::borrow(const BorrowedDevice& lent) try {
 }
 
 Device::Device(std::unique_ptr<State> state) : state_(std::move(state)) {}
-Device::~Device() = default;
+Device::~Device() {
+  if (!state_) return;
+  wait_idle();
+  state_->passes.clear();   // while there is a device to ask
+}
 
 const Functions& Device::vk() const { return state_->fn; }
 VkInstance Device::instance() const { return state_->instance; }
@@ -209,6 +215,7 @@ void Device::wait_idle() const {
 }
 
 Specializer& Device::specializer() const { return state_->specializer; }
+SharedPasses& Device::passes() const { return state_->passes; }
 bool Device::is_lost() const { return state_->lost; }
 
 VkResult Device::heard(VkResult result) const {

@@ -22,6 +22,8 @@
 
 namespace weft::compute {
 
+class SharedPasses;
+
 struct DeviceChoice {
   /// "" takes the best device, a number the one with that index in list_devices(), anything else the best whose name
   /// contains it, upper and lower case alike.
@@ -148,6 +150,9 @@ class Device {
 
   /// What was specialised for this device, so that simulations share it.
   Specializer& specializer() const;
+
+  /// What was compiled for it, likewise.
+  SharedPasses& passes() const;
 
   /// Warnings and errors of the validation layers so far; empty when they are off. Thread-safe.
   std::vector<std::string> validation_messages() const;

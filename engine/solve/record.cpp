@@ -83,8 +83,8 @@ void Solver::record_step(compute::Recorder& recorder, const Step& step) const {
   const Run& run = runs_[step.pass];
   recorder.begin_pass(planned.label.c_str(), run.touches[step.parity]);
   const VkDescriptorSet sets[] = {sets_[step.pass].sets[step.parity][0].handle(), sets_[step.pass].sets[step.parity][1].handle()};
-  recorder.bind(run.pipeline.handle(), run.layout.get(), sets);
-  recorder.push(run.layout.get(), std::as_bytes(std::span(&step.push, 1)));
+  recorder.bind(run.compiled->pipeline.handle(), run.compiled->layout.get(), sets);
+  recorder.push(run.compiled->layout.get(), std::as_bytes(std::span(&step.push, 1)));
   const Arguments& arguments = planned.pass->threads.arguments;
   if (arguments.buffer != nullptr) recorder.dispatch_indirect(buffer(*arguments.buffer).handle, arguments.offset);
   else if (planned.pass->a_workgroup_each) recorder.dispatch(step.push.count);

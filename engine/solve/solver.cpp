@@ -169,7 +169,9 @@ Result<void> Solver::create_runs(const Cooked& subject, const compute::PipelineC
     if (planned.pass->every != nullptr) run.every = planned.pass->every(subject);
     if (planned.pass->threads.groups != nullptr) run.groups = static_cast<std::uint32_t>(planned.pass->threads.groups(subject));
     for (const std::uint32_t parity : {0u, 1u}) run.touches[parity] = touches_of(planned, parity);
-    if (auto made = create_pipeline(planned, cache, run); !made) return made;
+    auto compiled = device_->passes().get(planned.label, planned.spirv, [&] { return compile(planned, cache); });
+    if (!compiled) return compiled.take_error();
+    run.compiled = std::move(*compiled);
     runs_.push_back(std::move(run));
   }
   auto sets = write_sets();
@@ -178,7 +180,8 @@ Result<void> Solver::create_runs(const Cooked& subject, const compute::PipelineC
   return {};
 }
 
-Result<void> Solver::create_pipeline(const PlannedPass& planned, const compute::PipelineCache& cache, Run& run) const {
+Result<compute::CompiledPass> Solver::compile(const PlannedPass& planned, const compute::PipelineCache& cache) const {
+  compute::CompiledPass made;
   VkDescriptorSetLayout handles[2];
   for (const std::uint32_t set : kSets) {
     std::vector<compute::DescriptorBinding> bindings;
@@ -193,16 +196,16 @@ Result<void> Solver::create_pipeline(const PlannedPass& planned, const compute::
                   device_->limits().max_storage_buffers_per_stage, " a stage");
     auto layout = compute::DescriptorLayout::create(*device_, planned.label + kSetNames[set], bindings);
     if (!layout) return layout.take_error();
-    run.layouts[set] = std::move(*layout);
-    handles[set] = run.layouts[set].handle();
+    made.layouts[set] = std::move(*layout);
+    handles[set] = made.layouts[set].handle();
   }
   auto layout = compute::create_pipeline_layout(*device_, planned.label, handles, sizeof(gpu::Push));
   if (!layout) return layout.take_error();
-  run.layout = std::move(*layout);
-  auto pipeline = compute::ComputePipeline::create(*device_, &cache, planned.label, planned.spirv, {}, run.layout.get());
+  made.layout = std::move(*layout);
+  auto pipeline = compute::ComputePipeline::create(*device_, &cache, planned.label, planned.spirv, {}, made.layout.get());
   if (!pipeline) return pipeline.take_error();
-  run.pipeline = std::move(*pipeline);
-  return {};
+  made.pipeline = std::move(*pipeline);
+  return made;
 }
 
 // All of them or none.
@@ -221,7 +224,7 @@ Result<std::vector<Solver::Sets>> Solver::write_sets() const {
             bound.push_back({resource.binding.binding, &buffer(*all_buffers()[in_role(resource.number, parity)])});
         }
         auto written = compute::DescriptorSet::create(*device_, plan_.passes[k].label + kSetNames[set] + (parity == 0 ? " even" : " odd"),
-                                                      runs_[k].layouts[set], bound);
+                                                      runs_[k].compiled->layouts[set], bound);
         if (!written) return written.take_error();
         all[k].sets[parity][set] = std::move(*written);
       }

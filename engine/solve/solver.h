@@ -7,9 +7,8 @@
 #include <vector>
 
 #include "compute/buffer.h"
-#include "compute/descriptors.h"
-#include "compute/pipeline.h"
 #include "compute/recorder.h"
+#include "compute/shared_passes.h"
 #include "engine/effects/air/air.h"
 #include "engine/fabric.h"
 #include "engine/scene.h"
@@ -151,14 +150,12 @@ class Solver {
     std::uint32_t every = 1;               // substeps
     std::uint32_t groups = 0;              // of workgroups; 0: as many as a range needs
     compute::Touches touches[2];           // by parity
-    compute::DescriptorLayout layouts[2];  // storage, texels: not every device can hold all bindings in one
-    compute::OwnedPipelineLayout layout;
-    compute::ComputePipeline pipeline;
+    std::shared_ptr<const compute::CompiledPass> compiled;
   };
   Result<compute::Arena> create_arena(bool grows) const;
   Result<void> create_buffers(const Cooked& subject);
   Result<void> create_runs(const Cooked& subject, const compute::PipelineCache& cache);
-  Result<void> create_pipeline(const PlannedPass& planned, const compute::PipelineCache& cache, Run& run) const;
+  Result<compute::CompiledPass> compile(const PlannedPass& planned, const compute::PipelineCache& cache) const;
   Result<std::vector<Sets>> write_sets() const;
   void list_frame(const FrameInput& input);
   bool is_recorded(Crowd crowd, const FrameInput& input) const;
