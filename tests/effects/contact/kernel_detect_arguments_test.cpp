@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "tests/support/contact_passes.h"
 #include "tests/support/detected.h"
 
 namespace weft {
