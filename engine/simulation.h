@@ -76,6 +76,9 @@ struct SimulationOptions {
   std::filesystem::path pipeline_cache;
   /// Gather through storage buffers instead of texel buffers (shared.h says what that is for).
   bool gather_storage = false;
+  /// Whether threads that have nothing to do cost as much as others, as on the software driver: which passes contacts take where little is
+  /// near. As the device has it where it is not said; the same bits either way.
+  std::optional<bool> idle_costs = {};
   /// What "method": "auto" chooses from (reference/choice.h); null: the built-in curve. Read in create only.
   const Curve* curve = nullptr;
   /// Threads a workgroup; 0 chooses for the device.

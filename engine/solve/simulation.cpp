@@ -96,7 +96,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   if (!cache) return cache.take_error();
   state->cache = std::move(*cache);
   auto solver = Solver::create(device, state->cache, scene, state->fabric,
-                               {options.gather_storage, options.workgroup, origin, options.vertex_usage});
+                               {options.gather_storage, options.workgroup, origin, options.vertex_usage, options.idle_costs});
   if (!solver) return solver.take_error();
   state->solver = std::move(*solver);
   for (const Plan::PlannedBuffer& planned : state->solver->plan().buffers)

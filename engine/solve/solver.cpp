@@ -44,7 +44,7 @@ compute::Touches touches_of(const PlannedPass& planned, std::uint32_t parity) {
     if (resource.binding.read) touches.reads.insert(number);
     if (resource.binding.written) touches.writes.insert(number);
   }
-  if (const Buffer* arguments = planned.pass->threads.arguments.buffer) touches.arguments.insert(number_of(*arguments));
+  if (const Buffer* arguments = planned.arguments.buffer) touches.arguments.insert(number_of(*arguments));
   return touches;
 }
 
@@ -90,8 +90,11 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   auto plan = make_plan(solver.needs_, device.specializer());
   if (!plan) return plan.take_error();
   solver.plan_ = std::move(*plan);
-  solver.has_united_ =
-      std::ranges::any_of(solver.plan_.passes, [](const PlannedPass& planned) { return planned.pass->crowd == Crowd::united; });
+  const auto has_crowd = [&](Crowd crowd) {
+    return std::ranges::any_of(solver.plan_.passes, [&](const PlannedPass& planned) { return planned.pass->crowd == crowd; });
+  };
+  solver.has_united_ = has_crowd(Crowd::united);
+  solver.has_calm_ = has_crowd(Crowd::calm);
   const SizeLimits limits{device.limits().max_storage_buffer_bytes, device.limits().max_workgroups_x, solver.workgroup_};
   if (std::string fault = beyond(limits, device.name(), solver.plan_, subject); !fault.empty()) return Error{std::move(fault)};
   if (auto made = solver.create_buffers(subject); !made) return made.take_error();
@@ -361,8 +364,14 @@ std::span<const Solver::Step> Solver::surface() {
   return steps_;
 }
 
+// Whether contact_alone ends substeps, should there be contacts at all.
+bool Solver::ends_with_contacts(const FrameInput& input) const {
+  return input.few_contacts && input.no_contacts && needs_.constants[gpu::constant::idle_costs] == 0;
+}
+
 bool Solver::is_recorded(Crowd crowd, const FrameInput& input) const {
-  const bool calm = input.seldom_detections && input.few_contacts && (input.kinematics_rest || !has(buffers::crossed_triangles));
+  const bool idle_costs = needs_.constants[gpu::constant::idle_costs] != 0;
+  const bool calm = has_calm_ && input.seldom_detections && input.few_contacts && (input.kinematics_rest || !has(buffers::crossed_triangles));
   const bool unites = input.seldom_detections || (input.united_searches && has_united_);
   switch (crowd) {
     case Crowd::any: return true;
@@ -374,7 +383,8 @@ bool Solver::is_recorded(Crowd crowd, const FrameInput& input) const {
     case Crowd::apart: return !unites;
     case Crowd::calm: return calm;
     case Crowd::stirred: return !calm;
-    case Crowd::met: return !input.no_contacts;
+    case Crowd::met: return !ends_with_contacts(input);
+    case Crowd::deciding: return !input.seldom_detections || idle_costs;
   }
   return true;
 }
@@ -394,7 +404,7 @@ void Solver::list(Stage stage, const FrameInput& input, const gpu::Push& push, s
       own.count = runs_[k].ranges[round].count;
       if (at_targets) own.fraction_from = own.fraction_to = 1;
       if (pass.rounds > 1) own.flags |= round << WEFT_PASS_SHIFT;
-      if (pass.can_end_substep && input.no_contacts && (push.flags & WEFT_LAST_ITERATION) != 0) own.flags |= WEFT_ENDS_SUBSTEP;
+      if (pass.can_end_substep && ends_with_contacts(input) && (push.flags & WEFT_LAST_ITERATION) != 0) own.flags |= WEFT_ENDS_SUBSTEP;
       steps_.push_back({k, parity_, own});
     }
     if (pass.changes == Changes::iterate) parity_ ^= 1;

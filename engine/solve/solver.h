@@ -158,6 +158,7 @@ class Solver {
   Result<compute::CompiledPass> compile(const PlannedPass& planned, const compute::PipelineCache& cache) const;
   Result<std::vector<Sets>> write_sets() const;
   void list_frame(const FrameInput& input);
+  bool ends_with_contacts(const FrameInput& input) const;
   bool is_recorded(Crowd crowd, const FrameInput& input) const;
   void list(Stage stage, const FrameInput& input, const gpu::Push& push, std::uint64_t substep);
   /// From the next recorded frame on. `value` is the struct of the slice.
@@ -183,6 +184,7 @@ class Solver {
   std::vector<SliceRange> slices_; // of plan_.slices, in it
   VkBufferUsageFlags vertex_usage_ = 0;
   std::uint32_t workgroup_ = 0, parity_ = 0, phase_ = 0;
+  bool has_calm_ = false;     // passes of Crowd::calm
   bool has_united_ = false;   // passes that search for both kinds of pairs (Crowd::united)
   double rho_ = 0;
 };

@@ -110,7 +110,7 @@ void main() {
   const uint contacts = detection[0].listings[WEFT_ACTIVE], touched = detection[0].touchings;
   if (turns(contacts, touched) > WEFT_MOST_TURNS) wait_all(thread);
   else solve_all(thread, contacts, touched);
-  if ((push.flags & WEFT_ENDS_SUBSTEP) == 0) return;
+  if (idle_costs || (push.flags & WEFT_ENDS_SUBSTEP) == 0) return;
   wait();
   end_all(thread);
 }

@@ -71,12 +71,12 @@ float rest_separation(uint a, uint b, float thickness, float at_rest) {
 
 bool is_tangled(uint a, uint b) {
   const uint key = key_of(a, b), last = contact_settings.tangled_room - 1;
-  uint place = key & last, found;
-  do {
-    found = FETCH_UINT(tangled_pairs, place);
-    place = (place + 1) & last;
-  } while (found != key && found != 0 && place != (key & last));
-  return found == key;
+  for (uint k = 0; k <= last; ++k) {
+    const uint found = FETCH_UINT(tangled_pairs, (key + k) & last);
+    if (found == key) return true;
+    if (found == 0) return false;
+  }
+  return false;
 }
 
 // What goes through each other has no sides that a contact could keep.

@@ -49,7 +49,7 @@ TEST_F(Dispatches, of_a_frame_are_as_many_as_these) {
   EXPECT_EQ(fallen.without, 22u) << "stretch and bending in each substep, a prediction, a surface";
   EXPECT_EQ(fallen.few, 22u + 10 * (11 + 1 + 2)) << "a detection, untangling, contacts in one workgroup, and the end of those with candidates";
   EXPECT_EQ(fallen.many, 22u + 10 * (11 + 1 + 4 * 3 + 2 * 2 + 1 + WEFT_LIMIT_PASSES + 1)) << "contacts pass by pass";
-  EXPECT_EQ(fallen.idle_costs, fallen.none + 10) << "whether a detection is due is decided before";
+  EXPECT_EQ(fallen.idle_costs, fallen.calm + 10 * 3) << "it is decided before whether a detection is due, and search, pairs and preparation are apart";
   EXPECT_EQ(fallen.seldom, 22u + 10 * (4 + 1 + 2)) << "a detection by one workgroup, its search and its pairs; what is prepared in each substep";
   EXPECT_EQ(fallen.united, fallen.few - 2 * 10) << "on a GPU";
   EXPECT_EQ(fallen.calm, 22u + 10 * (2 + 2)) << "nothing that could have crossed: the search tests and prepares what it finds";

@@ -48,8 +48,9 @@ inline Scene scene_of(const Tufts& t) {
 // The passes on a state that detection could have left: every pair a candidate, on displacement bounds of 100 m.
 class Passes : public SinglePass {
  public:
-  Passes(const compute::Device& device, const Scene& scene, const CookedFabric& fabric, const Tufts& t, bool gather_storage)
-      : SinglePass(device, scene, fabric, gather_storage), t_(t) {
+  Passes(const compute::Device& device, const Scene& scene, const CookedFabric& fabric, const Tufts& t, bool gather_storage,
+         std::optional<bool> idle_costs = {})
+      : SinglePass(device, scene, fabric, gather_storage, 0, idle_costs), t_(t) {
     std::vector<gpu::vec4> p;
     for (const reference::Vector& at : t.p) p.push_back(with(at, 0));
     put(buffers::velocities, leading_to(p, fabric));

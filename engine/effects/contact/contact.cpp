@@ -87,18 +87,13 @@ constexpr Threads kUnsafeCandidates{lengths::candidates, nullptr,
 // Devices that bind fewer buffers to a pass do without what one workgroup does instead of six passes.
 bool binds_all(const Needs& needs) { return needs.storage_buffers >= (needs.constants[gpu::constant::through_texels] != 0 ? 17 : 27); }
 
-// Whether the one workgroup of a detection decides itself that it is due; where that is not cheap, it is dispatched only if it is.
-bool decides_before(const Needs& needs) { return needs.constants[gpu::constant::idle_costs] != 0; }
-bool decides_alone(const Needs& needs) { return !decides_before(needs); }
-bool binds_and_decides(const Needs& needs) { return binds_all(needs) && decides_alone(needs); }
-bool binds_only(const Needs& needs) { return binds_all(needs) && decides_before(needs); }
+// Where idle threads cost, one shader that does it all costs more than the dispatches that it saves, and takes long to compile.
+bool unites_all(const Needs& needs) { return binds_all(needs) && needs.constants[gpu::constant::idle_costs] == 0; }
 
 constexpr Pass kPasses[] = {
-    {.name = "detect_arguments", .stage = Stage::detect, .threads = threads::once, .crowd = Crowd::often, .when = decides_alone, .alone = true},
-    {.name = "detect_arguments", .stage = Stage::detect, .threads = threads::once, .when = decides_before, .alone = true},
-    {.name = "detect_alone", .stage = Stage::detect, .threads = threads::once, .crowd = Crowd::seldom, .when = binds_and_decides, .alone = true,
-     .crew = true},
-    {.name = "detect_alone", .stage = Stage::detect, .threads = kGrid, .crowd = Crowd::seldom, .when = binds_only, .alone = true, .crew = true},
+    {.name = "detect_arguments", .stage = Stage::detect, .threads = threads::once, .crowd = Crowd::deciding, .alone = true},
+    {.name = "detect_alone", .stage = Stage::detect, .threads = kGrid, .crowd = Crowd::seldom, .when = binds_all, .alone = true, .crew = true,
+     .decides = true},
     {.name = "detect_track", .stage = Stage::detect, .threads = kDetectedParticles, .crowd = Crowd::often},
     {.name = "cluster_box", .stage = Stage::detect, .threads = kClusters, .crowd = Crowd::often, .thin = true},
     {.name = "grid_fill", .stage = Stage::detect, .threads = kGrid, .crowd = Crowd::often, .alone = true, .crew = true},
@@ -110,7 +105,7 @@ constexpr Pass kPasses[] = {
     {.name = "pair_edges", .stage = Stage::detect, .threads = kNearEdges, .crowd = Crowd::apart},
     {.name = "detect_search", .stage = Stage::detect, .threads = kSearchers, .crowd = Crowd::united, .when = binds_all},
     {.name = "detect_pair", .stage = Stage::detect, .threads = kNearPairs, .crowd = Crowd::united, .when = binds_all},
-    {.name = "detect_prepare", .stage = Stage::detect, .threads = kPrepared, .crowd = Crowd::calm, .when = binds_all},
+    {.name = "detect_prepare", .stage = Stage::detect, .threads = kPrepared, .crowd = Crowd::calm, .when = unites_all},
     {.name = "contact_prepare", .stage = Stage::detect, .threads = kCandidates, .crowd = Crowd::stirred},
     {.name = "contact_alone", .stage = Stage::contacts, .threads = kContactsAlone, .crowd = Crowd::few, .collides = true, .alone = true, .crew = true,
      .can_end_substep = true},

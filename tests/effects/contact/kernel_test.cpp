@@ -207,7 +207,7 @@ TEST_F(ContactKernel, few_contacts_are_solved_to_the_same_bits) {
         if (collides) scene.colliders[0].shape = ColliderShape::plane;
         const CookedFabric fabric = fabric_of(t, scene.solver);
         Passes many(device(), scene, fabric, t, gather_storage), few(device(), scene, fabric, t, gather_storage),
-            none(device(), scene, fabric, t, gather_storage);
+            none(device(), scene, fabric, t, gather_storage, false);
         gpu::Collider floor{};
         floor.normal_from = floor.normal_to = {0, 1, 0};
         for (Passes* passes : {&few, &many, &none}) {

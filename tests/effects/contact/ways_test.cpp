@@ -158,6 +158,19 @@ TEST_F(ContactWays, anchors_that_stop_and_set_off_again_leave_the_same_bits) {
   EXPECT_GT(alone, 0);
   EXPECT_LT(alone, kWayFrames - 5);
   EXPECT_GT(simulation->counts().tracking_error, 0.002f) << "none is late when they stop";
+  options.idle_costs = false;   // the passes of a GPU
+  const auto idling = must(Simulation::create(device(), scene, options));
+  int calm = 0, ended = 0;   // frames in which one dispatch searches, tests and prepares; those whose substeps contacts' one workgroup ends
+  for (int frame = 0; frame < kWayFrames; ++frame) {
+    must(idling->advance(1.0 / 60));
+    const auto timings = idling->timings();
+    calm += std::ranges::find(timings, "detect_prepare", &PassTiming::name) != timings.end();
+    ended += std::ranges::find(timings, "contact_finalize", &PassTiming::name) == timings.end();
+  }
+  EXPECT_GT(calm, 0);
+  EXPECT_LT(calm, kWayFrames - 5);
+  EXPECT_GT(ended, 0);
+  EXPECT_EQ(hash_of(*idling), hash_of(*simulation));
   const auto halting = must(Simulation::create(device(), scene));   // frames in which no time passes tell nothing
   for (int frame = 0; frame < 3 * kWayFrames; ++frame) must(halting->advance(frame % 3 == 0 ? 1.0 / 60 : 0));
   EXPECT_EQ(hash_of(*halting), hash_of(*simulation));
