@@ -58,7 +58,7 @@
   X(38, bool, has_supports)     /* 1: what colliders hold weighs more against them in the solve (support/support.glsl) */ \
   X(39, bool, is_second_order)  /* 1: in time (bdf2/bdf2.glsl) */ \
   X(40, bool, meets_meshes)     /* 1: cloth meets mesh colliders (tether/tether.glsl) */ \
-  X(41, bool, idle_costs)       /* 1: threads that have nothing to do go through all of a shader, as on the software driver (contact/detect_alone.comp) */
+  X(41, bool, idle_costs)       /* 1: threads that have nothing to do go through all of a shader, as on the software driver (contact/contact_alone.comp) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
@@ -434,10 +434,6 @@ struct Collisions {
 #define WEFT_LONGEST_LIFETIME 10u   // substeps: the longest candidate lifetime
 #define WEFT_NO_DISTANCE 4e-7f   // over the extent of a pair's sides: what is nearer has no direction (contact_prepare.comp)
 #define WEFT_MOST_TURNS 60000u      // of all loops that a thread of a crew makes: the software driver ends them at 65,535 (Needs::crew)
-#define WEFT_LANES 8u   // threads that the software driver has in a vector
-#define WEFT_TURNS_OF_CLUSTER 250u   // of detect_alone's, with a cluster, but for the search: over its members and its list
-// Elements that detect_alone goes through, one a turn.
-#define WEFT_TURNS_OF_ALL(s) (2 * (s).particles + (s).triangles + (s).edges + 2 * (s).buckets + (s).tangled_room)
 #define WEFT_LIMIT_PASSES 4u        // of contact_limit: the components of a particle's step_fractions
 
 // State of contact detection. A detection finds the candidate pairs: those whose sides can come within their separation while every
@@ -475,7 +471,6 @@ struct Detection {
   uint crossings;     // pairs of an edge and a triangle that it goes through, which the last detection found; 0 where it did not look
   uint stirs;         // 1: a kinematic particle moves in this substep, or has a trajectory from when it did
   uint stirred;       // substeps in which one did
-  uint gives_up;      // 1: one workgroup could not end this detection (detect_alone): nobody moves
   uint levels;        // a bit for each level that has boxes
   uint extents[WEFT_LEVELS];   // bits of the longest half side of a box (m) at each level
 };
@@ -573,7 +568,7 @@ static_assert(sizeof(SkinPoint) == 76 && sizeof(Joint) == 96 && sizeof(MotionLim
 static_assert(sizeof(MorphDelta) == 16 && sizeof(Carried) == 48 && sizeof(FrameChange) == 96);
 static_assert(sizeof(Gas) == 32 && sizeof(GasPart) == 16 && sizeof(GasState) == 8 && sizeof(GasSum) == 24);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 48);
-static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 380 && sizeof(Acceleration) == 48);
+static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 376 && sizeof(Acceleration) == 48);
 // As std430 and std140 have them.
 static_assert(offsetof(Collider, normal_from) == 32 && offsetof(Collider, rotation_from) == 80 && offsetof(Collider, half_size) == 96);
 static_assert(offsetof(Motion, origin) == 16 && offsetof(Motion, relaxation) == 36 && offsetof(Air, drag) == 16);

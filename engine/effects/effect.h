@@ -71,8 +71,8 @@ enum class Changes {
 /// detections of contacts are seldom, or often; these two, where also the device decides whether both kinds of pairs are looked for in one
 /// dispatch, or apart; those that are calm, as detections are seldom, contacts few and nothing can have gone through cloth, or stirred, and
 /// only in these both kinds are looked for by `united` or `apart`; those in which there were contacts when last was heard of them, as else
-/// another pass ends the substep; and those of `often`, with those of `seldom` where idle threads cost (Pass::decides).
-enum class Crowd { any, few, many, seldom, often, united, apart, calm, stirred, met, deciding };
+/// another pass ends the substep.
+enum class Crowd { any, few, many, seldom, often, united, apart, calm, stirred, met };
 
 using Constants = std::array<std::uint32_t, gpu::constant::kCount>;
 
@@ -108,7 +108,6 @@ struct Pass {
   bool a_workgroup_each = false;                 // not a thread: a workgroup, of Needs::narrow threads
   bool alone = false;                            // one workgroup, of Needs::alone threads, does it all
   bool crew = false;                             // that of Needs::crew threads: it has to go through all particles or contacts
-  bool decides = false;                          // itself whether it is due; where idle threads cost (idle_costs), by `threads.arguments`
   bool can_end_substep = false;                  // does what those of Crowd::met do where they are not recorded (WEFT_ENDS_SUBSTEP)
 };
 

@@ -171,12 +171,11 @@ void Simulation::State::learn(const gpu::Counters& counters) {
   capacity.load = counters.contacts_load;
 }
 
-// One workgroup takes longer for a detection than the passes that have a thread each (detect_alone), and saves five dispatches in every
-// substep without one, on the software driver seven. Its dispatches are cheap, and its workgroup slow (twist, with one or two a frame:
-// 18 ms for 12). On a GPU (H200, with none, one and two a frame: drop of 100 x 100 3.2, 3.3, 3.6 ms, curtain 2.4, 2.3, 2.6).
+// One workgroup takes longer for a detection than the passes that have a thread each (detect_alone), and saves dispatches in every substep
+// without one. (H200, with none, one and two a frame: drop of 100 x 100 3.2, 3.3, 3.6 ms, curtain 2.4, 2.3, 2.6.)
 void Simulation::State::count_calm(const gpu::Counters& counters) {
-  const std::uint32_t seldom = device->is_software() ? 0 : 1;   // in a frame
-  capacity.calm = counters.detections - std::exchange(capacity.detections, counters.detections) <= seldom ? capacity.calm + 1 : 0;
+  constexpr std::uint32_t kSeldom = 1;   // in a frame
+  capacity.calm = counters.detections - std::exchange(capacity.detections, counters.detections) <= kSeldom ? capacity.calm + 1 : 0;
 }
 
 // A dispatch costs a GPU as much as a workgroup needs for thousands of contacts, and the software driver the waking of its threads: two dozen
@@ -229,9 +228,8 @@ Result<void> Simulation::State::run_to_the_end(FrameInput input) {
     }
     if (auto done = wait(); !done) return done;
     if (!contacts || heard.counters.contacts_overflowed == overflowed) return {};
-    // One workgroup may have found more than it can do.
-    const bool was_alone = input.few_contacts || input.seldom_detections;
-    input.few_contacts = input.no_contacts = input.seldom_detections = false;
+    // One workgroup may have found more contacts than it can do.
+    const bool was_alone = std::exchange(input.few_contacts, false);
     // What the torn frame has found says little: it depends on which pairs overflowed, and those on the order of threads.
     if (!was_alone || heard.counters.contacts_room > solver->contact_settings().capacity) {
       auto grown = grow_capacity(2 * std::uint64_t{solver->contact_settings().capacity});

@@ -72,8 +72,7 @@ Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input)
   if (auto torn = follow_tears(); !torn) return torn.take_error();
   input.edits = holds.edits;
   input.seldom_detections = detections_are_seldom();
-  // The software driver runs through what threads of one kind do for those of the other as well; a GPU is charged for dispatches.
-  input.united_searches = !device->is_software();
+  input.united_searches = true;
   if (scene.air) {
     input.air = air_of(*scene.air, moving_air, now(), advance.simulated, origin);
     moving_air.pass(advance.simulated);

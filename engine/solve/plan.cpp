@@ -103,7 +103,6 @@ Result<PlannedPass> planned(const Part& part, const Needs& needs, compute::Speci
   const Pass& pass = *part.pass;
   PlannedPass made;
   made.pass = &pass;
-  if (!pass.decides || needs.constants[gpu::constant::idle_costs] != 0) made.arguments = pass.threads.arguments;
   made.label = label_of(part, needs);
   const auto refuse = [&](const std::string& why) { return fail("pass ", made.label, ": ", why); };
   const auto module = shader(pass.name);

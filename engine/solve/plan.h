@@ -27,7 +27,6 @@ struct PlannedPass {
   };
 
   const Pass* pass = nullptr;
-  Arguments arguments = {};                // of an indirect dispatch
   std::string label;                       // "bend+tether+finalize": all that the dispatch does
   std::vector<std::uint32_t> spirv;        // specialised: no constant is left open
   std::vector<Resource> resources;

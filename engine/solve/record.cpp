@@ -85,7 +85,8 @@ void Solver::record_step(compute::Recorder& recorder, const Step& step) const {
   const VkDescriptorSet sets[] = {sets_[step.pass].sets[step.parity][0].handle(), sets_[step.pass].sets[step.parity][1].handle()};
   recorder.bind(run.compiled->pipeline.handle(), run.compiled->layout.get(), sets);
   recorder.push(run.compiled->layout.get(), std::as_bytes(std::span(&step.push, 1)));
-  if (planned.arguments.buffer != nullptr) recorder.dispatch_indirect(buffer(*planned.arguments.buffer).handle, planned.arguments.offset);
+  const Arguments& arguments = planned.pass->threads.arguments;
+  if (arguments.buffer != nullptr) recorder.dispatch_indirect(buffer(*arguments.buffer).handle, arguments.offset);
   else if (planned.pass->a_workgroup_each) recorder.dispatch(step.push.count);
   else recorder.dispatch(run.groups > 0 ? run.groups : (step.push.count + workgroup_ - 1) / workgroup_);
 }

@@ -44,7 +44,7 @@ compute::Touches touches_of(const PlannedPass& planned, std::uint32_t parity) {
     if (resource.binding.read) touches.reads.insert(number);
     if (resource.binding.written) touches.writes.insert(number);
   }
-  if (const Buffer* arguments = planned.arguments.buffer) touches.arguments.insert(number_of(*arguments));
+  if (const Buffer* arguments = planned.pass->threads.arguments.buffer) touches.arguments.insert(number_of(*arguments));
   return touches;
 }
 
@@ -94,7 +94,7 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
     return std::ranges::any_of(solver.plan_.passes, [&](const PlannedPass& planned) { return planned.pass->crowd == crowd; });
   };
   solver.has_united_ = has_crowd(Crowd::united);
-  solver.has_calm_ = has_crowd(Crowd::calm);
+  solver.has_seldom_ = has_crowd(Crowd::seldom);
   const SizeLimits limits{device.limits().max_storage_buffer_bytes, device.limits().max_workgroups_x, solver.workgroup_};
   if (std::string fault = beyond(limits, device.name(), solver.plan_, subject); !fault.empty()) return Error{std::move(fault)};
   if (auto made = solver.create_buffers(subject); !made) return made.take_error();
@@ -304,17 +304,11 @@ void Solver::follow(const Cooked& subject) {
   set_uniforms("contact_settings", contacts_);
 }
 
-// On a GPU it is a matter of time, and of how seldom detections are: with the clusters of a sheet of 200 x 200 one takes as long as what it
-// saves in a frame. The software driver ends loops (WEFT_MOST_TURNS), and detect_alone before them: there are to be turns enough for all but
-// cloth that lies in heaps.
+// It is a matter of time, and of how seldom detections are: with the clusters of a sheet of 200 x 200 one takes as long as what it saves in
+// a frame.
 bool Solver::can_detect_alone() const {
-  constexpr std::uint64_t kMost = 8192;         // clusters
-  constexpr std::uint64_t kUsual = 300;         // turns of a cluster's search among those that are near (drop, curtain: 170 to 300)
-  const auto share = [&](std::uint64_t count) { return (count + needs_.crew - 1) / needs_.crew; };
-  const std::uint64_t clusters = contacts_.clusters;
-  if (std::ranges::none_of(plan_.passes, [](const PlannedPass& planned) { return planned.pass->crowd == Crowd::seldom; })) return false;
-  if (!device_->is_software()) return clusters <= kMost;
-  return share(WEFT_TURNS_OF_ALL(contacts_)) + share(clusters) * (WEFT_TURNS_OF_CLUSTER + WEFT_LANES * kUsual) <= WEFT_MOST_TURNS;
+  constexpr std::uint32_t kMost = 8192;   // clusters
+  return has_seldom_ && contacts_.clusters <= kMost;
 }
 
 std::span<const Solver::Step> Solver::frame(const FrameInput& input) {
@@ -370,8 +364,7 @@ bool Solver::ends_with_contacts(const FrameInput& input) const {
 }
 
 bool Solver::is_recorded(Crowd crowd, const FrameInput& input) const {
-  const bool idle_costs = needs_.constants[gpu::constant::idle_costs] != 0;
-  const bool calm = has_calm_ && input.seldom_detections && input.few_contacts && (input.kinematics_rest || !has(buffers::crossed_triangles));
+  const bool calm = has_seldom_ && input.seldom_detections && input.few_contacts && (input.kinematics_rest || !has(buffers::crossed_triangles));
   const bool unites = input.seldom_detections || (input.united_searches && has_united_);
   switch (crowd) {
     case Crowd::any: return true;
@@ -384,7 +377,6 @@ bool Solver::is_recorded(Crowd crowd, const FrameInput& input) const {
     case Crowd::calm: return calm;
     case Crowd::stirred: return !calm;
     case Crowd::met: return !ends_with_contacts(input);
-    case Crowd::deciding: return !input.seldom_detections || idle_costs;
   }
   return true;
 }

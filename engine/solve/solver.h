@@ -184,7 +184,7 @@ class Solver {
   std::vector<SliceRange> slices_; // of plan_.slices, in it
   VkBufferUsageFlags vertex_usage_ = 0;
   std::uint32_t workgroup_ = 0, parity_ = 0, phase_ = 0;
-  bool has_calm_ = false;     // passes of Crowd::calm
+  bool has_seldom_ = false;   // passes for frames in which detections are seldom, and calm ones
   bool has_united_ = false;   // passes that search for both kinds of pairs (Crowd::united)
   double rho_ = 0;
 };

@@ -27,7 +27,7 @@ void begin_detection(bool settled) {
   detection[0].least = untangled ? contact_settings.margin_low : least_after(detection[0].least, many);
   const float fastest = uintBitsToFloat(detection[0].fastest);
   detection[0].most_pushed = fastest > contact_settings.margin_low ? min(fastest, WEFT_MOST_PUSHED * contact_settings.cell) : 0;
-  detection[0].needs_detection = detection[0].gives_up = 0;
+  detection[0].needs_detection = 0;
   detection[0].settled = uint(settled);
   detection[0].steps = 0;
   detection[0].candidates = 0;

@@ -1,5 +1,5 @@
 // detect_alone: a detection as far as its search, in one workgroup that waits for itself, where detections are seldom: it is a single dispatch
-// instead of six, which are empty in most substeps; on the software driver of five. What it does is to the bit what those passes do, so that the host may choose by what it
+// instead of six, which are empty in most substeps. What it does is to the bit what those passes do, so that the host may choose by what it
 // knows of earlier frames (FrameInput::seldom_detections): the order of lists is the only difference, and nothing depends on it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -46,56 +46,22 @@ SHARE(vec4, grid_entries)
 #include "contact/start_track.glsl"
 #include "contact/make_box.glsl"
 #include "contact/fill.glsl"
-
-uint share(uint count) { return (count + workgroup - 1) / workgroup; }
-
-// Of the loops of find_near, what a thread has left for all of its clusters together. Where threads are lanes of a vector, it goes through
-// each turn that one of them makes.
-uint turns_left;
-bool spend(uint turns) {
-  const bool enough = turns <= turns_left;
-  turns_left -= min(turns, turns_left);
-  if (!enough) detection[0].gives_up = 1;
-  return enough;
-}
-
 #include "contact/find_near.glsl"
 #include "contact/outline_one.glsl"
 
-// More clusters lie at one place than one workgroup can tell apart. Nobody moves in this substep, as where a candidate finds no room, and
-// the next one has a detection again. It is counted: the next frames have the other passes.
-void hold_all(uint thread) {
-  for (uint i = thread; i < contact_settings.particles; i += workgroup) {
-    trajectories[i].w = 0;
-    displacement_bounds[i] = 0;
-  }
-  if (thread != 0) return;
-  detection[0].searchers = detection[0].prepared = Groups(0, 1, 1);
-  detection[0].needs_detection = 1;
-  counters[0].contacts_overflowed += contact_settings.clusters;
-}
-
 void main() {
   const uint thread = gl_LocalInvocationID.x, particles = contact_settings.particles, clusters = contact_settings.clusters;
-  if (!idle_costs) {   // else detect_arguments has decided, and this is dispatched where a detection is due
-    if (thread == 0) decide();
-    wait();
-    if (detection[0].clusters.x == 0) return;
-  }
+  if (thread == 0) decide();
+  wait();
+  if (detection[0].clusters.x == 0) return;   // none is due
   for (uint i = thread; i < particles; i += workgroup) start_track(i);
   wait();
   for (uint k = thread; k < clusters; k += workgroup) make_box(k);
   wait();
   fill(thread, clusters);
   wait();
-  const uint others = share(WEFT_TURNS_OF_ALL(contact_settings)) + WEFT_TURNS_OF_CLUSTER * share(clusters);
-  turns_left = (WEFT_MOST_TURNS - min(others, WEFT_MOST_TURNS)) / WEFT_LANES;
   for (uint k = thread; k < clusters; k += workgroup) find_near(k);
   wait();
-  if (detection[0].gives_up != 0) {
-    hold_all(thread);
-    return;
-  }
   const uint outlined = particles + contact_settings.triangles + contact_settings.edges + clusters;
   for (uint i = thread; i < outlined; i += workgroup) outline_one(i);
   if (untangles && detection[0].looks != 0)   // detect_search fills them

@@ -1,4 +1,4 @@
-// detect_pair: pair_faces and pair_edges in one dispatch, on a GPU or where detections are seldom: the first row of workgroups does
+// detect_pair: pair_faces and pair_edges in one dispatch, on a GPU: the first row of workgroups does
 // one, the second the other.
 #version 460
 #extension GL_GOOGLE_include_directive : require

@@ -1,4 +1,4 @@
-// detect_search: search_faces and search_edges in one dispatch, on a GPU or where detections are seldom. Threads do one or the other.
+// detect_search: search_faces and search_edges in one dispatch, on a GPU. Threads do one or the other.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"

@@ -1,5 +1,4 @@
-// find_near: what grid_search does for a cluster. Needs contact/grid.glsl, contact/cluster.glsl, contact/smooth.glsl and the buffers, and
-//     bool spend(uint turns);   // of a thread's loops; false: it has no more, and what is found is not all
+// find_near: what grid_search does for a cluster. Needs contact/grid.glsl, contact/cluster.glsl, contact/smooth.glsl and the buffers.
 
 struct Search {
   vec3 middle, near;   // m: no box of the level overlaps whose middle is farther away than `near`
@@ -42,10 +41,7 @@ bool is_near(Search search, uint k, bool any_row, ivec2 row, out uint other) {
          !any(greaterThan(low, own_box.high)) && !any(lessThan(high, own_box.low));
 }
 
-uint touched(uint cluster) { return FETCH(cluster_surroundings, cluster).y - FETCH(cluster_surroundings, cluster).x; }
-
 void list_both(uint other) {
-  if (!spend(2 + touched(own) + touched(other))) return;
   // Where only one of them has surroundings it is the one that may be smooth.
   const uint mark = touches(own, other) || touches(other, own) ? WEFT_TOUCHING : 0;
   add_near(own, other | mark);
@@ -78,7 +74,6 @@ void search_level(Search search) {
       const ivec2 row = ivec2(y, z);
       const int from = half_of_them && row == own_cell.yz ? own_cell.x : first.x;
       const uvec2 run = all_entries ? uvec2(0, clusters) : run_of(search, from, last.x, row);
-      if (!spend(2 + run.y - run.x)) return;
       for (uint k = run.x; k < run.y; ++k) {
         uint other = 0;
         for (bool found = false; !found && k < run.y; k += uint(!found))
@@ -94,7 +89,6 @@ void find_near(uint cluster) {
   own_box = Box(LATEST(cluster_boxes, 2 * own).xyz, LATEST(cluster_boxes, 2 * own + 1).xyz);
   const Place place = place_of(own_box);
   add_near(own, own | WEFT_TOUCHING);
-  if (!spend(FETCH(cluster_surroundings, own).z - FETCH(cluster_surroundings, own).x)) return;
   smooth_clusters[own] = uint(is_smooth(own));
   const vec3 half_size = (1 + rounding) * (0.5 * (own_box.high - own_box.low));
   for (uint levels = detection[0].levels >> place.level << place.level; levels != 0; levels &= levels - 1) {

@@ -20,7 +20,6 @@ READ(Detection, detection)
 #include "contact/cluster.glsl"
 #include "contact/smooth.glsl"
 
-bool spend(uint turns) { return true; }
 #include "contact/find_near.glsl"
 
 // push.count: clusters.

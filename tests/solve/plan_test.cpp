@@ -295,12 +295,12 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   EXPECT_EQ(labels({{Id::gauss_seidel, Id::tether, Id::collide, Id::triangle}}),
             (Labels{"predict", "gauss_seidel", "finalize+tether", "triangle_search", "triangle_collide", "finalize+collide", "surface"}));
   EXPECT_EQ(labels({{Id::stretch, Id::contact}}),
-            (Labels{"predict+watch", "detect_arguments", "detect_alone", "detect_track", "cluster_box", "grid_fill", "grid_search", "detect_outline", "search_faces",
+            (Labels{"predict+watch", "detect_alone", "detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search", "detect_outline", "search_faces",
                     "search_edges", "pair_faces", "pair_edges", "detect_search", "detect_pair", "detect_prepare", "contact_prepare", "stretch+finalize", "contact_alone", "contact_penetration",
                     "contact_solve", "contact_apply", "contact_slide", "contact_slide_apply", "contact_unsafe", "contact_limit",
                     "contact_finalize", "surface"}));
   EXPECT_EQ(labels(with(all, {Id::contact})),
-            (Labels{"predict+watch", "anchor+watch", "detect_arguments", "detect_alone", "detect_track", "cluster_box", "grid_fill", "grid_search", "detect_outline",
+            (Labels{"predict+watch", "anchor+watch", "detect_alone", "detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search", "detect_outline",
                     "search_faces", "search_edges", "pair_faces", "pair_edges", "detect_search", "detect_pair", "detect_prepare", "contact_prepare", "stretch", "bend+tether+collide+finalize",
                     "contact_alone+collide", "contact_penetration", "contact_solve", "contact_apply+collide", "contact_slide",
                     "contact_slide_apply", "contact_unsafe", "contact_limit", "contact_finalize", "surface"}));

@@ -78,7 +78,6 @@ struct Setting {
   double fastest = 0;   // m: the longest step of a kinematic particle, as the anchor pass finds it
   bool untangle = false;
   bool seldom = false;   // by the passes for detections that are seldom
-  bool idle_costs = false;   // those of the software driver
   bool united = false;   // those search for both kinds of pairs, and so do these
   bool calm = false;     // by those for cloth of which little is to be expected, which are seldom as well
 };
@@ -104,7 +103,7 @@ struct Detected {
     return scene;
   }
   Detected(const compute::Device& device, const Soup& of, const Setting& setting, std::string_view last = "pair_edges")
-      : fabric(with_clusters(of.fabric)), passes(device, scene(setting), fabric, setting.gather_storage, setting.workgroup, setting.idle_costs), soup(of) {
+      : fabric(with_clusters(of.fabric)), passes(device, scene(setting), fabric, setting.gather_storage, setting.workgroup, !(setting.seldom || setting.united || setting.calm)), soup(of) {
     FrameInput input = frame_of(1);
     input.seldom_detections = setting.seldom || setting.calm;
     input.few_contacts = input.kinematics_rest = setting.calm;
@@ -120,12 +119,9 @@ struct Detected {
     }
   }
   static std::vector<std::string_view> passes_of(const Setting& setting) {
-    std::vector<std::string_view> names;
-    if (setting.idle_costs || !(setting.calm || setting.seldom)) names.push_back("detect_arguments");
-    if (setting.calm || setting.seldom) names.push_back("detect_alone");
-    if (setting.calm) return names.push_back("detect_prepare"), names;
-    if (setting.seldom) return names.insert(names.end(), {"detect_search", "detect_pair"}), names;
-    names.insert(names.end(), {"detect_track", "cluster_box", "grid_fill", "grid_search", "detect_outline"});
+    if (setting.calm) return {"detect_alone", "detect_prepare"};
+    if (setting.seldom) return {"detect_alone", "detect_search", "detect_pair"};
+    std::vector<std::string_view> names{"detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search", "detect_outline"};
     if (setting.united) names.insert(names.end(), {"detect_search", "detect_pair"});
     else names.insert(names.end(), {"search_faces", "search_edges", "pair_faces", "pair_edges"});
     return names;

@@ -87,13 +87,13 @@ constexpr Threads kUnsafeCandidates{lengths::candidates, nullptr,
 // Devices that bind fewer buffers to a pass do without what one workgroup does instead of six passes.
 bool binds_all(const Needs& needs) { return needs.storage_buffers >= (needs.constants[gpu::constant::through_texels] != 0 ? 17 : 27); }
 
-// Where idle threads cost, one shader that does it all costs more than the dispatches that it saves, and takes long to compile.
+// Where idle threads cost, as on the software driver, a shader that does what several do costs more than their dispatches; and it takes
+// seconds to compile there, and the loops of one workgroup would be too long (WEFT_MOST_TURNS).
 bool unites_all(const Needs& needs) { return binds_all(needs) && needs.constants[gpu::constant::idle_costs] == 0; }
 
 constexpr Pass kPasses[] = {
-    {.name = "detect_arguments", .stage = Stage::detect, .threads = threads::once, .crowd = Crowd::deciding, .alone = true},
-    {.name = "detect_alone", .stage = Stage::detect, .threads = kGrid, .crowd = Crowd::seldom, .when = binds_all, .alone = true, .crew = true,
-     .decides = true},
+    {.name = "detect_alone", .stage = Stage::detect, .threads = threads::once, .crowd = Crowd::seldom, .when = unites_all, .alone = true, .crew = true},
+    {.name = "detect_arguments", .stage = Stage::detect, .threads = threads::once, .crowd = Crowd::often, .alone = true},
     {.name = "detect_track", .stage = Stage::detect, .threads = kDetectedParticles, .crowd = Crowd::often},
     {.name = "cluster_box", .stage = Stage::detect, .threads = kClusters, .crowd = Crowd::often, .thin = true},
     {.name = "grid_fill", .stage = Stage::detect, .threads = kGrid, .crowd = Crowd::often, .alone = true, .crew = true},
@@ -103,8 +103,8 @@ constexpr Pass kPasses[] = {
     {.name = "search_edges", .stage = Stage::detect, .threads = kEdges, .crowd = Crowd::apart},
     {.name = "pair_faces", .stage = Stage::detect, .threads = kNearFaces, .crowd = Crowd::apart},
     {.name = "pair_edges", .stage = Stage::detect, .threads = kNearEdges, .crowd = Crowd::apart},
-    {.name = "detect_search", .stage = Stage::detect, .threads = kSearchers, .crowd = Crowd::united, .when = binds_all},
-    {.name = "detect_pair", .stage = Stage::detect, .threads = kNearPairs, .crowd = Crowd::united, .when = binds_all},
+    {.name = "detect_search", .stage = Stage::detect, .threads = kSearchers, .crowd = Crowd::united, .when = unites_all},
+    {.name = "detect_pair", .stage = Stage::detect, .threads = kNearPairs, .crowd = Crowd::united, .when = unites_all},
     {.name = "detect_prepare", .stage = Stage::detect, .threads = kPrepared, .crowd = Crowd::calm, .when = unites_all},
     {.name = "contact_prepare", .stage = Stage::detect, .threads = kCandidates, .crowd = Crowd::stirred},
     {.name = "contact_alone", .stage = Stage::contacts, .threads = kContactsAlone, .crowd = Crowd::few, .collides = true, .alone = true, .crew = true,

@@ -325,9 +325,9 @@ TEST_F(Detect, one_that_is_seldom_or_united_or_calm_finds_and_prepares_the_same_
       for (const bool untangle : {false, true}) {
         Random random(41 + triangles);
         const Soup soup = random_soup(random, triangles);
-        std::vector<Setting> settings(untangle ? 4 : 5);   // what may have crossed is not calm
-        settings[1].seldom = settings[2].united = settings[3].seldom = settings[3].idle_costs = true;
-        if (!untangle) settings[4].calm = true;
+        std::vector<Setting> settings(untangle ? 3 : 4);   // what may have crossed is not calm
+        settings[1].seldom = settings[2].united = true;
+        if (!untangle) settings[3].calm = true;
         std::vector<std::unique_ptr<Detected>> ways;
         for (Setting& setting : settings) {
           setting.gather_storage = gather_storage;
@@ -367,21 +367,6 @@ TEST_F(Detect, one_that_is_seldom_or_united_or_calm_finds_and_prepares_the_same_
           }
         }
       }
-}
-
-// Where cloth lies in a heap, or cells are far too large, one workgroup would have more to do than the software driver allows.
-TEST_F(Detect, more_than_one_workgroup_can_do_is_counted_and_holds_everybody_for_a_substep) {
-  Random random(43);
-  const Soup soup = random_soup(random, device().is_software() ? 1500 : 60000);
-  Setting setting{.cell = 50};
-  setting.seldom = true;
-  const Detected detected(device(), soup, setting);
-  const std::size_t particles = soup.predicted.size();
-  const gpu::Detection held = detected.detection();
-  EXPECT_EQ(held.candidates, 0u);
-  EXPECT_EQ(held.needs_detection, 1u);
-  EXPECT_GT(detected.passes.counters().contacts_overflowed, 0u);
-  EXPECT_EQ(detected.passes.get<std::uint32_t>(buffers::displacement_bounds, particles), std::vector<std::uint32_t>(particles));
 }
 
 // Pairs that meet are found in spite of it.
