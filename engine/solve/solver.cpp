@@ -364,14 +364,15 @@ bool Solver::ends_with_contacts(const FrameInput& input) const {
 }
 
 bool Solver::is_recorded(Crowd crowd, const FrameInput& input) const {
-  const bool calm = has_seldom_ && input.seldom_detections && input.few_contacts && (input.kinematics_rest || !has(buffers::crossed_triangles));
-  const bool unites = input.seldom_detections || (input.united_searches && has_united_);
+  const bool seldom = has_seldom_ && input.seldom_detections;
+  const bool calm = seldom && input.few_contacts && (input.kinematics_rest || !has(buffers::crossed_triangles));
+  const bool unites = seldom || (input.united_searches && has_united_);
   switch (crowd) {
     case Crowd::any: return true;
     case Crowd::few: return input.few_contacts;
     case Crowd::many: return !input.few_contacts;
-    case Crowd::seldom: return input.seldom_detections;
-    case Crowd::often: return !input.seldom_detections;
+    case Crowd::seldom: return seldom;
+    case Crowd::often: return !seldom;
     case Crowd::united: return unites && !calm;
     case Crowd::apart: return !unites;
     case Crowd::calm: return calm;

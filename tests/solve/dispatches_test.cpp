@@ -73,8 +73,8 @@ TEST_F(Dispatches, one_workgroup_does_detections_of_sheets_up_to_a_size) {
     const CookedFabric fabric = must(cook(scene, must(make_meshes(scene))));
     return must(Solver::create(device(), {}, scene, fabric, {.idle_costs = idle_costs})).can_detect_alone();
   };
-  EXPECT_TRUE(can(199));
-  EXPECT_FALSE(can(299));
+  EXPECT_TRUE(can(100));
+  EXPECT_FALSE(can(258));
   EXPECT_FALSE(can(20, true));
 }
 
