@@ -72,7 +72,8 @@ struct SimulationOptions {
   bool timings = false;
   /// Time passes on the CPU, each submitted alone, also where the GPU has timestamps.
   bool timings_on_cpu = false;
-  /// A file in which specialised and compiled pipelines are saved between runs; empty: none.
+  /// A file in which specialised and compiled pipelines are saved between runs; empty: none. One for all simulations of a device: what they
+  /// share is compiled, and saved, once.
   std::filesystem::path pipeline_cache;
   /// Gather through storage buffers instead of texel buffers (shared.h says what that is for).
   bool gather_storage = false;
