@@ -68,11 +68,9 @@ enum class Changes {
 };
 
 /// In which frames a pass is recorded that does what others do, too, to the bit: those with few contacts, or with many; those in which
-/// detections of contacts are seldom, or often; these two, where also the device decides whether both kinds of pairs are looked for in one
-/// dispatch, or apart; those that are calm, as detections are seldom, contacts few and nothing can have gone through cloth, or stirred, and
-/// only in these both kinds are looked for by `united` or `apart`; those in which there were contacts when last was heard of them, as else
-/// another pass ends the substep.
-enum class Crowd { any, few, many, seldom, often, united, apart, calm, stirred, met };
+/// detections of contacts are seldom, or often; those that are calm, as detections are seldom, contacts few and nothing can have gone through
+/// cloth, or stirred; those in which there were contacts when last was heard of them, as else another pass ends the substep.
+enum class Crowd { any, few, many, seldom, often, calm, stirred, met };
 
 using Constants = std::array<std::uint32_t, gpu::constant::kCount>;
 

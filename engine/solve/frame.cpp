@@ -72,7 +72,6 @@ Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input)
   if (auto torn = follow_tears(); !torn) return torn.take_error();
   input.edits = holds.edits;
   input.seldom_detections = detections_are_seldom();
-  input.united_searches = true;
   if (scene.air) {
     input.air = air_of(*scene.air, moving_air, now(), advance.simulated, origin);
     moving_air.pass(advance.simulated);

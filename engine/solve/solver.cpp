@@ -90,11 +90,8 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   auto plan = make_plan(solver.needs_, device.specializer());
   if (!plan) return plan.take_error();
   solver.plan_ = std::move(*plan);
-  const auto has_crowd = [&](Crowd crowd) {
-    return std::ranges::any_of(solver.plan_.passes, [&](const PlannedPass& planned) { return planned.pass->crowd == crowd; });
-  };
-  solver.has_united_ = has_crowd(Crowd::united);
-  solver.has_seldom_ = has_crowd(Crowd::seldom);
+  solver.has_seldom_ =
+      std::ranges::any_of(solver.plan_.passes, [](const PlannedPass& planned) { return planned.pass->crowd == Crowd::seldom; });
   const SizeLimits limits{device.limits().max_storage_buffer_bytes, device.limits().max_workgroups_x, solver.workgroup_};
   if (std::string fault = beyond(limits, device.name(), solver.plan_, subject); !fault.empty()) return Error{std::move(fault)};
   if (auto made = solver.create_buffers(subject); !made) return made.take_error();
@@ -366,15 +363,12 @@ bool Solver::ends_with_contacts(const FrameInput& input) const {
 bool Solver::is_recorded(Crowd crowd, const FrameInput& input) const {
   const bool seldom = has_seldom_ && input.seldom_detections;
   const bool calm = seldom && input.few_contacts && (input.kinematics_rest || !has(buffers::crossed_triangles));
-  const bool unites = seldom || (input.united_searches && has_united_);
   switch (crowd) {
     case Crowd::any: return true;
     case Crowd::few: return input.few_contacts;
     case Crowd::many: return !input.few_contacts;
     case Crowd::seldom: return seldom;
     case Crowd::often: return !seldom;
-    case Crowd::united: return unites && !calm;
-    case Crowd::apart: return !unites;
     case Crowd::calm: return calm;
     case Crowd::stirred: return !calm;
     case Crowd::met: return !ends_with_contacts(input);

@@ -58,7 +58,6 @@ struct FrameInput {
   bool few_contacts = false;                  // Crowd::few; the same bits either way
   bool no_contacts = false;                   // none were known, and they are few: not Crowd::met; the same bits either way
   bool seldom_detections = false;             // Crowd::seldom; the same bits either way
-  bool united_searches = false;               // Crowd::united, also where detections are not seldom; the same bits either way
   std::span<const gpu::Anchor> anchors;       // when they move
   std::span<const gpu::Collider> colliders;   // by shape, as the buffer has them
   std::span<const gpu::BodySize> body_sizes;  // of these, where the frame begins
@@ -185,7 +184,6 @@ class Solver {
   VkBufferUsageFlags vertex_usage_ = 0;
   std::uint32_t workgroup_ = 0, parity_ = 0, phase_ = 0;
   bool has_seldom_ = false;   // passes for frames in which detections are seldom, and calm ones
-  bool has_united_ = false;   // passes that search for both kinds of pairs (Crowd::united)
   double rho_ = 0;
 };
 

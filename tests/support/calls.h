@@ -34,6 +34,7 @@ inline Needs setup_for(const Calls& calls, bool texels) {
   setup.thin = kThin;
   setup.constants[constant::workgroup] = kWorkgroup;
   setup.constants[constant::through_texels] = texels;
+  setup.constants[constant::idle_costs] = calls.has(Id::tether);   // by turns
   setup.constants[constant::is_iterated] = calls.iterated;
   setup.constants[constant::linear_solver] = calls.relaxed ? WEFT_LINEAR_JACOBI : WEFT_LINEAR_CG;
   setup.constants[constant::is_accelerated] = calls.has(Id::chebyshev);

@@ -103,11 +103,12 @@ struct Detected {
     return scene;
   }
   Detected(const compute::Device& device, const Soup& of, const Setting& setting, std::string_view last = "pair_edges")
-      : fabric(with_clusters(of.fabric)), passes(device, scene(setting), fabric, setting.gather_storage, setting.workgroup, !(setting.seldom || setting.united || setting.calm)), soup(of) {
+      : fabric(with_clusters(of.fabric)),
+        passes(device, scene(setting), fabric, setting.gather_storage, setting.workgroup, !setting.seldom && !setting.united && !setting.calm),
+        soup(of) {
     FrameInput input = frame_of(1);
     input.seldom_detections = setting.seldom || setting.calm;
     input.few_contacts = input.kinematics_rest = setting.calm;
-    input.united_searches = setting.united;
     passes.begin(input);
     passes.put(buffers::predicted, soup.predicted);
     gpu::Detection before = detection();

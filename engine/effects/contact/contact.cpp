@@ -90,21 +90,23 @@ bool binds_all(const Needs& needs) { return needs.storage_buffers >= (needs.cons
 // Where idle threads cost, as on the software driver, a shader that does what several do costs more than their dispatches; and it takes
 // seconds to compile there, and the loops of one workgroup would be too long (WEFT_MOST_TURNS).
 bool unites_all(const Needs& needs) { return binds_all(needs) && needs.constants[gpu::constant::idle_costs] == 0; }
+bool keeps_apart(const Needs& needs) { return !unites_all(needs); }
 
 constexpr Pass kPasses[] = {
-    {.name = "detect_alone", .stage = Stage::detect, .threads = threads::once, .crowd = Crowd::seldom, .when = unites_all, .alone = true, .crew = true},
+    {.name = "detect_alone", .stage = Stage::detect, .threads = threads::once, .crowd = Crowd::seldom, .when = unites_all, .alone = true,
+     .crew = true},
     {.name = "detect_arguments", .stage = Stage::detect, .threads = threads::once, .crowd = Crowd::often, .alone = true},
     {.name = "detect_track", .stage = Stage::detect, .threads = kDetectedParticles, .crowd = Crowd::often},
     {.name = "cluster_box", .stage = Stage::detect, .threads = kClusters, .crowd = Crowd::often, .thin = true},
     {.name = "grid_fill", .stage = Stage::detect, .threads = kGrid, .crowd = Crowd::often, .alone = true, .crew = true},
     {.name = "grid_search", .stage = Stage::detect, .threads = kClusters, .crowd = Crowd::often, .thin = true},
     {.name = "detect_outline", .stage = Stage::detect, .threads = kOutlined, .crowd = Crowd::often},
-    {.name = "search_faces", .stage = Stage::detect, .threads = kDetectedParticles, .crowd = Crowd::apart},
-    {.name = "search_edges", .stage = Stage::detect, .threads = kEdges, .crowd = Crowd::apart},
-    {.name = "pair_faces", .stage = Stage::detect, .threads = kNearFaces, .crowd = Crowd::apart},
-    {.name = "pair_edges", .stage = Stage::detect, .threads = kNearEdges, .crowd = Crowd::apart},
-    {.name = "detect_search", .stage = Stage::detect, .threads = kSearchers, .crowd = Crowd::united, .when = unites_all},
-    {.name = "detect_pair", .stage = Stage::detect, .threads = kNearPairs, .crowd = Crowd::united, .when = unites_all},
+    {.name = "search_faces", .stage = Stage::detect, .threads = kDetectedParticles, .when = keeps_apart},
+    {.name = "search_edges", .stage = Stage::detect, .threads = kEdges, .when = keeps_apart},
+    {.name = "pair_faces", .stage = Stage::detect, .threads = kNearFaces, .when = keeps_apart},
+    {.name = "pair_edges", .stage = Stage::detect, .threads = kNearEdges, .when = keeps_apart},
+    {.name = "detect_search", .stage = Stage::detect, .threads = kSearchers, .crowd = Crowd::stirred, .when = unites_all},
+    {.name = "detect_pair", .stage = Stage::detect, .threads = kNearPairs, .crowd = Crowd::stirred, .when = unites_all},
     {.name = "detect_prepare", .stage = Stage::detect, .threads = kPrepared, .crowd = Crowd::calm, .when = unites_all},
     {.name = "contact_prepare", .stage = Stage::detect, .threads = kCandidates, .crowd = Crowd::stirred},
     {.name = "contact_alone", .stage = Stage::contacts, .threads = kContactsAlone, .crowd = Crowd::few, .collides = true, .alone = true, .crew = true,

@@ -305,8 +305,8 @@ using Prepared = std::array<gpu::uvec4, 3>;
 
 std::vector<Prepared> prepared_by(const Detected& detected) {
   const std::uint32_t count = detected.detection().candidates;
-  const auto pairs = detected.passes.get<gpu::uvec4>(buffers::candidates, count), normals = detected.passes.get<gpu::uvec4>(buffers::contact_normals, count),
-             weights = detected.passes.get<gpu::uvec4>(buffers::contact_weights, count);
+  const auto read = [&](const Buffer& row) { return detected.passes.get<gpu::uvec4>(row, count); };
+  const auto pairs = read(buffers::candidates), normals = read(buffers::contact_normals), weights = read(buffers::contact_weights);
   std::vector<Prepared> all;
   for (std::uint32_t k = 0; k < count; ++k) {
     const bool is_active = std::bit_cast<float>(normals[k].w) >= 0;
@@ -319,7 +319,9 @@ std::vector<Prepared> prepared_by(const Detected& detected) {
 // The ten passes; a search and pairs of both kinds at once; one workgroup before these; and after that one dispatch for all that is left:
 // in one detection, in the next, which measures bounds by the first, and in a substep without one.
 TEST_F(Detect, one_that_is_seldom_or_united_or_calm_finds_and_prepares_the_same_to_the_bit) {
-  const auto same = [](const auto& a, const auto& b) { return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0; };
+  const auto same = [](const auto& a, const auto& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
+  };
   for (const std::uint32_t triangles : {3u, 300u})
     for (const bool gather_storage : {false, true})
       for (const bool untangle : {false, true}) {
@@ -349,8 +351,10 @@ TEST_F(Detect, one_that_is_seldom_or_united_or_calm_finds_and_prepares_the_same_
             EXPECT_TRUE(same(prepared_by(often), prepared_by(*other)));
             for (const Buffer* row : {&buffers::detected_positions, &buffers::trajectories})
               EXPECT_TRUE(same(often.passes.particles(*row), other->passes.particles(*row))) << row->name;
-            for (const Buffer* row : {&buffers::displacement_bounds, &buffers::near_bounds, &buffers::contact_counts})
-              EXPECT_TRUE(same(often.passes.get<std::uint32_t>(*row, particles), other->passes.get<std::uint32_t>(*row, particles))) << row->name;
+            for (const Buffer* row : {&buffers::displacement_bounds, &buffers::near_bounds, &buffers::contact_counts}) {
+              const auto read = [&](const Detected& detected) { return detected.passes.get<std::uint32_t>(*row, particles); };
+              EXPECT_TRUE(same(read(often), read(*other))) << row->name;
+            }
             EXPECT_TRUE(same(std::vector{a}, std::vector{other->detection()}));
             EXPECT_TRUE(same(std::vector{often.passes.counters()}, std::vector{other->passes.counters()}));
           }

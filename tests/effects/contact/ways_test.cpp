@@ -157,7 +157,8 @@ TEST_F(ContactWays, anchors_that_stop_and_set_off_again_leave_the_same_bits) {
   EXPECT_GT(simulation->counts().tracking_error, 0.002f) << "none is late when they stop";
   options.idle_costs = false;   // the passes of a GPU
   const auto idling = must(Simulation::create(device(), scene, options));
-  int alone = 0, calm = 0, ended = 0;   // frames with detections by one workgroup; those in which one dispatch searches, tests and prepares; those whose substeps contacts' one workgroup ends
+  // Frames with detections by one workgroup; in which one dispatch searches, tests and prepares; whose substeps contacts' workgroup ends.
+  int alone = 0, calm = 0, ended = 0;
   for (int frame = 0; frame < kWayFrames; ++frame) {
     must(idling->advance(1.0 / 60));
     const auto timings = idling->timings();
