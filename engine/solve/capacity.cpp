@@ -175,7 +175,9 @@ void Simulation::State::learn(const gpu::Counters& counters) {
 // without one. (H200, with none, one and two a frame: drop of 100 x 100 3.2, 3.3, 3.6 ms, curtain 2.4, 2.3, 2.6.)
 void Simulation::State::count_calm(const gpu::Counters& counters) {
   constexpr std::uint32_t kSeldom = 1;   // in a frame
-  capacity.calm = counters.detections - std::exchange(capacity.detections, counters.detections) <= kSeldom ? capacity.calm + 1 : 0;
+  const std::uint32_t detections = counters.detections - std::exchange(capacity.detections, counters.detections);
+  capacity.calm = detections <= kSeldom ? capacity.calm + 1 : 0;
+  capacity.still = detections == 0 ? capacity.still + 1 : 0;
 }
 
 // A dispatch costs a GPU as much as a workgroup needs for thousands of contacts, and the software driver the waking of its threads: two dozen
@@ -186,6 +188,15 @@ void Simulation::State::count_calm(const gpu::Counters& counters) {
 bool Simulation::State::contacts_are_few() const { return capacity.load <= (device->is_software() ? 16'000u : 64'000u); }
 
 bool Simulation::State::detections_are_seldom() const { return capacity.calm >= 4 && solver->can_detect_alone(); }
+
+// Whether no detection is to be expected of the next frame. All frames before it are done, and what is kinematic does not move. A frame that
+// has to be repeated for it costs as much as is saved in some ten, so there must have been none for longer.
+bool Simulation::State::is_still() const {
+  constexpr std::uint32_t kFrames = 16;
+  const gpu::Detection& now = heard.detection;
+  const bool may_settle = now.settled == 0 && now.candidates > solver->contact_settings().particles;   // detect_arguments
+  return capacity.still >= kFrames && now.needs_detection == 0 && !may_settle;
+}
 
 // Of the frames of `record` those that are done by now.
 void Simulation::State::hear_recorded() {
@@ -211,6 +222,9 @@ Result<void> Simulation::State::run_to_the_end(FrameInput input) {
   const std::uint32_t overflowed = before.counters.contacts_overflowed, parity = solver->parity(), phase = solver->phase();
   const bool saves = contacts || (timed_on_cpu() && input.substeps > 0);
   if (auto done = put_frame_back(); !done) return done;
+  input.is_still = contacts && input.kinematics_rest && is_still();
+  // Where trajectories have ended nothing counts substeps any more, either.
+  input.has_no_candidates = heard.detection.candidates == 0 && heard.detection.steps == WEFT_LONGEST_LIFETIME;
   rollback.candidates = contacts ? std::min(heard.detection.candidates, solver->contact_settings().capacity) : 0;
   for (;;) {
     if (saves)
@@ -227,11 +241,14 @@ Result<void> Simulation::State::run_to_the_end(FrameInput input) {
       if (auto done = submit_frame(input, {}, contacts); !done) return done;
     }
     if (auto done = wait(); !done) return done;
-    if (!contacts || heard.counters.contacts_overflowed == overflowed) return {};
+    const bool overflows = contacts && heard.counters.contacts_overflowed != overflowed;
+    const bool was_still = std::exchange(input.is_still, false);
+    const bool misses = was_still && (heard.detection.needs_detection != 0 || heard.counters.detections != before.counters.detections);
+    if (!overflows && !misses) return {};
     // One workgroup may have found more contacts than it can do.
-    const bool was_alone = std::exchange(input.few_contacts, false);
+    const bool was_alone = overflows && std::exchange(input.few_contacts, false);
     // What the torn frame has found says little: it depends on which pairs overflowed, and those on the order of threads.
-    if (!was_alone || heard.counters.contacts_room > solver->contact_settings().capacity) {
+    if (!misses && (!was_alone || heard.counters.contacts_room > solver->contact_settings().capacity)) {
       auto grown = grow_capacity(2 * std::uint64_t{solver->contact_settings().capacity});
       if (!grown) return grown.take_error();
       if (!*grown) return {};   // no larger capacity to be had: the frame is safe, and the overflow is counted
@@ -245,6 +262,7 @@ Result<void> Simulation::State::run_to_the_end(FrameInput input) {
     heard = before;
     kinematic.rest = rested;
     capacity.detections = before.counters.detections;
+    capacity.still = 0;
     reactions.heard = reactions.known = given_before;
     capacity.lost = before.counters.contacts_overflowed;
   }

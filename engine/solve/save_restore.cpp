@@ -343,7 +343,7 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot, std::optional
   capacity.room = heard.counters.contacts_room;
   capacity.lost = capacity.told = heard.counters.contacts_overflowed;
   capacity.detections = heard.counters.detections;
-  capacity.calm = 0;
+  capacity.calm = capacity.still = 0;
   clock.substeps = snapshot.substeps;
   clock.left_over = snapshot.left_over;
   gravity = snapshot.gravity;

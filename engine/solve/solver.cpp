@@ -361,17 +361,21 @@ bool Solver::ends_with_contacts(const FrameInput& input) const {
 }
 
 bool Solver::is_recorded(Crowd crowd, const FrameInput& input) const {
+  const bool detects = !input.is_still, solves = detects || !input.has_no_candidates;
   const bool seldom = has_seldom_ && input.seldom_detections;
   const bool calm = seldom && input.few_contacts && (input.kinematics_rest || !has(buffers::crossed_triangles));
   switch (crowd) {
     case Crowd::any: return true;
-    case Crowd::few: return input.few_contacts;
-    case Crowd::many: return !input.few_contacts;
-    case Crowd::seldom: return seldom;
-    case Crowd::often: return !seldom;
-    case Crowd::calm: return calm;
-    case Crowd::stirred: return !calm;
-    case Crowd::met: return !ends_with_contacts(input);
+    case Crowd::few: return solves && input.few_contacts;
+    case Crowd::many: return solves && !input.few_contacts;
+    case Crowd::seldom: return detects && seldom;
+    case Crowd::often: return detects && !seldom;
+    case Crowd::calm: return detects && calm;
+    case Crowd::stirred: return detects && !calm;
+    case Crowd::met: return solves && !ends_with_contacts(input);
+    case Crowd::sought: return detects;
+    case Crowd::decided: return detects ? !seldom : solves;
+    case Crowd::prepared: return detects ? !calm : solves;
   }
   return true;
 }

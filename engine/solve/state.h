@@ -151,7 +151,7 @@ struct ContactCapacity {
   std::vector<Outgrown> outgrown;              // oldest first: the candidates of each go to the next, and the last one's to the solver's
   std::uint32_t room = 0, lost = 0, told = 0;  // Counters::contacts_room and contacts_overflowed as far as known; told to the host
   std::uint32_t load = 0;                      // Counters::contacts_load of the last frame that is known to be done
-  std::uint32_t detections = 0, calm = 0;      // until then; frames in a row with hardly any, of those that were heard of
+  std::uint32_t detections = 0, calm = 0, still = 0;   // until then; frames in a row with hardly any, and with none, of those heard of
   bool is_final = false;                       // the device had no memory for more: not asked for again
 };
 
@@ -304,6 +304,7 @@ struct Simulation::State {
   bool contacts_are_few() const;
   bool detections_are_seldom() const;
   void count_calm(const gpu::Counters& counters);
+  bool is_still() const;
   void stir();
   void hear_recorded();
   std::uint32_t lost_since_told() { return capacity.lost - std::exchange(capacity.told, capacity.lost); }

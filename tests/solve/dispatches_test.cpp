@@ -14,11 +14,12 @@ struct Counted {
   std::size_t without, few, many;   // contacts: off, few of them, many
   std::size_t seldom, calm, none;   // few, and detections are seldom; what is kinematic is at rest, besides; and nothing has met
   std::size_t idle_costs;           // the same, as on the software driver
+  std::size_t paired, still;        // no detection is expected: of those that have met, and where nothing has
 };
 
 struct Frame {
   bool few = false, seldom = false, rest = false, none = false;   // FrameInput's
-  bool idle_costs = false;
+  bool idle_costs = false, still = false;
 };
 
 // Of a frame of ten substeps, as often as a frame's structure lists them.
@@ -30,7 +31,8 @@ std::size_t dispatches_of(const compute::Device& device, const Scene& scene, con
   input.few_contacts = frame.few;
   input.seldom_detections = frame.seldom;
   input.kinematics_rest = frame.rest;
-  input.no_contacts = frame.none;
+  input.no_contacts = input.has_no_candidates = frame.none;
+  input.is_still = frame.still;
   return solver.frame(input).size();
 }
 
@@ -45,7 +47,9 @@ Counted count(const compute::Device& device, Scene scene) {
           with({.few = true, .seldom = true}),
           with({.few = true, .seldom = true, .rest = true}),
           with({.few = true, .seldom = true, .rest = true, .none = true}),
-          with({.few = true, .seldom = true, .rest = true, .none = true, .idle_costs = true})};
+          with({.few = true, .seldom = true, .rest = true, .none = true, .idle_costs = true}),
+          with({.few = true, .seldom = true, .rest = true, .still = true}),
+          with({.few = true, .seldom = true, .rest = true, .none = true, .still = true})};
 }
 
 TEST_F(Dispatches, of_a_frame_are_as_many_as_these) {
@@ -60,6 +64,8 @@ TEST_F(Dispatches, of_a_frame_are_as_many_as_these) {
   EXPECT_EQ(fallen.calm, 22u + 10 * (2 + 2)) << "nothing that could have crossed: the search tests and prepares what it finds";
   EXPECT_EQ(fallen.none, 22u + 10 * (2 + 1)) << "contacts' one workgroup ends the substep of those that it may find";
   EXPECT_EQ(fallen.idle_costs, 22u + 10 * (11 + 2)) << "faces and edges apart: a dispatch costs little there, and a thread that waits much";
+  EXPECT_EQ(fallen.paired, 22u + 10 * (2 + 2)) << "what empties lists, what is prepared, contacts, and the end of those with candidates";
+  EXPECT_EQ(fallen.still, 22u) << "nothing but the cloth";
   Scene hung = free;
   hung.cloths[0].anchors.push_back(held_at({Corner::low_high, Corner::high_high}));
   const Counted held = count(device(), hung);
@@ -69,6 +75,7 @@ TEST_F(Dispatches, of_a_frame_are_as_many_as_these) {
   EXPECT_EQ(held.seldom, fallen.seldom + 10);
   EXPECT_EQ(held.calm, fallen.calm) << "anchors that are where they should be";
   EXPECT_EQ(held.none, fallen.none);
+  EXPECT_EQ(held.still, 22u);
 }
 
 // As shaders/README.md says: it is a matter of time; the software driver has no passes for it.
