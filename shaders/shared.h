@@ -519,6 +519,7 @@ struct ContactSettings {
   uint capacity;      // candidates
   uint iterations;    // of contacts in an iteration of the solve
   uint tangled_room;  // places for tangled pairs, a power of two
+  uint most_turns;    // that a thread of contact_alone may make
   float cell;         // m, at level 0
   float quantum;      // m, unit of contact_sums
   float recover;      // m: how much of a missing separation a substep may recover

@@ -336,6 +336,7 @@ Result<Advance> Simulation::submit(double seconds, std::span<const VkSemaphoreSu
   FrameInput input;
   auto advance = state_->plan_frame(seconds, input);
   if (!advance) return advance;
+  input.few_contacts &= !state_->contacts_may_leap();
   if (auto done = state_->wait_for_slot(); !done) return done.take_error();
   advance->pairs_lost = state_->lost_since_told();
   state_->make_room();
@@ -351,6 +352,7 @@ Result<Advance> Simulation::record(VkCommandBuffer commands, double seconds) try
   FrameInput input;
   auto advance = state_->plan_frame(seconds, input);
   if (!advance) return advance;
+  input.few_contacts &= !state_->contacts_may_leap();
   state_->hear_recorded();
   advance->pairs_lost = state_->lost_since_told();
   state_->make_room();

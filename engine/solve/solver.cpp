@@ -100,6 +100,7 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   solver.set_uniforms("motion", solver.motion_);
   solver.contacts_.workgroup = solver.workgroup_;
   solver.contacts_.thin_workgroup = solver.needs_.thin;
+  solver.contacts_.most_turns = device.is_software() ? WEFT_MOST_TURNS : ~0u;
   solver.set_uniforms("contact_settings", solver.contacts_);
   if (!solver.uniforms_.empty())
     if (auto done = compute::upload(device, solver.arena_[solver.arena_.size() - 1], solver.uniforms_); !done) return done.take_error();
@@ -298,6 +299,7 @@ void Solver::follow(const Cooked& subject) {
   contacts_.capacity = before.capacity;
   contacts_.workgroup = before.workgroup;
   contacts_.thin_workgroup = before.thin_workgroup;
+  contacts_.most_turns = before.most_turns;
   set_uniforms("contact_settings", contacts_);
 }
 

@@ -305,6 +305,7 @@ struct Simulation::State {
   bool detections_are_seldom() const;
   void count_calm(const gpu::Counters& counters);
   bool is_still() const;
+  bool contacts_may_leap() const;
   void stir();
   void hear_recorded();
   std::uint32_t lost_since_told() { return capacity.lost - std::exchange(capacity.told, capacity.lost); }

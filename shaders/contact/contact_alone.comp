@@ -89,7 +89,8 @@ uint turns(uint contacts, uint touched) {
   return rounds * (10 * share(contacts) + share(touched)) + (1 + 16 * WEFT_LIMIT_PASSES) * share(stored) + share(contact_settings.particles);
 }
 
-// The host expected few contacts, and there are more than one workgroup can do: their particles wait for this substep, as those of pairs do
+// The host expected few contacts, and there are more than one workgroup can do, on the software driver, which ends loops (elsewhere it only
+// takes long): their particles wait for this substep, as those of pairs do
 // that find no room, and are counted as they are. The next frames have the other passes.
 void wait_all(uint thread) {
   if (thread != 0) return;
@@ -108,7 +109,7 @@ void solve_all(uint thread, uint contacts, uint touched) {
 void main() {
   const uint thread = gl_LocalInvocationID.x;
   const uint contacts = detection[0].listings[WEFT_ACTIVE], touched = detection[0].touchings;
-  if (turns(contacts, touched) > WEFT_MOST_TURNS) wait_all(thread);
+  if (turns(contacts, touched) > contact_settings.most_turns) wait_all(thread);
   else solve_all(thread, contacts, touched);
   if (idle_costs || (push.flags & WEFT_ENDS_SUBSTEP) == 0) return;
   wait();

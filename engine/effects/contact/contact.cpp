@@ -26,7 +26,10 @@ gpu::ContactSettings contact_settings(const Scene& scene, const CookedFabric& fa
   const double margin =
       wanted.detection_margin > 0 ? wanted.detection_margin : std::min(0.1 * edge, thickness > 0 ? 0.25 * thickness : edge);
   settings.margin_low = static_cast<float>(margin);
-  settings.margin_high = static_cast<float>(std::max(4 * margin, 0.1 * edge));
+  // A flat sheet has none with the largest bounds, either: a corner is 0.7 edges from the diagonal of its cell. Where cloth that falls freely is
+  // finer than that it would have dozens a particle: its bounds grow as gravity bends trajectories, for all alike.
+  const double apart = 0.35 * (0.7 * edge - thickness);
+  settings.margin_high = static_cast<float>(std::max(margin, std::min(std::max(4 * margin, 0.1 * edge), apart)));
   // The box of a cluster: as many edges long as its triangles lie side by side, and enlarged by the detection margin and the thickness.
   settings.cell = static_cast<float>(wanted.cell > 0 ? wanted.cell : 4.5 * edge + 2 * margin + thickness);
   // A millionth of the first displacement bound; contact_solve.comp says how many quanta a correction may have.
