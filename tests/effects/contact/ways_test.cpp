@@ -61,17 +61,17 @@ Outcome outcome_of(const Simulation& simulation, std::uint32_t lost) {
   return {hash_of(simulation), capacity_of(simulation), lost, simulation.counts()};
 }
 
-Outcome advanced(const compute::Device& device, const Scene& scene) {
+Outcome advanced(const compute::Device& device, const Scene& scene, int frames = kWayFrames) {
   const auto simulation = must(Simulation::create(device, scene));
   std::uint32_t lost = 0;
-  for (int frame = 0; frame < kWayFrames; ++frame) lost += must(simulation->advance(1.0 / 60)).pairs_lost;
+  for (int frame = 0; frame < frames; ++frame) lost += must(simulation->advance(1.0 / 60)).pairs_lost;
   return outcome_of(*simulation, lost);
 }
 
-Outcome submitted(const compute::Device& device, const Scene& scene, const Between& between = {}) {
+Outcome submitted(const compute::Device& device, const Scene& scene, const Between& between = {}, int frames = kWayFrames) {
   const auto simulation = must(Simulation::create(device, scene));
   std::uint32_t lost = 0;
-  for (int frame = 0; frame < kWayFrames; ++frame) {
+  for (int frame = 0; frame < frames; ++frame) {
     if (between) between(*simulation, frame);
     lost += must(simulation->submit(1.0 / 60)).pairs_lost;
   }
@@ -113,6 +113,33 @@ TEST_F(ContactWays, advance_submit_and_record_give_the_same_bits_and_lose_no_pai
       EXPECT_EQ(other.counts.contacts_room, waited.counts.contacts_room);
     }
   }
+}
+
+// Cells of 5 mm, 3 cm above each other.
+Scene flat_sheets(std::size_t count) {
+  Scene scene;
+  for (std::size_t k = 0; k < count; ++k) {
+    Cloth& cloth = scene.cloths.emplace_back();
+    cloth.grid = Grid{{0.2, 0.2}, 40, 40, Topology::diagonal, false};
+    cloth.transform.translate = {0, 0.004f + 0.03f * static_cast<float>(k), 0};
+  }
+  scene.colliders = {plane(0)};
+  return scene;
+}
+
+// From no candidate to a hundred thousand within a frame, more than one workgroup can do.
+TEST_F(ContactWays, sheets_that_fall_flat_onto_each_other_lose_no_pair) {
+  const Outcome waited = advanced(device(), flat_sheets(2), 9), sent = submitted(device(), flat_sheets(2), {}, 9);
+  EXPECT_GT(waited.counts.contacts_most, 80'000u);
+  EXPECT_EQ(sent.hash, waited.hash);
+  EXPECT_EQ(sent.lost, 0u);
+}
+
+// Gravity bends all trajectories alike: nothing of the sheet comes near anything else of it.
+TEST_F(ContactWays, fine_cloth_that_falls_flat_has_no_candidates) {
+  Scene scene = flat_sheets(1);
+  scene.colliders.clear();
+  EXPECT_EQ(advanced(device(), scene, 12).counts.contacts_most, 0u);
 }
 
 // A held sheet that is to stop where a free one lies on the floor, which leaves it no room, and then goes back, and rests.
