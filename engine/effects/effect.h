@@ -67,11 +67,11 @@ enum class Changes {
   velocity      // only by motion/force.glsl, which keeps the prediction in step
 };
 
-/// In which frames a pass is recorded that does what others do, too, to the bit, or that has nothing to do in others: those with few contacts,
-/// or with many; those in which detections of contacts are seldom, or often; those that are calm, as detections are seldom, contacts few and
-/// nothing can have gone through cloth, or stirred; those in which there were contacts when last was heard of them, as else another pass ends
-/// the substep. In still ones (FrameInput::is_still) there is no detection, so none of its passes is recorded: not what is `sought` in all
-/// others, either, but what decides and what prepares candidates, where there are any.
+/// In which frames a pass is recorded that does what others do, too, to the bit, or that has nothing to do in others: those with few
+/// contacts, or with many; those in which detections of contacts are seldom, or often; those that are calm, as detections are seldom,
+/// contacts few and nothing can have gone through cloth, or stirred; those in which there were contacts when last was heard of them, as
+/// else another pass ends the substep. In still ones (FrameInput::is_still) there is no detection, so none of its passes is recorded: not
+/// what is `sought` in all others, either, but what decides and what prepares candidates, where there are any.
 enum class Crowd { any, few, many, seldom, often, calm, stirred, met, sought, decided, prepared };
 
 using Constants = std::array<std::uint32_t, gpu::constant::kCount>;

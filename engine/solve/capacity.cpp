@@ -196,8 +196,8 @@ bool Simulation::State::contacts_may_leap() const {
 
 bool Simulation::State::detections_are_seldom() const { return capacity.calm >= 4 && solver->can_detect_alone(); }
 
-// Whether no detection is to be expected of the next frame. All frames before it are done, and what is kinematic does not move. A frame that
-// has to be repeated for it costs as much as is saved in some ten, so there must have been none for longer.
+// Whether no detection is to be expected of the next frame. All frames before it are done, and what is kinematic does not move. A frame
+// that has to be repeated for it costs as much as is saved in some ten, so there must have been none for longer.
 bool Simulation::State::is_still() const {
   constexpr std::uint32_t kFrames = 16;
   const gpu::Detection& now = heard.detection;

@@ -58,7 +58,7 @@ struct FrameInput {
   bool few_contacts = false;                  // Crowd::few; the same bits either way
   bool no_contacts = false;                   // none were known, and they are few: not Crowd::met; the same bits either way
   bool seldom_detections = false;             // Crowd::seldom; the same bits either way
-  bool is_still = false;                      // no detection is expected. Who runs the frame looks whether one was asked for, and repeats it
+  bool is_still = false;                      // no detection is expected; who runs the frame looks whether one was needed, and repeats it
   bool has_no_candidates = false;             // and a still frame has none of the contacts' passes
   std::span<const gpu::Anchor> anchors;       // when they move
   std::span<const gpu::Collider> colliders;   // by shape, as the buffer has them

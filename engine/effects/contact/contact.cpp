@@ -26,8 +26,8 @@ gpu::ContactSettings contact_settings(const Scene& scene, const CookedFabric& fa
   const double margin =
       wanted.detection_margin > 0 ? wanted.detection_margin : std::min(0.1 * edge, thickness > 0 ? 0.25 * thickness : edge);
   settings.margin_low = static_cast<float>(margin);
-  // A flat sheet has none with the largest bounds, either: a corner is 0.7 edges from the diagonal of its cell. Where cloth that falls freely is
-  // finer than that it would have dozens a particle: its bounds grow as gravity bends trajectories, for all alike.
+  // A flat sheet has none with the largest bounds, either: a corner is 0.7 edges from the diagonal of its cell. Where cloth that
+  // falls freely is finer than that it would have dozens a particle: its bounds grow as gravity bends trajectories, for all alike.
   const double apart = 0.35 * (0.7 * edge - thickness), most = std::max(4 * margin, 0.1 * edge);
   settings.margin_high = static_cast<float>(wanted.detection_margin > 0 ? most : std::clamp(apart, margin, most));
   // The box of a cluster: as many edges long as its triangles lie side by side, and enlarged by the detection margin and the thickness.

@@ -98,7 +98,8 @@ SimulationOptions timed(bool idle_costs) {
 // Compares all that a frame leaves to the next when nothing has been due for long, when a frame has been repeated, and later.
 TEST_F(Still, cloth_that_hangs_has_no_pass_of_contacts_and_leaves_what_is_left_with_all_of_them) {
   for (const bool idle_costs : {true, false}) {
-    const auto simulation = must(Simulation::create(device(), hanging(), timed(idle_costs))), other = must(Simulation::create(device(), hanging()));
+    const auto simulation = must(Simulation::create(device(), hanging(), timed(idle_costs)));
+    const auto other = must(Simulation::create(device(), hanging()));
     Seen seen;
     int frame = 0;
     for (const int until : {kBlown, kBlown + 1, kStillFrames}) {
