@@ -100,7 +100,7 @@ Result<Solver> Solver::create(const compute::Device& device, const compute::Pipe
   solver.set_uniforms("motion", solver.motion_);
   solver.contacts_.workgroup = solver.workgroup_;
   solver.contacts_.thin_workgroup = solver.needs_.thin;
-  solver.contacts_.most_turns = device.is_software() ? WEFT_MOST_TURNS : ~0u;
+  solver.contacts_.most_turns = device.is_software() ? WEFT_MOST_TURNS : 1u << 20;   // a GPU ends no loop; these take it a moment
   solver.set_uniforms("contact_settings", solver.contacts_);
   if (!solver.uniforms_.empty())
     if (auto done = compute::upload(device, solver.arena_[solver.arena_.size() - 1], solver.uniforms_); !done) return done.take_error();

@@ -89,8 +89,7 @@ uint turns(uint contacts, uint touched) {
   return rounds * (10 * share(contacts) + share(touched)) + (1 + 16 * WEFT_LIMIT_PASSES) * share(stored) + share(contact_settings.particles);
 }
 
-// The host expected few contacts, and there are more than one workgroup can do, on the software driver, which ends loops (elsewhere it
-// only takes long): their particles wait for this substep, as those of pairs do
+// The host expected few contacts, and there are more than one workgroup can do: their particles wait for this substep, as those of pairs do
 // that find no room, and are counted as they are. The next frames have the other passes.
 void wait_all(uint thread) {
   if (thread != 0) return;
