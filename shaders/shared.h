@@ -441,7 +441,8 @@ struct Collisions {
 // is missed). They serve for several substeps, their lifetime. Group counts are arguments of indirect dispatches, so that the GPU itself
 // decides whether there is anything to do.
 struct Detection {
-  Groups outlined, grid, clusters, particles, edges;   // of the detection's passes; no groups in a substep without a detection
+  Groups outlined, grid, clusters, particles, faces, edges;   // of the detection's passes; no groups in a substep without a detection
+  Groups rare;        // a thread a searcher, where pairs of the search have overflowed or something may have crossed
   Groups near_faces, near_edges;          // a thread a pair that the broad phase found
   Groups searchers, near_pairs;           // the same where detections are seldom: a thread a particle or edge, a row of workgroups each
   Groups prepared;    // a thread a searcher, or where no detection is due a candidate (detect_prepare)
@@ -569,7 +570,7 @@ static_assert(sizeof(SkinPoint) == 76 && sizeof(Joint) == 96 && sizeof(MotionLim
 static_assert(sizeof(MorphDelta) == 16 && sizeof(Carried) == 48 && sizeof(FrameChange) == 96);
 static_assert(sizeof(Gas) == 32 && sizeof(GasPart) == 16 && sizeof(GasState) == 8 && sizeof(GasSum) == 24);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 48);
-static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 376 && sizeof(Acceleration) == 48);
+static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 400 && sizeof(Acceleration) == 48);
 // As std430 and std140 have them.
 static_assert(offsetof(Collider, normal_from) == 32 && offsetof(Collider, rotation_from) == 80 && offsetof(Collider, half_size) == 96);
 static_assert(offsetof(Motion, origin) == 16 && offsetof(Motion, relaxation) == 36 && offsetof(Air, drag) == 16);

@@ -45,8 +45,11 @@ void begin_detection(bool settled) {
   detection[0].grid = Groups(1, 1, 1);
   detection[0].clusters = thin_groups_of(contact_settings.clusters);
   detection[0].particles = groups_of(particles);
+  detection[0].faces = groups_of(contact_settings.triangles);
   detection[0].edges = groups_of(contact_settings.edges);
-  detection[0].searchers = detection[0].prepared = groups_of(particles + contact_settings.edges);
+  const Groups none = Groups(0, 1, 1), all = groups_of(particles + contact_settings.edges);
+  detection[0].searchers = detection[0].prepared = all;
+  detection[0].rare = untangles && detection[0].looks != 0 ? all : none;
   ++counters[0].detections;
 }
 
@@ -57,7 +60,9 @@ void skip_detection() {
   detection[0].grid = none;
   detection[0].clusters = none;
   detection[0].particles = none;
+  detection[0].faces = none;
   detection[0].edges = none;
+  detection[0].rare = none;
   detection[0].near_faces = none;
   detection[0].near_edges = none;
   detection[0].near_pairs = none;

@@ -47,7 +47,7 @@ SHARE(vec4, grid_entries)
 #include "contact/make_box.glsl"
 #include "contact/fill.glsl"
 #include "contact/find_near.glsl"
-#include "contact/outline_one.glsl"
+#include "contact/outline_either.glsl"
 
 void main() {
   const uint thread = gl_LocalInvocationID.x, particles = contact_settings.particles, clusters = contact_settings.clusters;
@@ -63,7 +63,7 @@ void main() {
   for (uint k = thread; k < clusters; k += workgroup) find_near(k);
   wait();
   const uint outlined = particles + contact_settings.triangles + contact_settings.edges + clusters;
-  for (uint i = thread; i < outlined; i += workgroup) outline_one(i);
+  for (uint i = thread; i < outlined; i += workgroup) outline_either(i);
   if (untangles && detection[0].looks != 0)   // detect_search fills them
     for (uint k = thread; k < contact_settings.tangled_room; k += workgroup) tangled_pairs[k] = 0;
 }

@@ -1,6 +1,4 @@
-// detect_outline: gives every triangle and edge its outline, about its particles' trajectories, and the box of that. By now it is known who
-// is pushed, so here every particle's displacement bound is complete; and which clusters are smooth, so that lists of near ones are put in
-// order.
+// detect_outline: outline_particles, outline_faces and outline_edges in one dispatch, on a GPU.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -28,13 +26,13 @@ GATHER(cluster_boxes)
 #include "contact/cluster.glsl"
 #include "contact/outline_box.glsl"
 #include "contact/near_list.glsl"
-#include "contact/outline_one.glsl"
+#include "contact/outline_either.glsl"
 
 // push.count: particles, triangles, edges and clusters, in this order.
 void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.count) return;
-  outline_one(i);
+  outline_either(i);
   if (untangles && detection[0].looks != 0)   // the search fills them
     for (uint k = i; k < contact_settings.tangled_room; k += push.count) tangled_pairs[k] = 0;
 }

@@ -32,6 +32,7 @@ READ_WRITE(uvec4, candidates)
 #include "contact/pair_edges.glsl"
 #include "contact/prepare.glsl"
 
+#include "contact/own_search.glsl"
 #include "contact/search_either.glsl"
 
 void put_near(uint place, uint member) {

@@ -19,6 +19,7 @@ GATHER(velocities)
 #include "contact/search_faces.glsl"
 #include "contact/search_edges.glsl"
 
+#include "contact/own_search.glsl"
 #include "contact/search_either.glsl"
 
 void put_near(uint place, uint member) {

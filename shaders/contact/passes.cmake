@@ -2,5 +2,6 @@ weft_passes(
   cluster_box contact_alone contact_apply contact_finalize contact_limit contact_unsafe contact_prepare contact_solve contact_slide contact_slide_apply contact_penetration
   detect_alone detect_arguments detect_outline detect_pair detect_prepare detect_search detect_track
   grid_fill grid_search
+  outline_edges outline_faces outline_particles
   pair_edges pair_faces
-  search_edges search_faces)
+  search_edges search_faces search_rare)

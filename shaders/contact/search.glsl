@@ -113,8 +113,9 @@ void search(uint kind, uint cluster, bool all, bool holds) {
   }
 }
 
-// Adds what the search has listed to the narrow phase's dispatch, and counts what overflowed.
-void end_search(uint kind, uint cluster, bool all) {
+// Adds what the search has listed to the narrow phase's dispatch, and counts what overflowed: whose pairs have, must search again, to hold
+// them.
+void end_search(uint kind) {
   const uint room = WEFT_NEAR * contact_settings.capacity;
   const uint groups = (min(last_place, room) + gl_WorkGroupSize.x - 1) / gl_WorkGroupSize.x;
   if (kind == of_triangles && detection[0].near_faces.x < groups) atomicMax(detection[0].near_faces.x, groups);
@@ -124,5 +125,4 @@ void end_search(uint kind, uint cluster, bool all) {
   const uint wanted = (last_place + WEFT_NEAR - 1) / WEFT_NEAR;
   if (counters[0].contacts_room < wanted) atomicMax(counters[0].contacts_room, wanted);
   if (overflowed != 0) atomicAdd(counters[0].contacts_overflowed, overflowed);
-  for (bool again = overflowed != 0; again; again = false) search(kind, cluster, all, true);
 }

@@ -1,5 +1,4 @@
-// search_edges: broad phase. Every edge searches for the edges near it (search.glsl) that come after it, cluster by cluster; and where
-// something may have crossed, for triangles that it goes through (untangle/crossing.glsl).
+// search_edges: broad phase. Every edge searches for the edges near it (search.glsl) that come after it, cluster by cluster.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -14,7 +13,8 @@ GATHER(velocities)
 #include "contact/track.glsl"
 #include "contact/search.glsl"
 #include "contact/mask.glsl"
-#include "untangle/crossing.glsl"
+#include "contact/groups.glsl"
+#include "contact/rare.glsl"
 
 #include "contact/search_edges.glsl"
 
@@ -29,6 +29,6 @@ void main() {
   if (gl_GlobalInvocationID.x >= push.count) return;
   searching_edge(gl_GlobalInvocationID.x);
   search(of_edges, own_cluster, false, false);
-  end_search(of_edges, own_cluster, false);
-  if (untangles && detection[0].looks != 0) search_crossings(edge, ends, own_cluster);
+  end_search(of_edges);
+  if (overflowed != 0) ask_to_hold(ends);
 }

@@ -14,6 +14,8 @@ GATHER(velocities)
 #include "contact/track.glsl"
 #include "contact/search.glsl"
 #include "contact/mask.glsl"
+#include "contact/groups.glsl"
+#include "contact/rare.glsl"
 
 #include "contact/search_faces.glsl"
 
@@ -29,5 +31,6 @@ void main() {
   if (i >= push.count) return;
   const uint cluster = searching_particle(i);
   search(of_triangles, cluster, true, false);
-  end_search(of_triangles, cluster, true);
+  end_search(of_triangles);
+  if (overflowed != 0) ask_to_hold(uvec2(vertex));
 }

@@ -72,8 +72,10 @@ constexpr Threads kOutlined{lengths::outlined, nullptr, {&buffers::detection, of
 constexpr Threads kGrid{lengths::clusters, lengths::one, {&buffers::detection, offsetof(gpu::Detection, grid)}};
 constexpr Threads kClusters{lengths::clusters, nullptr, {&buffers::detection, offsetof(gpu::Detection, clusters)}};
 constexpr Threads kDetectedParticles{lengths::particles, nullptr, {&buffers::detection, offsetof(gpu::Detection, particles)}};
+constexpr Threads kFaces{lengths::triangles, nullptr, {&buffers::detection, offsetof(gpu::Detection, faces)}};
 constexpr Threads kSearchers{[](const Cooked& s) { return lengths::particles(s) + lengths::edges(s); }, nullptr,
                              {&buffers::detection, offsetof(gpu::Detection, searchers)}};
+constexpr Threads kRare{kSearchers.count, nullptr, {&buffers::detection, offsetof(gpu::Detection, rare)}};
 constexpr Threads kPrepared{kSearchers.count, nullptr, {&buffers::detection, offsetof(gpu::Detection, prepared)}};
 constexpr Threads kNearPairs{buffers::near_faces.length, nullptr, {&buffers::detection, offsetof(gpu::Detection, near_pairs)}, true};
 constexpr Threads kEdges{lengths::edges, nullptr, {&buffers::detection, offsetof(gpu::Detection, edges)}};
@@ -103,9 +105,13 @@ constexpr Pass kPasses[] = {
     {.name = "cluster_box", .stage = Stage::detect, .threads = kClusters, .crowd = Crowd::often, .thin = true},
     {.name = "grid_fill", .stage = Stage::detect, .threads = kGrid, .crowd = Crowd::often, .alone = true, .crew = true},
     {.name = "grid_search", .stage = Stage::detect, .threads = kClusters, .crowd = Crowd::often, .thin = true},
-    {.name = "detect_outline", .stage = Stage::detect, .threads = kOutlined, .crowd = Crowd::often},
+    {.name = "detect_outline", .stage = Stage::detect, .threads = kOutlined, .crowd = Crowd::often, .when = unites_all},
+    {.name = "outline_particles", .stage = Stage::detect, .threads = kDetectedParticles, .crowd = Crowd::sought, .when = keeps_apart},
+    {.name = "outline_faces", .stage = Stage::detect, .threads = kFaces, .crowd = Crowd::sought, .when = keeps_apart},
+    {.name = "outline_edges", .stage = Stage::detect, .threads = kEdges, .crowd = Crowd::sought, .when = keeps_apart},
     {.name = "search_faces", .stage = Stage::detect, .threads = kDetectedParticles, .crowd = Crowd::sought, .when = keeps_apart},
     {.name = "search_edges", .stage = Stage::detect, .threads = kEdges, .crowd = Crowd::sought, .when = keeps_apart},
+    {.name = "search_rare", .stage = Stage::detect, .threads = kRare, .crowd = Crowd::sought, .when = keeps_apart},
     {.name = "pair_faces", .stage = Stage::detect, .threads = kNearFaces, .crowd = Crowd::sought, .when = keeps_apart},
     {.name = "pair_edges", .stage = Stage::detect, .threads = kNearEdges, .crowd = Crowd::sought, .when = keeps_apart},
     {.name = "detect_search", .stage = Stage::detect, .threads = kSearchers, .crowd = Crowd::stirred, .when = unites_all},

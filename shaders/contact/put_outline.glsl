@@ -1,0 +1,10 @@
+// put_outline: the outline of a primitive, and the box of that, for the search. Needs contact/outline.glsl, contact/cluster.glsl,
+// contact/outline_box.glsl and the buffers.
+
+void put_outline(uint primitive, Outline outline, uint cluster) {
+  const Box box = box_of(outline), of_cluster = Box(LATEST(cluster_boxes, 2 * cluster).xyz, LATEST(cluster_boxes, 2 * cluster + 1).xyz);
+  outline_boxes[primitive] = uvec4(grains_below(of_cluster, box.low) | grains_above(of_cluster, box.high) << 16, 0);
+  outlines[3 * primitive] = vec4(outline.middle, outline.reach);
+  outlines[3 * primitive + 1] = vec4(outline.half_sides, 0);
+  outlines[3 * primitive + 2] = vec4(outline.trajectory, 0);
+}
