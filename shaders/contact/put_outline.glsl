@@ -3,7 +3,9 @@
 
 void put_outline(uint primitive, Outline outline, uint cluster) {
   const Box box = box_of(outline), of_cluster = Box(LATEST(cluster_boxes, 2 * cluster).xyz, LATEST(cluster_boxes, 2 * cluster + 1).xyz);
-  outline_boxes[primitive] = uvec4(grains_below(of_cluster, box.low) | grains_above(of_cluster, box.high) << 16, 0);
+  const uvec2 packed = pack_box(of_cluster, box);
+  if (primitive % 2 == 0) outline_boxes[primitive / 2].xy = packed;
+  else outline_boxes[primitive / 2].zw = packed;
   outlines[3 * primitive] = vec4(outline.middle, outline.reach);
   outlines[3 * primitive + 1] = vec4(outline.half_sides, 0);
   outlines[3 * primitive + 2] = vec4(outline.trajectory, 0);

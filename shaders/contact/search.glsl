@@ -42,27 +42,29 @@ uvec2 members_of(uint cluster);
 bool can_be_pair(uint member, out uvec4 particles);
 void put_near(uint place, uint member);
 uint outline_number(uint member);
+uint member_of(uint number) { return number - outline_number(0); }
 
-bool meets(uint member) {
-  const Outline other = outline_at(outline_number(member));
+bool meets(uint number) {
+  const Outline other = outline_at(number);
   const vec3 half_relative = 0.5 * (own.trajectory - other.trajectory);
   const float reach = (1 + 4 * rounding) * (own.reach + other.reach);
   return may_meet(other, own.middle - other.middle + half_relative, half_relative, reach);
 }
 
-// A bit for each of the members from `first`, 32 at most, that can be a pair with the thread's own and may meet it. Of most a box tells
-// that they do not, in one fetch (outline_box.glsl). `low`, `high`: the corners of the thread's own in the same units.
-uint pairs_among(uint first, uint end, uvec3 low, uvec3 high) {
+// A bit for each of the primitives from `first` on, an even number, that is among `numbers`, can be a pair with the thread's own and may meet
+// it; of 32 at most. Of most a box tells that they do not, and two are fetched at once (outline_box.glsl). `box`: the thread's own.
+uint pairs_among(uint first, uvec2 numbers, uvec2 box) {
   uint near = 0, pairs = 0;
   uvec4 particles;
-  for (uint member = first; member < end; ++member) {
-    const uvec3 box = FETCH(outline_boxes, outline_number(member)).xyz;
-    const bool apart = any(greaterThan(box & 0xffff, high)) || any(lessThan(box >> 16, low));
-    near |= uint(!apart) << (member - first);
+  for (uint k = 0; k < 32 && first + k < numbers.y; k += 2) {
+    const uvec4 boxes = FETCH(outline_boxes, (first + k) / 2);
+    near |= (uint(overlap(boxes.xy, box)) | uint(overlap(boxes.zw, box)) << 1) << k;
   }
+  if (numbers.x > first) near &= ~1u;
+  if (numbers.y < first + 32) near &= (1u << (numbers.y - first)) - 1;
   for (; near != 0; near &= near - 1) {
-    const uint member = first + uint(findLSB(near));
-    if (meets(member) && can_be_pair(member, particles)) pairs |= near & -near;
+    const uint number = first + uint(findLSB(near));
+    if (meets(number) && can_be_pair(member_of(number), particles)) pairs |= near & -near;
   }
   return pairs;
 }
@@ -70,12 +72,13 @@ uint pairs_among(uint first, uint end, uvec3 low, uvec3 high) {
 // Of the thread's pairs: one past the last one's place, and how many have found no room.
 uint last_place = 0, overflowed = 0;
 
+// `first`: the number of the first of `pairs`.
 void add_near(uint kind, uint first, uint pairs) {
   const uint count = uint(bitCount(pairs)), room = WEFT_NEAR * contact_settings.capacity;
   if (count == 0) return;
   uint place = atomicAdd(detection[0].near[kind], count);
   last_place = place + count;
-  for (; pairs != 0 && place < room; pairs &= pairs - 1) put_near(place++, first + uint(findLSB(pairs)));
+  for (; pairs != 0 && place < room; pairs &= pairs - 1) put_near(place++, member_of(first + uint(findLSB(pairs))));
   overflowed += uint(bitCount(pairs));
 }
 
@@ -83,7 +86,7 @@ void add_near(uint kind, uint first, uint pairs) {
 void hold(uint first, uint pairs) {
   for (; pairs != 0; pairs &= pairs - 1) {
     uvec4 particle;
-    can_be_pair(first + uint(findLSB(pairs)), particle);
+    can_be_pair(member_of(first + uint(findLSB(pairs))), particle);
     for (uint k = 0; k < 4; ++k) atomicMin(displacement_bounds[particle[k]], 0u);
   }
 }
@@ -91,7 +94,6 @@ void hold(uint first, uint pairs) {
 // `cluster`: the thread's own; `all`: also clusters before it, as only one of two edges is to find the other.
 void search(uint kind, uint cluster, bool all, bool holds) {
   const Box own_box = box_of(own);
-  const vec3 low = own_box.low, high = own_box.high;
   const NearList near = near_list(cluster, FETCH_UINT(near_clusters, row_of(cluster)));
   const uint entries = all ? near.count : near.later;
   for (uint k = 0; k < entries; ++k) {
@@ -100,13 +102,13 @@ void search(uint kind, uint cluster, bool all, bool holds) {
     for (bool found = false; !found && k < entries; k += uint(!found)) {
       other = near.every_one ? k : FETCH_UINT(near_clusters, near.first + k);
       its = Box(FETCH(cluster_boxes, 2 * other).xyz, FETCH(cluster_boxes, 2 * other + 1).xyz);
-      found = (all || other >= cluster) && !any(greaterThan(its.low, high)) && !any(lessThan(its.high, low));
+      found = (all || other >= cluster) && !any(greaterThan(its.low, own_box.high)) && !any(lessThan(its.high, own_box.low));
     }
     if (k >= entries) return;
     const uvec2 members = members_of(other);
-    const uvec3 own_low = grains_below(its, low), own_high = grains_above(its, high);
-    for (uint first = members.x; first < members.y; first += 32) {
-      const uint pairs = pairs_among(first, min(first + 32, members.y), own_low, own_high);
+    const uvec2 numbers = uvec2(outline_number(members.x), outline_number(members.y)), box = pack_box(its, own_box);
+    for (uint first = numbers.x & ~1u; first < numbers.y; first += 32) {
+      const uint pairs = pairs_among(first, numbers, box);
       if (holds) hold(first, pairs);
       else add_near(kind, first, pairs);
     }

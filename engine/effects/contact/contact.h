@@ -96,8 +96,9 @@ inline constexpr Buffer near_clusters =
     scratch<gpu::uint>("near_clusters", [](const Cooked& s) { return (WEFT_NEAR_CLUSTERS + 1) * lengths::clusters(s); });
 /// Three a primitive, triangles first: its Outline (outline.glsl): xyz middle, w reach; xyz half sides; xyz trajectory (m).
 inline constexpr Buffer outlines = scratch<gpu::vec4>("outlines", [](const Cooked& s) { return 3 * lengths::primitives(s); });
-/// One a primitive: xyz the corners of its outline's box in 65,535ths of its cluster's box, the lower in the lower half (outline_box.glsl).
-inline constexpr Buffer outline_boxes = scratch<gpu::uvec4>("outline_boxes", lengths::primitives);
+/// One for two primitives: the corners of their outlines' boxes in grains of their clusters' boxes (outline_box.glsl).
+inline constexpr Buffer outline_boxes =
+    scratch<gpu::uvec4>("outline_boxes", [](const Cooked& s) { return (lengths::primitives(s) + 1) / 2; });
 
 // ---- contacts
 
