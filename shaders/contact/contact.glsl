@@ -19,6 +19,10 @@ const float kMargin = 0.1;
 // 1 for the particles of side A, -1 for those of side B.
 vec4 signs(bool edges) { return vec4(1, edges ? 1 : -1, -1, -1); }
 
+// What contact_weights has of an active candidate: its first weight follows from the others, to the bit, as each side's sum to 1. In its
+// place is the height of the first particle over the middle of the gap, at the substep's start (m).
+vec4 weights_of(vec4 stored, bool edges) { return vec4(edges ? 1 - stored.y : 1, stored.yzw); }
+
 // The least of side A's values and of side B's.
 vec2 least_of_sides(vec4 values, bool edges) {
   return edges ? vec2(min(values.x, values.y), min(values.z, values.w)) : vec2(values.x, min(values.y, min(values.z, values.w)));

@@ -14,6 +14,7 @@ READ(Detection, detection)
 READ_WRITE(uint, contact_penetrations)
 
 #include "contact/wide.glsl"
+#include "contact/contact.glsl"
 #include "contact/contact_share.glsl"
 #include "contact/penetration.glsl"
 

@@ -6,7 +6,7 @@
 // penetration in an iteration, and contact_limit would have to hold the cloth. The shares sum to 1 in any case, so momentum is conserved
 // and no particle is moved further than its contacts ask for.
 //
-// Needs ITERATE(i), particle i's iterate, and LISTED(place), an entry of contact_list.
+// Needs contact/contact.glsl, ITERATE(i), particle i's iterate, and LISTED(place), an entry of contact_list.
 
 struct ActiveContact {
   Candidate pair;
@@ -21,7 +21,7 @@ ActiveContact active_contact_at(uint place) {
   ActiveContact contact;
   contact.pair = unpack_candidate(FETCH(candidates, i));
   contact.normal = FETCH(contact_normals, i);
-  contact.weights = FETCH(contact_weights, i);
+  contact.weights = weights_of(FETCH(contact_weights, i), contact.pair.edges);
   const vec3 origin = ITERATE(contact.pair.particle[0]).xyz;
   contact.iterate = mat4x3(vec3(0), ITERATE(contact.pair.particle[1]).xyz - origin,
                            ITERATE(contact.pair.particle[2]).xyz - origin,

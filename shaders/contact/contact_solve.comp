@@ -30,6 +30,7 @@ READ(Collider, colliders)
 #define PENETRATIONS(i) FETCH_UINT(contact_penetrations, i)
 
 #include "contact/wide.glsl"
+#include "contact/contact.glsl"
 #include "contact/contact_share.glsl"
 #include "reaction/quanta.glsl"
 #include "reaction/touched_mesh.glsl"

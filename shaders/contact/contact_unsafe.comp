@@ -8,6 +8,7 @@ GATHER(positions)
 GATHER(predicted)
 GATHER_UINT4(candidates)
 GATHER(contact_normals)
+GATHER(contact_weights)
 READ_WRITE(Detection, detection)
 
 #define ITERATE(i) FETCH(predicted, i)

@@ -82,11 +82,12 @@ void prepare(uint i) {
   const float off = may_come_off(vec4(bound_of(a), bound_of(b), bound_of(c), bound_of(d)), pair.edges);
   const float most = any(is_held) ? off : min(off, kMostSpare * pair.separation);
   const float spare = max(most, kLeastSpare * pair.separation);
-  const bool is_active = is_pushed || dot(n, p * weights) < separation + spare || half_gap < kFloor * length(origin);
+  const bool touches = half_gap < kFloor * length(origin);
+  const bool is_active = is_pushed || dot(n, p * weights) < separation + spare || touches;
   contact_normals[i] = vec4(n, is_active ? separation : -height);
   if (!is_active) return;
   list(WEFT_ACTIVE, i);
-  contact_weights[i] = weights;
+  contact_weights[i] = vec4(touches ? 0 : height, weights.yzw);
   count(a);
   count(b);
   count(c);

@@ -15,7 +15,8 @@ bool keep_to_their_sides(Candidate pair, vec3 n, float height) {
 
 bool is_unsafe(uint i) {
   const vec4 normal = FETCH(contact_normals, i);
-  const float height = -normal.w;   // not above 0 where the pair is active (contact_prepare)
+  // Not above 0 where the sides touch.
+  const float height = normal.w > 0 ? FETCH(contact_weights, i).x : -normal.w;
   if (untangles && unpack_candidate(FETCH(candidates, i)).separation == WEFT_UNTANGLED) return false;   // it is meant to cross
   return normal.xyz == vec3(0) || height <= 0 || !keep_to_their_sides(unpack_candidate(FETCH(candidates, i)), normal.xyz, height);
 }

@@ -85,9 +85,12 @@ class Passes : public SinglePass {
     std::vector<reference::Contact> contacts;
     for (std::size_t k = 0; k < t_.pairs.size(); ++k) {
       const gpu::vec4 &n = normals[k], &w = weights[k];
-      contacts.push_back({vector(n).norm() > 0, n.w >= 0, vector(n), reference::Weights(w.x, w.y, w.z, w.w), n.w});
+      contacts.push_back({vector(n).norm() > 0, n.w >= 0, vector(n), weights_of(w, t_.pairs[k].edges), n.w});
     }
     return contacts;
+  }
+  static reference::Weights weights_of(const gpu::vec4& stored, bool edges) {   // contact.glsl
+    return {edges ? 1 - stored.y : 1, stored.y, stored.z, stored.w};
   }
   /// As contact_prepare does where each particle that can move has active contacts.
   void touch_all() {

@@ -105,7 +105,7 @@ inline constexpr Buffer outline_boxes =
 /// xyz unit normal from side B to side A. w (m), of an active candidate: the separation it must have, above 0; of any other:
 /// minus the height of its first particle over the middle of the gap.
 inline constexpr Buffer contact_normals = growing(scratch<gpu::vec4>("contact_normals", lengths::candidates));
-/// Barycentric weights of the closest points: side A's positive, side B's negative.
+/// Barycentric weights of the closest points: side A's positive, side B's negative; but for the first one (contact.glsl).
 inline constexpr Buffer contact_weights = growing(scratch<gpu::vec4>("contact_weights", lengths::candidates));
 /// Pairs that the broad phase found: of two edges; of a particle and a triangle. Their capacity is WEFT_NEAR times that for
 /// candidates. They share memory with the contacts, which are prepared later.
