@@ -42,8 +42,7 @@ bool is_near(Search search, uint k, bool any_row, ivec2 row, out uint other) {
 }
 
 void list_both(uint other) {
-  // Where only one of them has surroundings it is the one that may be smooth.
-  const uint mark = touches(own, other) || touches(other, own) ? WEFT_TOUCHING : 0;
+  const uint mark = touch(own, other) ? WEFT_TOUCHING : 0;
   add_near(own, other | mark);
   add_near(other, own | mark);
   if (detection[0].most_pushed == 0) return;

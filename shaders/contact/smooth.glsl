@@ -50,9 +50,13 @@ bool is_smooth(uint cluster) {
   return true;
 }
 
-bool touches(uint cluster, uint other) {
-  const uvec4 around = FETCH(cluster_surroundings, cluster);
+// Whether two clusters share a particle, if one of them has surroundings: without, neither is smooth, and nobody asks.
+bool touch(uint a, uint b) {
+  const uvec4 around_a = FETCH(cluster_surroundings, a), around_b = FETCH(cluster_surroundings, b);
+  const bool by_a = around_a.x != around_a.y;
+  const uvec4 around = by_a ? around_a : around_b;
+  const uint sought = by_a ? b : a;
   for (uint k = around.x; k < around.y; ++k)
-    if (FETCH_UINT(clusters_around, k) == other) return true;
+    if (FETCH_UINT(clusters_around, k) == sought) return true;
   return false;
 }
