@@ -447,7 +447,7 @@ struct Detection {
   Groups searchers, near_pairs;           // the same where detections are seldom: a thread a particle or edge, a row of workgroups each
   Groups prepared;    // a thread a searcher, or where no detection is due a candidate (detect_prepare)
   Groups contacts;    // a thread a candidate
-  Groups listed[2];   // a thread an active candidate, and an unsafe one
+  Groups listed[3];   // a thread an active candidate, an unsafe one, and an active one that penetrates
   Groups touched;     // a thread a particle of an active candidate
   Groups paired;      // a thread a particle, where there are candidates
   Groups alone;       // the one workgroup that does all contacts, where there are candidates
@@ -460,7 +460,8 @@ struct Detection {
   uint horizon;       // substeps that they are meant to hold for
   float most_pushed;  // m, by how much bounds may be larger where kinematic particles push (predicted_track.glsl)
   uint fastest;       // bits of the longest step of a kinematic particle in this substep (m)
-  uint listings[2];   // active candidates of this substep, and unsafe ones: those that could cross at its end
+  uint listings[3];   // active candidates of this substep; unsafe ones: those that could cross at its end; active ones that penetrate in this
+                      // iteration
   uint touchings;     // particles of active candidates
   uint changed[WEFT_LIMIT_PASSES - 1];   // 1: this pass of contact_limit lowered the step fraction of some particle
   uint falls_back;    // 1: its last pass still found a pair that crosses: the fallback fractions apply; WEFT_ALL_WAIT
@@ -478,6 +479,7 @@ struct Detection {
 #define WEFT_ALL_WAIT 2u   // contacts were more than one workgroup can do (contact_alone): no particle of a candidate moves
 #define WEFT_ACTIVE 0u
 #define WEFT_UNSAFE 1u
+#define WEFT_PENETRATING 2u
 #define WEFT_PAIRED 0x80000000u  // a bit of a displacement bound, which is not negative: the particle has candidates
 #define WEFT_UNTANGLED 1e30f     // m, in place of a candidate's separation: it takes a vertex back through a triangle (untangle.comp)
 #define WEFT_SLIDES 2u   // rounds of contact_slide in a substep: what a particle gives way to one pair the second takes into account for others
@@ -570,7 +572,7 @@ static_assert(sizeof(SkinPoint) == 76 && sizeof(Joint) == 96 && sizeof(MotionLim
 static_assert(sizeof(MorphDelta) == 16 && sizeof(Carried) == 48 && sizeof(FrameChange) == 96);
 static_assert(sizeof(Gas) == 32 && sizeof(GasPart) == 16 && sizeof(GasState) == 8 && sizeof(GasSum) == 24);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 48);
-static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 400 && sizeof(Acceleration) == 48);
+static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 416 && sizeof(Acceleration) == 48);
 // As std430 and std140 have them.
 static_assert(offsetof(Collider, normal_from) == 32 && offsetof(Collider, rotation_from) == 80 && offsetof(Collider, half_size) == 96);
 static_assert(offsetof(Motion, origin) == 16 && offsetof(Motion, relaxation) == 36 && offsetof(Air, drag) == 16);

@@ -78,7 +78,7 @@ void empty_lists() {
   detection[0].falls_back = 0;
   detection[0].touchings = 0;
   detection[0].touched = Groups(0, 1, 1);
-  for (uint kind = 0; kind < 2; ++kind) {
+  for (uint kind = 0; kind < 3; ++kind) {
     detection[0].listings[kind] = 0;
     detection[0].listed[kind] = Groups(0, 1, 1);
   }

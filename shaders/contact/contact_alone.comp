@@ -22,7 +22,7 @@ SHARE(uvec4, step_fractions)
 SHARE(uint, contact_list)
 SHARE(Detection, detection)
 #define ITERATE(i) predicted[i]
-#define LISTED(place) contact_list[place]
+#define LISTED(kind, place) contact_list[first_place(kind) + place]
 #define PENETRATIONS(i) contact_penetrations[i]
 
 #include "motion/update_velocity.glsl"
@@ -32,6 +32,7 @@ SHARE(Detection, detection)
 #include "reaction/mesh.glsl"
 #include "motion_constraint/motion_constraint.glsl"
 #include "contact/contact.glsl"
+#include "contact/list_places.glsl"
 #include "contact/contact_share.glsl"
 #include "contact/penetration.glsl"
 #include "contact/solve.glsl"
@@ -45,32 +46,40 @@ SHARE(Detection, detection)
 
 #include "contact/wait.glsl"
 
+void list(uint kind, uint candidate) {
+  contact_list[first_place(kind) + atomicAdd(detection[0].listings[kind], 1u)] = candidate;
+}
+
 void iterate(uint thread, uint contacts, uint touched) {
-  for (uint k = thread; k < contacts; k += workgroup) add_penetrations(k);
+  for (uint k = thread; k < contacts; k += workgroup) {
+    const uint i = LISTED(WEFT_ACTIVE, k);
+    if (add_penetrations(i)) list(WEFT_PENETRATING, i);
+  }
   wait();
-  for (uint k = thread; k < contacts; k += workgroup) solve_contact(k);
+  const uint penetrating = detection[0].listings[WEFT_PENETRATING];
+  for (uint k = thread; k < penetrating; k += workgroup) solve_contact(LISTED(WEFT_PENETRATING, k));
   wait();
+  if (thread == 0) detection[0].listings[WEFT_PENETRATING] = 0;
   for (uint k = thread; k < touched; k += workgroup) apply_corrections(FETCH_UINT(touched_particles, k));
   wait();
 }
 
 void slide(uint thread, uint contacts, uint touched) {
-  for (uint k = thread; k < contacts; k += workgroup) ask_for_ways(k);
+  for (uint k = thread; k < contacts; k += workgroup) ask_for_ways(LISTED(WEFT_ACTIVE, k));
   wait();
   for (uint k = thread; k < touched; k += workgroup) slide_along(FETCH_UINT(touched_particles, k));
   wait();
 }
 
-// The list of active candidates is overwritten by that of the unsafe ones.
 void limit_all(uint thread) {
   const uint stored = min(detection[0].candidates, contact_settings.capacity);
   for (uint k = thread; k < stored; k += workgroup)
-    if (is_unsafe(k)) contact_list[atomicAdd(detection[0].listings[WEFT_UNSAFE], 1u)] = k;
+    if (is_unsafe(k)) list(WEFT_UNSAFE, k);
   wait();
   const uint unsafe = detection[0].listings[WEFT_UNSAFE];
   for (uint pass = 0; pass < WEFT_LIMIT_PASSES; ++pass) {
     if (pass > 0 && detection[0].changed[pass - 1] == 0) return;
-    for (uint k = thread; k < unsafe; k += workgroup) limit(k, pass);
+    for (uint k = thread; k < unsafe; k += workgroup) limit(LISTED(WEFT_UNSAFE, k), pass);
     wait();
   }
 }

@@ -8,7 +8,7 @@
 
 GATHER(positions)
 GATHER_WRITE(predicted)
-READ(Detection, detection)
+READ_WRITE(Detection, detection)
 GATHER_UINT(touched_particles)
 READ_WRITE(ivec4, contact_sums)
 READ_WRITE(uint, contact_penetrations)
@@ -29,4 +29,7 @@ GATHER(materials)
 void main() {
   const uint place = gl_GlobalInvocationID.x;
   if (place < detection[0].touchings) apply_corrections(FETCH_UINT(touched_particles, place));
+  if (place != 0) return;
+  detection[0].listings[WEFT_PENETRATING] = 0;   // for the next iteration
+  detection[0].listed[WEFT_PENETRATING] = Groups(0, 1, 1);
 }

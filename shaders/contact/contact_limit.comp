@@ -48,6 +48,7 @@ GATHER(velocities)
 GATHER(materials)
 READ_WRITE(Detection, detection)
 
+#include "contact/list_places.glsl"
 #include "contact/wide.glsl"
 #include "contact/contact.glsl"
 #include "contact/sides.glsl"
@@ -58,5 +59,5 @@ void main() {
   const uint place = gl_GlobalInvocationID.x;
   if (place >= detection[0].listings[WEFT_UNSAFE]) return;
   const uint pass = (push.flags >> WEFT_PASS_SHIFT) & kLastPass;
-  if (pass == 0 || detection[0].changed[pass - 1] != 0) limit(place, pass);
+  if (pass == 0 || detection[0].changed[pass - 1] != 0) limit(LISTED(WEFT_UNSAFE, place), pass);
 }

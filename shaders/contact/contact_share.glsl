@@ -6,7 +6,7 @@
 // penetration in an iteration, and contact_limit would have to hold the cloth. The shares sum to 1 in any case, so momentum is conserved
 // and no particle is moved further than its contacts ask for.
 //
-// Needs contact/contact.glsl, ITERATE(i), particle i's iterate, and LISTED(place), an entry of contact_list.
+// Needs contact/contact.glsl, ITERATE(i), particle i's iterate, and candidates, contact_normals, contact_weights.
 
 struct ActiveContact {
   Candidate pair;
@@ -16,8 +16,8 @@ struct ActiveContact {
   bool penetrates;
 };
 
-ActiveContact active_contact_at(uint place) {
-  const uint i = LISTED(place);
+// Of candidate i.
+ActiveContact active_contact(uint i) {
   ActiveContact contact;
   contact.pair = unpack_candidate(FETCH(candidates, i));
   contact.normal = FETCH(contact_normals, i);

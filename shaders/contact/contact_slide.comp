@@ -20,6 +20,7 @@ READ_WRITE(ivec4, contact_sums)
 GATHER(velocities)
 GATHER(materials)
 
+#include "contact/list_places.glsl"
 #include "contact/wide.glsl"
 #include "contact/contact.glsl"
 #include "contact/sides.glsl"
@@ -28,5 +29,5 @@ GATHER(materials)
 
 void main() {
   const uint place = gl_GlobalInvocationID.x;
-  if (place < detection[0].listings[WEFT_ACTIVE]) ask_for_ways(place);
+  if (place < detection[0].listings[WEFT_ACTIVE]) ask_for_ways(LISTED(WEFT_ACTIVE, place));
 }

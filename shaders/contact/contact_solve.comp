@@ -1,4 +1,4 @@
-// contact_solve: one Jacobi iteration over the active contacts, XPBD with zero compliance and Coulomb friction: C = n . sum w_j p_j -
+// contact_solve: one Jacobi iteration over the active contacts that penetrate, XPBD with zero compliance and Coulomb friction: C = n . sum w_j p_j -
 // separation >= 0 at the current iterate.
 //
 // Masses are split by penetration (contact_share.glsl): a contact sees its particle j with the share s_j of its mass, so
@@ -29,6 +29,7 @@ READ_WRITE(ivec4, contact_sums)
 READ(Collider, colliders)
 #define PENETRATIONS(i) FETCH_UINT(contact_penetrations, i)
 
+#include "contact/list_places.glsl"
 #include "contact/wide.glsl"
 #include "contact/contact.glsl"
 #include "contact/contact_share.glsl"
@@ -39,5 +40,5 @@ READ(Collider, colliders)
 
 void main() {
   const uint place = gl_GlobalInvocationID.x;
-  if (place < detection[0].listings[WEFT_ACTIVE]) solve_contact(place);
+  if (place < detection[0].listings[WEFT_PENETRATING]) solve_contact(LISTED(WEFT_PENETRATING, place));
 }

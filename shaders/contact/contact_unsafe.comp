@@ -10,9 +10,11 @@ GATHER_UINT4(candidates)
 GATHER(contact_normals)
 GATHER(contact_weights)
 READ_WRITE(Detection, detection)
+WRITE(uint, contact_list)
 
 #define ITERATE(i) FETCH(predicted, i)
 #include "contact/contact.glsl"
+#include "contact/list_places.glsl"
 #include "contact/contact_list.glsl"
 #include "contact/unsafe.glsl"
 

@@ -1,5 +1,5 @@
-// limit: what contact_limit does for the unsafe candidate at `place` of the list, in one of its passes. Needs contact/contact.glsl,
-// contact/sides.glsl, reaction/touched_mesh.glsl, ITERATE(i) and LISTED(place).
+// limit: what contact_limit does for an unsafe candidate in one of its passes. Needs contact/contact.glsl,
+// contact/sides.glsl, reaction/touched_mesh.glsl and ITERATE(i).
 
 const uint kLastPass = WEFT_LIMIT_PASSES - 1;
 // The step fraction of particle i after the passes before this one.
@@ -62,8 +62,7 @@ void limit_pair(Candidate pair, vec3 n, uint pass) {
   lower_fractions(pair, pass, fallback, vec4(1));
 }
 
-void limit(uint place, uint pass) {
-  const uint i = LISTED(place);
+void limit(uint i, uint pass) {
   const vec3 n = FETCH(contact_normals, i).xyz;
   const Candidate pair = unpack_candidate(FETCH(candidates, i));
   if (n != vec3(0)) limit_pair(pair, n, pass);

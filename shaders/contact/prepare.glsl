@@ -4,6 +4,8 @@
 WRITE(vec4, contact_normals)
 WRITE(vec4, contact_weights)
 
+WRITE(uint, contact_list)
+#include "contact/list_places.glsl"
 #include "contact/contact_list.glsl"
 #include "contact/count.glsl"
 

@@ -1,5 +1,5 @@
-// slide: what contact_slide does for the active contact at `place` of the list. Needs contact/contact.glsl, contact/sides.glsl,
-// reaction/touched_mesh.glsl and LISTED(place).
+// slide: what contact_slide does for an active contact. Needs contact/contact.glsl, contact/sides.glsl,
+// and reaction/touched_mesh.glsl.
 
 void ask(uint place, vec3 way) {
   if (way.x > 0) atomicMax(slides[place].x, floatBitsToUint(way.x));
@@ -12,8 +12,7 @@ vec2 ahead_of_kinematic(Sides sides, vec4 end) {
   return sides.margin - least_of_sides(mix(vec4(1e30), end, sides.kinematic), sides.edges).yx;
 }
 
-void ask_for_ways(uint place) {
-  const uint i = LISTED(place);
+void ask_for_ways(uint i) {
   const vec3 n = FETCH(contact_normals, i).xyz;
   const Candidate pair = unpack_candidate(FETCH(candidates, i));
   if (untangles && pair.separation == WEFT_UNTANGLED) return;

@@ -1,4 +1,4 @@
-// solve: what contact_solve does for the active contact at `place` of the list. Needs contact/contact_share.glsl, reaction/mesh.glsl, and
+// solve: what contact_solve does for an active contact that penetrates. Needs contact/contact_share.glsl, reaction/mesh.glsl, and
 // PENETRATIONS(i), the sum of particle i's.
 
 // Units that the corrections of one particle may add up to; an int holds twice that.
@@ -66,9 +66,8 @@ void tell_mesh(ActiveContact contact, mat4 x, ivec3 given[4]) {
   give_mesh(mesh, impulse, angular);
 }
 
-void solve_contact(uint place) {
-  const ActiveContact contact = active_contact_at(place);
-  if (!contact.penetrates) return;
+void solve_contact(uint candidate) {
+  const ActiveContact contact = active_contact(candidate);
   const uint a = contact.pair.particle[0], b = contact.pair.particle[1], c = contact.pair.particle[2], d = contact.pair.particle[3];
   const mat4 x = mat4(FETCH(positions, a), FETCH(positions, b), FETCH(positions, c), FETCH(positions, d));
   const Response response = response_of(contact, vec4(x[0].w, x[1].w, x[2].w, x[3].w));

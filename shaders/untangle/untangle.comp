@@ -30,6 +30,8 @@ WRITE(uvec4, candidates)
 READ_WRITE(uint, displacement_bounds)
 READ_WRITE(Counters, counters)
 #include "contact/candidate.glsl"
+WRITE(uint, contact_list)
+#include "contact/list_places.glsl"
 #include "contact/contact_list.glsl"
 #include "contact/count.glsl"
 #include "contact/proximity.glsl"

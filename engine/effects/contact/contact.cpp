@@ -84,6 +84,8 @@ constexpr Threads kNearEdges{buffers::near_edges.length, nullptr, {&buffers::det
 constexpr Threads kCandidates{lengths::candidates, nullptr, {&buffers::detection, offsetof(gpu::Detection, contacts)}, true};
 constexpr Threads kTouchedParticles{lengths::particles, nullptr, {&buffers::detection, offsetof(gpu::Detection, touched)}};
 constexpr Threads kContacts{lengths::candidates, nullptr, {&buffers::detection, offsetof(gpu::Detection, listed)}, true};
+constexpr Threads kPenetrating{lengths::candidates, nullptr,
+                               {&buffers::detection, offsetof(gpu::Detection, listed) + WEFT_PENETRATING * sizeof(gpu::Groups)}, true};
 constexpr Threads kPairedParticles{lengths::particles, nullptr, {&buffers::detection, offsetof(gpu::Detection, paired)}};
 constexpr Threads kContactsAlone{lengths::particles, lengths::one, {&buffers::detection, offsetof(gpu::Detection, alone)}};
 constexpr Threads kUnsafeCandidates{lengths::candidates, nullptr,
@@ -121,7 +123,7 @@ constexpr Pass kPasses[] = {
     {.name = "contact_alone", .stage = Stage::contacts, .threads = kContactsAlone, .crowd = Crowd::few, .collides = true, .alone = true, .crew = true,
      .can_end_substep = true},
     {.name = "contact_penetration", .stage = Stage::contact, .threads = kContacts, .crowd = Crowd::many},
-    {.name = "contact_solve", .stage = Stage::contact, .threads = kContacts, .crowd = Crowd::many},
+    {.name = "contact_solve", .stage = Stage::contact, .threads = kPenetrating, .crowd = Crowd::many},
     {.name = "contact_apply", .stage = Stage::contact, .threads = kTouchedParticles, .crowd = Crowd::many, .collides = true},
     {.name = "contact_slide", .stage = Stage::slide, .threads = kContacts, .crowd = Crowd::many},
     {.name = "contact_slide_apply", .stage = Stage::slide, .threads = kTouchedParticles, .crowd = Crowd::many},

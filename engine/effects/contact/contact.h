@@ -119,8 +119,9 @@ inline constexpr Buffer near_faces = [] {
   row.lies_in = &contact_weights;
   return row;
 }();
-/// Numbers of the active candidates, at the substep's end those of the unsafe ones (contact_list.glsl).
-inline constexpr Buffer contact_list = growing(scratch<gpu::uint>("contact_list", lengths::candidates));
+/// Numbers of the active candidates, at the substep's end those of the unsafe ones; then of those that penetrate (contact_list.glsl).
+inline constexpr Buffer contact_list =
+    growing(scratch<gpu::uint>("contact_list", [](const Cooked& s) { return 2 * lengths::candidates(s); }));
 /// Particles of active candidates that are not kinematic.
 inline constexpr Buffer touched_particles = scratch<gpu::uint>("touched_particles", lengths::particles);
 /// Number of active contacts of each particle in this substep; 0 for kinematic ones.
