@@ -1,4 +1,4 @@
-// near_list: the row of near_clusters of a cluster. grid_search fills it; detect_outline drops the clusters that it touches and cannot meet
+// near_list: the row of near_clusters of a cluster. grid_search fills it; then those are dropped that it touches and cannot meet
 // (smooth.glsl), puts those first that come after it, itself included, and counts them.
 
 struct NearList {

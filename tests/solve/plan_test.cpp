@@ -303,7 +303,7 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   // With tethers, where idle threads cost (calls.h).
   EXPECT_EQ(labels(with(all, {Id::contact})),
             (Labels{"predict+watch", "anchor+watch", "detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search",
-                    "detect_outline", "search_faces", "search_edges", "pair_faces", "pair_edges", "contact_prepare", "stretch",
+                    "outline_particles", "outline_faces", "outline_edges", "search_faces", "search_edges", "search_rare", "pair_faces", "pair_edges", "contact_prepare", "stretch",
                     "bend+tether+collide+finalize", "contact_alone+collide", "contact_penetration", "contact_solve",
                     "contact_apply+collide", "contact_slide", "contact_slide_apply", "contact_unsafe", "contact_limit",
                     "contact_finalize", "surface"}));

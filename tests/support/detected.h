@@ -122,9 +122,12 @@ struct Detected {
   static std::vector<std::string_view> passes_of(const Setting& setting) {
     if (setting.calm) return {"detect_alone", "detect_prepare"};
     if (setting.seldom) return {"detect_alone", "detect_search", "detect_pair"};
-    std::vector<std::string_view> names{"detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search", "detect_outline"};
-    if (setting.united) names.insert(names.end(), {"detect_search", "detect_pair"});
-    else names.insert(names.end(), {"search_faces", "search_edges", "pair_faces", "pair_edges"});
+    std::vector<std::string_view> names{"detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search"};
+    if (setting.united)
+      names.insert(names.end(), {"detect_outline", "detect_search", "detect_pair"});
+    else
+      names.insert(names.end(), {"outline_particles", "outline_faces", "outline_edges", "search_faces", "search_edges", "search_rare",
+                                 "pair_faces", "pair_edges"});
     return names;
   }
   gpu::Detection detection() const { return passes.get<gpu::Detection>(buffers::detection, 1).front(); }

@@ -2,6 +2,7 @@
 // offsets, and the dispatch arguments of the passes after them.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -55,7 +56,7 @@ TEST_F(DetectArguments, trajectories_are_the_substep_ahead_ten_times_but_no_long
   Soup soup = random_soup(random, 40);
   for (std::size_t i = 0; i < soup.predicted.size(); i += 4) soup.predicted[i].y += 0.5f;
   const double cell = 0.01;
-  const Detected detected(device(), soup, {false, 64, cell}, "detect_outline");
+  const Detected detected(device(), soup, {false, 64, cell}, "outline_edges");
   const auto x = points(soup.fabric.positions), p = points(soup.predicted);
   const auto trajectories = points(detected.passes.particles(buffers::trajectories));
   EXPECT_EQ(largest_gap(detected.passes.particles(buffers::detected_positions), x), 0);
@@ -196,6 +197,37 @@ TEST_F(DetectArguments, the_search_dispatches_a_thread_a_near_pair_and_none_with
   }
 }
 
+// Pairs that the broad phase found and put into the lists, by their particles.
+std::set<std::array<std::uint32_t, 4>> near_pairs(const Detected& detected, std::uint32_t room) {
+  const ClusterLists& lists = detected.fabric.own.of<ClusterLists>();
+  const gpu::Detection found = detected.detection();
+  std::set<std::array<std::uint32_t, 4>> pairs;
+  for (const gpu::uvec2& near : detected.passes.get<gpu::uvec2>(*buffers::near_faces.lies_in, std::min(found.near[0], room)))
+    pairs.insert({near.x, lists.faces[near.y].x, lists.faces[near.y].y, lists.faces[near.y].z});
+  for (const gpu::uvec2& near : detected.passes.get<gpu::uvec2>(*buffers::near_edges.lies_in, std::min(found.near[1], room)))
+    pairs.insert({lists.edges[near.x].x, lists.edges[near.x].y, lists.edges[near.y].x, lists.edges[near.y].y});
+  return pairs;
+}
+
+TEST_F(DetectArguments, pairs_of_the_search_that_find_no_room_are_held) {
+  Random random(12);
+  const Soup soup = random_soup(random, 100);
+  for (const bool united : {false, true}) {
+    Setting setting{.united = united};
+    const auto pairs_to = [&](const Detected& detected, std::uint32_t capacity) { return near_pairs(detected, WEFT_NEAR * capacity); };
+    const char* last = united ? "detect_search" : "search_rare";
+    const auto all = pairs_to(Detected(device(), soup, setting, last), setting.capacity);
+    setting.capacity = 100;
+    const Detected detected(device(), soup, setting, last);
+    const auto listed = pairs_to(detected, setting.capacity);
+    const auto bounds = detected.passes.get<std::uint32_t>(buffers::displacement_bounds, soup.predicted.size());
+    ASSERT_GT(all.size(), listed.size() + 500);
+    for (const auto& pair : all)
+      for (const std::uint32_t i : pair) ASSERT_TRUE(listed.contains(pair) || bounds[i] == 0) << i;
+    EXPECT_LT(std::ranges::count(bounds, 0u), std::ssize(bounds)) << "all of them";
+  }
+}
+
 TEST_F(DetectArguments, the_narrow_phase_dispatches_what_there_is_capacity_for_and_counts_the_rest) {
   Random random(12);
   const Soup soup = random_soup(random, 100);
@@ -227,7 +259,7 @@ TEST_F(DetectArguments, lists_are_empty_when_a_substep_begins_and_candidates_las
   gpu::Detection state = detected.detection();
   for (std::uint32_t& changed : state.changed) changed = 1;
   state.falls_back = state.touchings = state.touched.x = 1;
-  state.listings[WEFT_ACTIVE] = state.listings[WEFT_UNSAFE] = state.listed[WEFT_ACTIVE].x = state.listed[WEFT_UNSAFE].x = 7;
+  for (const std::uint32_t kind : {WEFT_ACTIVE, WEFT_UNSAFE, WEFT_PENETRATING}) state.listings[kind] = state.listed[kind].x = 7;
   state.candidates = 300;
   state.contacts.x = state.paired.x = 5;
   for (const std::uint32_t needed : {0u, 1u}) {
@@ -236,8 +268,9 @@ TEST_F(DetectArguments, lists_are_empty_when_a_substep_begins_and_candidates_las
     detected.passes.run("detect_arguments");
     const gpu::Detection begun = detected.detection();
     for (const std::uint32_t changed : begun.changed) EXPECT_EQ(changed, 0u);
-    EXPECT_EQ(begun.falls_back + begun.touchings + begun.touched.x + begun.listings[WEFT_ACTIVE] + begun.listings[WEFT_UNSAFE] +
-                  begun.listed[WEFT_ACTIVE].x + begun.listed[WEFT_UNSAFE].x, 0u);
+    EXPECT_EQ(begun.falls_back + begun.touchings + begun.touched.x, 0u);
+    for (const std::uint32_t kind : {WEFT_ACTIVE, WEFT_UNSAFE, WEFT_PENETRATING})
+      EXPECT_EQ(begun.listings[kind] + begun.listed[kind].x, 0u) << kind;
     EXPECT_EQ(std::pair(begun.contacts.x, begun.paired.x), needed ? std::pair(0u, 0u) : std::pair(5u, 5u));
     EXPECT_EQ(detected.passes.counters().contacts_load, 370u) << "of the substep before";
   }

@@ -251,7 +251,7 @@ reference::Points astray(Random& random, const reference::Tracks& t, const Parti
 
 // The share of clusters that are smooth; none may have two places that can meet with one that it touches.
 double smooth_share(const compute::Device& device, const Soup& soup, double margin, Random& random) {
-  const Detected detected(device, soup, {false, 64, 0.08, margin}, "detect_outline");
+  const Detected detected(device, soup, {false, 64, 0.08, margin}, "outline_edges");
   const ClusterLists& lists = detected.fabric.own.of<ClusterLists>();
   const auto smooth = detected.passes.get<std::uint32_t>(buffers::smooth_clusters, lists.surroundings.size());
   const reference::Tracks t = detected.tracks();

@@ -93,9 +93,13 @@ void compare_solved(const compute::Device& device, bool gather_storage) {
   Passes passes(device, scene, fabric, t, gather_storage);
   passes.run("contact_prepare");
   passes.run("contact_penetration");
+  const gpu::Detection listed = passes.detection();
+  EXPECT_GT(listed.listings[WEFT_PENETRATING], 20u);
+  EXPECT_LT(listed.listings[WEFT_PENETRATING], listed.listings[WEFT_ACTIVE]);
   passes.run("contact_solve");
   const auto sums = passes.get<gpu::ivec4>(buffers::contact_sums, t.x.size());
   passes.run("contact_apply");
+  EXPECT_EQ(passes.detection().listings[WEFT_PENETRATING], 0u) << "for the next iteration";
   std::vector<double> friction;
   for (std::size_t i = 0; i < t.x.size(); ++i) friction.push_back(kFriction[i % 2]);
   const auto contacts = passes.contacts();
