@@ -19,7 +19,10 @@ bool begins_with_one_of(std::string_view name, std::initializer_list<std::string
   return false;
 }
 
-bool of_searches(std::string_view pass) { return begins_with_one_of(pass, {"detect_track", "detect_outline", "detect_alone", "detect_search", "detect_pair", "outline_", "cluster_", "grid_", "search_", "pair_"}); }
+bool of_searches(std::string_view pass) {
+  return begins_with_one_of(pass, {"detect_track", "detect_outline", "detect_alone", "detect_search", "detect_pair", "outline_", "cluster_",
+                                   "grid_", "search_", "pair_"});
+}
 bool of_pairs(std::string_view pass) { return begins_with_one_of(pass, {"detect_arguments", "contact_", "untangle"}); }
 
 // Written state needs a detection. Of several the fastest counts, since other programs use the machine too.

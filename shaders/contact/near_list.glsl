@@ -1,5 +1,5 @@
-// near_list: the row of near_clusters of a cluster. grid_search fills it; then those are dropped that it touches and cannot meet
-// (smooth.glsl), puts those first that come after it, itself included, and counts them.
+// near_list: the row of near_clusters of a cluster. grid_search fills it. Then those are dropped that it touches and cannot meet
+// (smooth.glsl), and those are put first that come after it, itself included (order_near.glsl).
 
 struct NearList {
   uint first;        // in near_clusters
