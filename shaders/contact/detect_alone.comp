@@ -14,6 +14,7 @@ READ_WRITE(Counters, counters)
 WRITE(uint, displacement_bounds)
 WRITE(vec4, outlines)
 WRITE(uvec4, outline_boxes)
+WRITE(uvec4, near_boxes)
 WRITE(uint, tangled_pairs)
 // This dispatch has written what it reads of these.
 SHARE(Detection, detection)
@@ -36,6 +37,7 @@ SHARE(vec4, grid_entries)
 #include "contact/groups.glsl"
 #include "contact/grid.glsl"
 #include "contact/cluster.glsl"
+#include "contact/latest_box.glsl"
 #include "contact/predicted_track.glsl"
 #include "contact/scan.glsl"
 #include "contact/smooth.glsl"

@@ -13,6 +13,7 @@ GATHER_WRITE(trajectories)
 WRITE(uint, displacement_bounds)
 GATHER_UINT(smooth_clusters)
 READ_WRITE(uint, near_clusters)
+WRITE(uvec4, near_boxes)
 WRITE(vec4, outlines)
 WRITE(uvec4, outline_boxes)
 WRITE(uint, tangled_pairs)
@@ -24,6 +25,7 @@ GATHER(cluster_boxes)
 #include "contact/predicted_track.glsl"
 #include "contact/outline.glsl"
 #include "contact/cluster.glsl"
+#include "contact/latest_box.glsl"
 #include "contact/outline_box.glsl"
 #include "contact/near_list.glsl"
 #include "contact/outline_either.glsl"

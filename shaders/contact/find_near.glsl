@@ -85,7 +85,7 @@ void search_level(Search search) {
 
 void find_near(uint cluster) {
   own = cluster;
-  own_box = Box(LATEST(cluster_boxes, 2 * own).xyz, LATEST(cluster_boxes, 2 * own + 1).xyz);
+  own_box = box_at(own);
   const Place place = place_of(own_box);
   add_near(own, own | WEFT_TOUCHING);
   smooth_clusters[own] = uint(is_smooth(own));

@@ -18,6 +18,7 @@ READ(Detection, detection)
 #include "contact/apart.glsl"
 #include "contact/grid.glsl"
 #include "contact/cluster.glsl"
+#include "contact/latest_box.glsl"
 #include "contact/smooth.glsl"
 
 #include "contact/find_near.glsl"

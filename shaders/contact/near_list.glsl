@@ -8,6 +8,9 @@ struct NearList {
   bool every_one;    // the row had no room: entries are all clusters
 };
 
+// Of near_boxes: of each entry the box, in grains of the cluster's own (outline_box.glsl), two an element.
+uint boxes_of(uint cluster) { return (WEFT_NEAR_CLUSTERS + 1) / 2 * cluster; }
+
 uint row_of(uint cluster) { return (WEFT_NEAR_CLUSTERS + 1) * cluster; }
 
 // The row's head. With no room the count is one more than there is room for.

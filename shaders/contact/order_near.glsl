@@ -1,5 +1,5 @@
 // order_near: which of the clusters near it a cluster may meet, now that it is known which are smooth. Needs contact/near_list.glsl,
-// near_clusters and smooth_clusters.
+// contact/outline_box.glsl, near_clusters, near_boxes, cluster_boxes and smooth_clusters.
 
 // In place (near_list.glsl).
 void put_in_order(uint cluster) {
@@ -21,4 +21,10 @@ void put_in_order(uint cluster) {
     near_clusters[row + 1 + place] = other;
   }
   near_clusters[row] = head_of(count, later);
+  const Box own = box_at(cluster);
+  for (uint k = 0; k < count; ++k) {
+    const uvec2 packed = pack_box(own, box_at(near_clusters[row + 1 + k]));
+    if (k % 2 == 0) near_boxes[boxes_of(cluster) + k / 2].xy = packed;
+    else near_boxes[boxes_of(cluster) + k / 2].zw = packed;
+  }
 }

@@ -18,6 +18,7 @@ GATHER(cluster_boxes)
 #include "contact/predicted_track.glsl"
 #include "contact/outline.glsl"
 #include "contact/cluster.glsl"
+#include "contact/latest_box.glsl"
 #include "contact/outline_box.glsl"
 #include "contact/final_track.glsl"
 #include "contact/put_outline.glsl"

@@ -12,11 +12,17 @@ GATHER_WRITE(trajectories)
 WRITE(uint, displacement_bounds)
 GATHER_UINT(smooth_clusters)
 READ_WRITE(uint, near_clusters)
+WRITE(uvec4, near_boxes)
+GATHER(cluster_boxes)
 WRITE(uint, tangled_pairs)
 
 #include "contact/apart.glsl"
 #include "contact/grid.glsl"
 #include "contact/predicted_track.glsl"
+#include "contact/outline.glsl"
+#include "contact/cluster.glsl"
+#include "contact/latest_box.glsl"
+#include "contact/outline_box.glsl"
 #include "contact/near_list.glsl"
 #include "contact/final_track.glsl"
 #include "contact/outline_particle.glsl"

@@ -2,8 +2,8 @@
 // contact/outline_box.glsl and the buffers.
 
 void put_outline(uint primitive, Outline outline, uint cluster) {
-  const Box box = box_of(outline), of_cluster = Box(LATEST(cluster_boxes, 2 * cluster).xyz, LATEST(cluster_boxes, 2 * cluster + 1).xyz);
-  const uvec2 packed = pack_box(of_cluster, box);
+  const Box box = box_of(outline);
+  const uvec2 packed = pack_box(box_at(cluster), box);
   if (primitive % 2 == 0) outline_boxes[primitive / 2].xy = packed;
   else outline_boxes[primitive / 2].zw = packed;
   outlines[3 * primitive] = vec4(outline.middle, outline.reach);

@@ -21,6 +21,7 @@
 GATHER_UINT4(clusters)
 GATHER(cluster_boxes)
 GATHER_UINT(near_clusters)
+GATHER_UINT4(near_boxes)
 GATHER(outlines)
 GATHER_UINT4(outline_boxes)
 
@@ -28,6 +29,8 @@ Outline outline_at(uint primitive) {
   const vec4 middle = FETCH(outlines, 3 * primitive);
   return Outline(middle.xyz, FETCH(outlines, 3 * primitive + 1).xyz, FETCH(outlines, 3 * primitive + 2).xyz, middle.w);
 }
+
+Box box_at(uint cluster) { return Box(FETCH(cluster_boxes, 2 * cluster).xyz, FETCH(cluster_boxes, 2 * cluster + 1).xyz); }
 
 // The thread's own.
 Outline own;
@@ -91,28 +94,60 @@ void hold(uint first, uint pairs) {
   }
 }
 
-// `cluster`: the thread's own; `all`: also clusters before it, as only one of two edges is to find the other.
-void search(uint kind, uint cluster, bool all, bool holds) {
-  const Box own_box = box_of(own);
-  const NearList near = near_list(cluster, FETCH_UINT(near_clusters, row_of(cluster)));
-  const uint entries = all ? near.count : near.later;
-  for (uint k = 0; k < entries; ++k) {
-    uint other = 0;
-    Box its;
-    for (bool found = false; !found && k < entries; k += uint(!found)) {
-      other = near.every_one ? k : FETCH_UINT(near_clusters, near.first + k);
-      its = Box(FETCH(cluster_boxes, 2 * other).xyz, FETCH(cluster_boxes, 2 * other + 1).xyz);
-      found = (all || other >= cluster) && !any(greaterThan(its.low, own_box.high)) && !any(lessThan(its.high, own_box.low));
-    }
-    if (k >= entries) return;
-    const uvec2 members = members_of(other);
-    const uvec2 numbers = uvec2(outline_number(members.x), outline_number(members.y)), box = pack_box(its, own_box);
-    for (uint first = numbers.x & ~1u; first < numbers.y; first += 32) {
-      const uint pairs = pairs_among(first, numbers, box);
-      if (holds) hold(first, pairs);
-      else add_near(kind, first, pairs);
-    }
+// Looks into a cluster, whose box is `its`.
+void look_into(uint kind, uint other, Box its, Box own_box, bool holds) {
+  const uvec2 members = members_of(other);
+  const uvec2 numbers = uvec2(outline_number(members.x), outline_number(members.y)), box = pack_box(its, own_box);
+  for (uint first = numbers.x & ~1u; first < numbers.y; first += 32) {
+    const uint pairs = pairs_among(first, numbers, box);
+    if (holds) hold(first, pairs);
+    else add_near(kind, first, pairs);
   }
+}
+
+// A bit for each of the entries of a list from `first` on, an even number, whose boxes overlap; of 32 at most.
+uint near_among(uint boxes, uint first, uint end, uvec2 box) {
+  uint near = 0;
+  for (uint k = 0; k < 32 && first + k < end; k += 2) {
+    const uvec4 two = FETCH(near_boxes, boxes + (first + k) / 2);
+    near |= (uint(overlap(two.xy, box)) | uint(overlap(two.zw, box)) << 1) << k;
+  }
+  if (end < first + 32) near &= (1u << (end - first)) - 1;
+  return near;
+}
+
+// `cluster`: the thread's own; `all`: also clusters before it, as only one of two edges is to find the other.
+void search_listed(uint kind, uint cluster, NearList near, bool all, bool holds) {
+  const Box own_box = box_of(own);
+  const uvec2 box = pack_box(box_at(cluster), own_box);
+  const uint entries = all ? near.count : near.later;
+  for (uint first = 0; first < entries; first += 32)
+    for (uint found = near_among(boxes_of(cluster), first, entries, box); found != 0; found &= found - 1) {
+      const uint other = FETCH_UINT(near_clusters, near.first + first + uint(findLSB(found)));
+      look_into(kind, other, box_at(other), own_box, holds);
+    }
+}
+
+// Where the list had no room: through all clusters.
+void search_all(uint kind, uint cluster, bool all, bool holds) {
+  const Box own_box = box_of(own);
+  for (uint other = all ? 0 : cluster; other < contact_settings.clusters; ++other) {
+    Box its;
+    for (bool found = false; !found && other < contact_settings.clusters; other += uint(!found)) {
+      its = box_at(other);
+      found = !any(greaterThan(its.low, own_box.high)) && !any(lessThan(its.high, own_box.low));
+    }
+    if (other >= contact_settings.clusters) return;
+    look_into(kind, other, its, own_box, holds);
+  }
+}
+
+NearList list_of(uint cluster) { return near_list(cluster, FETCH_UINT(near_clusters, row_of(cluster))); }
+
+void search(uint kind, uint cluster, bool all, bool holds) {
+  const NearList near = list_of(cluster);
+  if (near.every_one) search_all(kind, cluster, all, holds);
+  else search_listed(kind, cluster, near, all, holds);
 }
 
 // Adds what the search has listed to the narrow phase's dispatch, and counts what overflowed: whose pairs have, must search again, to hold

@@ -28,7 +28,9 @@ void put_near(uint place, uint member) { near_edges[place] = uvec2(edge, member)
 void main() {
   if (gl_GlobalInvocationID.x >= push.count) return;
   searching_edge(gl_GlobalInvocationID.x);
-  search(of_edges, own_cluster, false, false);
+  const NearList near = list_of(own_cluster);
+  if (near.every_one) ask_for_rare();
+  else search_listed(of_edges, own_cluster, near, false, false);
   end_search(of_edges);
   if (overflowed != 0) ask_to_hold(ends);
 }

@@ -30,7 +30,9 @@ void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= push.count) return;
   const uint cluster = searching_particle(i);
-  search(of_triangles, cluster, true, false);
+  const NearList near = list_of(cluster);
+  if (near.every_one) ask_for_rare();
+  else search_listed(of_triangles, cluster, near, true, false);
   end_search(of_triangles);
   if (overflowed != 0) ask_to_hold(uvec2(vertex));
 }

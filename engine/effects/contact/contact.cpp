@@ -58,7 +58,7 @@ constexpr const Buffer* kBuffers[] = {
     &buffers::clusters, &buffers::cluster_faces, &buffers::cluster_edges, &buffers::cluster_searchers, &buffers::cluster_owners,
     &buffers::cluster_hulls, &buffers::cluster_surroundings, &buffers::clusters_around, &buffers::cluster_boxes,
     &buffers::cluster_pushes, &buffers::near_bounds, &buffers::cluster_motions, &buffers::smooth_clusters, &buffers::near_clusters,
-    &buffers::outlines, &buffers::outline_boxes,
+    &buffers::near_boxes, &buffers::outlines, &buffers::outline_boxes,
     &buffers::rest, &buffers::detection, &buffers::detected_positions, &buffers::trajectories, &buffers::displacement_bounds,
     &buffers::candidates, &buffers::grid_counts, &buffers::grid_starts, &buffers::grid_entries, &buffers::contact_normals,
     &buffers::contact_weights, &buffers::near_edges, &buffers::near_faces, &buffers::contact_list, &buffers::touched_particles,
@@ -92,7 +92,7 @@ constexpr Threads kUnsafeCandidates{lengths::candidates, nullptr,
                                     {&buffers::detection, offsetof(gpu::Detection, listed) + WEFT_UNSAFE * sizeof(gpu::Groups)}, true};
 
 // Devices that bind fewer buffers to a pass do without what one workgroup does instead of six passes.
-bool binds_all(const Needs& needs) { return needs.storage_buffers >= (needs.constants[gpu::constant::through_texels] != 0 ? 17 : 27); }
+bool binds_all(const Needs& needs) { return needs.storage_buffers >= (needs.constants[gpu::constant::through_texels] != 0 ? 18 : 28); }
 
 // Where idle threads cost, as on the software driver, a shader that does what several do costs more than their dispatches; and it takes
 // seconds to compile there, and the loops of one workgroup would be too long (WEFT_MOST_TURNS).

@@ -94,6 +94,9 @@ inline constexpr Buffer smooth_clusters = scratch<gpu::uint>("smooth_clusters", 
 /// then those that it may meet (near_list.glsl).
 inline constexpr Buffer near_clusters =
     scratch<gpu::uint>("near_clusters", [](const Cooked& s) { return (WEFT_NEAR_CLUSTERS + 1) * lengths::clusters(s); });
+/// (WEFT_NEAR_CLUSTERS + 1) / 2 a cluster: the boxes of those, two each, in grains of its own (near_list.glsl).
+inline constexpr Buffer near_boxes =
+    scratch<gpu::uvec4>("near_boxes", [](const Cooked& s) { return (WEFT_NEAR_CLUSTERS + 1) / 2 * lengths::clusters(s); });
 /// Three a primitive, triangles first: its Outline (outline.glsl): xyz middle, w reach; xyz half sides; xyz trajectory (m).
 inline constexpr Buffer outlines = scratch<gpu::vec4>("outlines", [](const Cooked& s) { return 3 * lengths::primitives(s); });
 /// One for two primitives: the corners of their outlines' boxes in grains of their clusters' boxes (outline_box.glsl).
