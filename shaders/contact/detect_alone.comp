@@ -35,6 +35,7 @@ SHARE(vec4, grid_entries)
 #include "contact/wait.glsl"
 
 #include "contact/groups.glsl"
+#include "contact/rare.glsl"
 #include "contact/grid.glsl"
 #include "contact/cluster.glsl"
 #include "contact/latest_box.glsl"

@@ -7,7 +7,7 @@ GATHER_UINT4(cluster_faces)
 GATHER_UINT4(cluster_edges)
 GATHER_UINT(cluster_owners)
 GATHER_UINT(cluster_pushes)
-READ(Detection, detection)
+READ_WRITE(Detection, detection)
 GATHER(detected_positions)
 GATHER_WRITE(trajectories)
 WRITE(uint, displacement_bounds)
@@ -21,6 +21,8 @@ GATHER(cluster_boxes)
 
 #include "contact/apart.glsl"
 #include "contact/grid.glsl"
+#include "contact/groups.glsl"
+#include "contact/rare.glsl"
 
 #include "contact/predicted_track.glsl"
 #include "contact/outline.glsl"

@@ -1,11 +1,12 @@
 // order_near: which of the clusters near it a cluster may meet, now that it is known which are smooth. Needs contact/near_list.glsl,
-// contact/outline_box.glsl, near_clusters, near_boxes, cluster_boxes and smooth_clusters.
+// contact/outline_box.glsl, contact/rare.glsl, near_clusters, near_boxes, cluster_boxes and smooth_clusters.
 
 // In place (near_list.glsl).
 void put_in_order(uint cluster) {
   const uint row = row_of(cluster), listed = near_clusters[row];
   if (listed > WEFT_NEAR_CLUSTERS) {
     near_clusters[row] = WEFT_NEAR_CLUSTERS + 1;
+    ask_for_rare();
     return;
   }
   const bool is_smooth = LATEST_UINT(smooth_clusters, cluster) != 0;

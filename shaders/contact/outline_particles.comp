@@ -6,7 +6,7 @@
 
 GATHER_UINT(cluster_owners)
 GATHER_UINT(cluster_pushes)
-READ(Detection, detection)
+READ_WRITE(Detection, detection)
 GATHER(detected_positions)
 GATHER_WRITE(trajectories)
 WRITE(uint, displacement_bounds)
@@ -18,6 +18,8 @@ WRITE(uint, tangled_pairs)
 
 #include "contact/apart.glsl"
 #include "contact/grid.glsl"
+#include "contact/groups.glsl"
+#include "contact/rare.glsl"
 #include "contact/predicted_track.glsl"
 #include "contact/outline.glsl"
 #include "contact/cluster.glsl"

@@ -15,6 +15,7 @@ GATHER(velocities)
 #include "contact/mask.glsl"
 #include "contact/groups.glsl"
 #include "contact/rare.glsl"
+#include "contact/ask_to_hold.glsl"
 
 #include "contact/search_edges.glsl"
 
@@ -29,8 +30,7 @@ void main() {
   if (gl_GlobalInvocationID.x >= push.count) return;
   searching_edge(gl_GlobalInvocationID.x);
   const NearList near = list_of(own_cluster);
-  if (near.every_one) ask_for_rare();
-  else search_listed(of_edges, own_cluster, near, false, false);
+  if (!near.every_one) search_listed(of_edges, own_cluster, near, false, false);
   end_search(of_edges);
   if (overflowed != 0) ask_to_hold(ends);
 }

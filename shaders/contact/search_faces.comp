@@ -16,6 +16,7 @@ GATHER(velocities)
 #include "contact/mask.glsl"
 #include "contact/groups.glsl"
 #include "contact/rare.glsl"
+#include "contact/ask_to_hold.glsl"
 
 #include "contact/search_faces.glsl"
 
@@ -31,8 +32,7 @@ void main() {
   if (i >= push.count) return;
   const uint cluster = searching_particle(i);
   const NearList near = list_of(cluster);
-  if (near.every_one) ask_for_rare();
-  else search_listed(of_triangles, cluster, near, true, false);
+  if (!near.every_one) search_listed(of_triangles, cluster, near, true, false);
   end_search(of_triangles);
   if (overflowed != 0) ask_to_hold(uvec2(vertex));
 }

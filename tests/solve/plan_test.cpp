@@ -171,8 +171,8 @@ TEST(Plan, every_pass_is_valid_on_a_device_of_vulkan_1_1_without_features) {
   });
   EXPECT_GT(seen.size(), 50u);
   EXPECT_EQ(most_buffers, 15) << "engine/README.md says so";
-  EXPECT_EQ(most_of_seldom, 17) << "and so do contact.cpp and it";
-  EXPECT_EQ(most_of_seldom_in_storage, 27) << "contact.cpp says so";
+  EXPECT_EQ(most_of_seldom, 18) << "and so do contact.cpp and it";
+  EXPECT_EQ(most_of_seldom_in_storage, 28) << "contact.cpp says so";
 }
 
 TEST(Plan, code_shrinks_with_what_a_scene_leaves_out) {
