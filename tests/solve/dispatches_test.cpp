@@ -63,7 +63,7 @@ TEST_F(Dispatches, of_a_frame_are_as_many_as_these) {
   EXPECT_EQ(fallen.seldom, 22u + 10 * (4 + 1 + 2)) << "a detection by one workgroup, its search and its pairs; what is prepared";
   EXPECT_EQ(fallen.calm, 22u + 10 * (2 + 2)) << "nothing that could have crossed: the search tests and prepares what it finds";
   EXPECT_EQ(fallen.none, 22u + 10 * (2 + 1)) << "contacts' one workgroup ends the substep of those that it may find";
-  EXPECT_EQ(fallen.idle_costs, 22u + 10 * (14 + 2)) << "faces, edges and what is rare apart: a dispatch costs little there, and a thread that waits much";
+  EXPECT_EQ(fallen.idle_costs, 22u + 10 * (14 + 2)) << "a pass for each kind: idle threads cost more than dispatches";
   EXPECT_EQ(fallen.paired, 22u + 10 * (2 + 2)) << "what empties lists, what is prepared, contacts, and the end of those with candidates";
   EXPECT_EQ(fallen.still, 22u) << "nothing but the cloth";
   Scene hung = free;
