@@ -1,5 +1,5 @@
-// outline_edge: the outline of an edge, about its particles' trajectories. Needs contact/final_track.glsl, contact/put_outline.glsl, rest and
-// cluster_edges.
+// outline_edge: the outline of an edge, about its particles' trajectories. Needs contact/final_track.glsl, contact/put_outline.glsl, rest
+// and cluster_edges.
 
 Outline outline_of_edge(uvec2 e) {
   const Track a = final_track(e.x), b = final_track(e.y);

@@ -1,5 +1,5 @@
-// outline_face: the outline of a triangle, about its particles' trajectories. Needs contact/final_track.glsl, contact/put_outline.glsl, rest and
-// cluster_faces.
+// outline_face: the outline of a triangle, about its particles' trajectories. Needs contact/final_track.glsl, contact/put_outline.glsl, rest
+// and cluster_faces.
 
 Outline outline_of_face(uvec3 t) {
   const Track a = final_track(t.x), b = final_track(t.y), c = final_track(t.z);

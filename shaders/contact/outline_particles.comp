@@ -1,5 +1,5 @@
-// outline_particles: by now it is known who is pushed, so every particle's displacement bound is complete; and which clusters are smooth, so
-// that lists of near ones are put in order. And empties the set of tangled pairs, where the search is to fill it.
+// outline_particles: by now it is known who is pushed, so every particle's displacement bound is complete; and which clusters are smooth,
+// so that lists of near ones are put in order. And empties the set of tangled pairs, where the search is to fill it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"

@@ -3,10 +3,10 @@
 //
 // SIMD divergence: threads of a group run in step, and all of them wait while one of them does what the others need not. So the search
 // makes only a cheap test, and the pairs that pass it are tested exactly, one a thread, in passes of their own (pair.glsl). Threads lie
-// beside each other whose clusters are the same, so that they go the same ways. And what is rare has a loop of its own: a thread first
-// looks for the next cluster that it has to look into, then tests all its members, and then lists those that it has found, so that
-// threads wait for each other's longest lists, not for each other's every find. (With one loop for all, the search took two to three
-// times as long on the software driver, which runs through every branch.)
+// beside each other whose clusters are the same, so that they go the same ways. And what is rarer has a loop of its own: a thread
+// first finds the clusters that it has to look into, a bit each, then in each of them the members, and then lists these, so that threads
+// wait for each other's longest lists, not for each other's every find. (With one loop for all, the search took two to three times as long
+// on the software driver, which runs through every branch.)
 //
 // Bound, as in pair.glsl. Two outlines whose middles are m apart at the detection and whose trajectories differ by r are, s substeps of H
 // later, m + (s/H) r apart, which is within r/2 of m + r/2; and if one of them is stopped, another step of its trajectory.

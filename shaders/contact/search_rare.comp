@@ -1,6 +1,7 @@
 // search_rare: what a search seldom has to do. Where more clusters are near than a list has room for it looks at all; where it has found
-// more pairs than there is room for it searches again, to hold them; where something may have crossed, every edge looks for triangles that it goes through (untangle/crossing.glsl). In the passes of the search
-// themselves, threads that go through both sides of every branch would do it each time.
+// more pairs than there is room for it searches again, to hold them; where something may have crossed, every edge looks for triangles that
+// it goes through (untangle/crossing.glsl). In the passes of the search themselves, threads that go through both sides of every branch
+// would do it each time.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -36,7 +37,8 @@ void main() {
   const NearList near = list_of(cluster);
   if (near.every_one) search_all(kind, cluster, !is_edge, false);
   end_search(kind);
-  if (displacement_bounds[particles.x] == 0 && displacement_bounds[particles.y] == 0) search_listed(kind, cluster, near, !is_edge, true);
+  const bool has_overflowed = displacement_bounds[particles.x] == 0 && displacement_bounds[particles.y] == 0;   // ask_to_hold
   if (near.every_one && overflowed != 0) search_all(kind, cluster, !is_edge, true);
+  if (!near.every_one && has_overflowed) search_listed(kind, cluster, near, !is_edge, true);
   if (untangles && is_edge && detection[0].looks != 0) search_crossings(edge, ends, own_cluster);
 }
