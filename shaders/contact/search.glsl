@@ -54,8 +54,8 @@ bool meets(uint number) {
   return may_meet(other, own.middle - other.middle + half_relative, half_relative, reach);
 }
 
-// A bit for each of the primitives from `first` on, an even number, that is among `numbers`, can be a pair with the thread's own and may meet
-// it; of 32 at most. Of most a box tells that they do not, and two are fetched at once (outline_box.glsl). `box`: the thread's own.
+// A bit for each of the primitives from `first` on, an even number, that is among `numbers`, can be a pair with the thread's own and may
+// meet it; of 32 at most. Of most a box tells that they do not, and two are fetched at once (outline_box.glsl). `box`: the thread's own.
 uint pairs_among(uint first, uvec2 numbers, uvec2 box) {
   uint near = 0, pairs = 0;
   uvec4 particles;
