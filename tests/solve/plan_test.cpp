@@ -225,7 +225,8 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(calls.has(Id::triangle) && calls.has(Id::contact), {&b::ways_out});
     expect(calls.has(Id::contact),
            {&b::clusters, &b::cluster_faces, &b::cluster_edges, &b::cluster_searchers, &b::cluster_owners, &b::cluster_hulls, &b::cluster_surroundings,
-            &b::clusters_around, &b::cluster_boxes, &b::cluster_pushes, &b::near_bounds, &b::cluster_motions, &b::smooth_clusters, &b::near_clusters, &b::near_boxes,
+            &b::clusters_around, &b::cluster_boxes, &b::cluster_pushes, &b::near_bounds, &b::cluster_motions, &b::smooth_clusters,
+            &b::near_clusters, &b::near_boxes,
             &b::outlines, &b::outline_boxes, &b::rest, &b::detected_positions, &b::trajectories, &b::displacement_bounds, &b::grid_counts,
             &b::grid_starts, &b::grid_entries, &b::detection, &b::candidates, &b::contact_normals, &b::contact_weights,
             &b::contact_counts, &b::contact_sums, &b::contact_penetrations, &b::slides, &b::kinematic_lags, &b::step_fractions, &b::contact_list,
@@ -303,7 +304,8 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   // With tethers, where idle threads cost (calls.h).
   EXPECT_EQ(labels(with(all, {Id::contact})),
             (Labels{"predict+watch", "anchor+watch", "detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search",
-                    "outline_particles", "outline_faces", "outline_edges", "search_faces", "search_edges", "search_rare", "pair_faces", "pair_edges", "contact_prepare", "stretch",
+                    "outline_particles", "outline_faces", "outline_edges", "search_faces", "search_edges", "search_rare", "pair_faces",
+                    "pair_edges", "contact_prepare", "stretch",
                     "bend+tether+collide+finalize", "contact_alone+collide", "contact_penetration", "contact_solve",
                     "contact_apply+collide", "contact_slide", "contact_slide_apply", "contact_unsafe", "contact_limit",
                     "contact_finalize", "surface"}));
