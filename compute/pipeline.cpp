@@ -122,6 +122,7 @@ Result<PipelineCache> PipelineCache::create(const Device& device, const std::fil
   }
   if (result != VK_SUCCESS) return fail("the pipeline cache could not be created: ", result_name(result));
   made.loaded_bytes_ = content.bytes.size();
+  made.loaded_specialized_bytes_ = content.specialized_bytes;
   made.loaded_checksum_ = content.checksum;
   made.cache_ = OwnedPipelineCache(device, cache);
   device.name_object(VK_OBJECT_TYPE_PIPELINE_CACHE, cache, "weft");
@@ -133,6 +134,9 @@ Result<void> PipelineCache::save() const {
   const Functions& fn = device_->vk();
   size_t bytes = 0;
   VkResult result = fn.vkGetPipelineCacheData(device_->handle(), cache_.get(), &bytes, nullptr);
+  // Neither grew: both are only added to.
+  const size_t specialized_bytes = device_->specializer().remembered_words() * sizeof(uint32_t);
+  if (result == VK_SUCCESS && specialized_bytes == loaded_specialized_bytes_ && specialized_bytes + bytes == loaded_bytes_) return {};
   std::vector<std::byte> blob(bytes);
   if (result == VK_SUCCESS) result = fn.vkGetPipelineCacheData(device_->handle(), cache_.get(), &bytes, blob.data());
   if (result != VK_SUCCESS) return fail("the pipeline cache could not be read from the driver: ", result_name(result));

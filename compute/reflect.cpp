@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <unordered_map>
 #include <utility>
 
 #include "compute/spirv.h"
@@ -44,7 +45,10 @@ class Module {
   };
 
   /// The instruction that defines an id; empty when none that matters here does.
-  Words definition(uint32_t id) const { return id < defined_.size() ? defined_[id] : Words{}; }
+  Words definition(uint32_t id) const {
+    const auto found = defined_.find(id);
+    return found == defined_.end() ? Words{} : found->second;
+  }
   /// The same when it is `op` with at least `count` words, else empty.
   Words definition(uint32_t id, uint32_t op, size_t count) const {
     const Words found = definition(id);
@@ -64,7 +68,8 @@ class Module {
   Result<void> ask_variables(Reflection& out) const;
   void ask_spec_constants(Reflection& out) const;
 
-  std::vector<Words> defined_;
+  uint32_t bound_ = 0;
+  std::unordered_map<uint32_t, Words> defined_;   // of a tenth of all ids
   std::vector<uint32_t> variables_;
   std::map<uint32_t, std::string> names_;
   std::map<MemberKey, uint32_t> decorations_;                      // (id, decoration) -> first operand
@@ -110,7 +115,7 @@ Result<void> Module::parse(Words words) {
   if (bound == 0 || bound > kMaxBound) {
     return fail("SPIR-V is damaged: its bound of ids is ", bound, ", not between 1 and ", kMaxBound);
   }
-  defined_.resize(bound);
+  bound_ = bound;
   for (size_t at = kHeaderWords; at < words.size();) {
     const size_t count = words[at] >> 16;
     if (count == 0 || count > words.size() - at) {
@@ -128,9 +133,8 @@ Result<void> Module::note(Words words) {
   const auto define = [&](size_t result_at) -> Result<void> {
     if (words.size() <= result_at) return fail("SPIR-V is damaged: instruction ", words[0] & 0xffff, " has no result");
     const uint32_t id = words[result_at];
-    if (id == 0 || id >= defined_.size()) return damaged("an id is outside of the bound", id);
-    if (!defined_[id].empty()) return damaged("an id is defined twice", id);
-    defined_[id] = words;
+    if (id == 0 || id >= bound_) return damaged("an id is outside of the bound", id);
+    if (!defined_.emplace(id, words).second) return damaged("an id is defined twice", id);
     return {};
   };
   switch (words[0] & 0xffff) {
@@ -148,7 +152,7 @@ Result<void> Module::note(Words words) {
       if (words.size() >= 6 && words[2] == kLocalSizeId) local_size_id_ = words.subspan(3, 3);
       return {};
     case OpDecorate:
-      if (words.size() > 2) decorations_[{words[1], words[2]}] = words.size() > 3 ? words[3] : 0;
+      if (words.size() > 2 && words[2] != kNoContraction) decorations_[{words[1], words[2]}] = words.size() > 3 ? words[3] : 0;
       return {};
     case OpMemberDecorate:
       if (words.size() > 3) {

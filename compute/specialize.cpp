@@ -102,10 +102,26 @@ size_t Specializer::modules() const {
   return made_.size();
 }
 
+namespace {
+
 // Of each: the lengths of its key and of its words, its key, its words.
+size_t words_of(const std::map<std::vector<uint32_t>, std::vector<uint32_t>>& made) {
+  size_t count = 0;
+  for (const auto& [key, words] : made) count += 2 + key.size() + words.size();
+  return count;
+}
+
+}  // namespace
+
+size_t Specializer::remembered_words() const {
+  const std::lock_guard lock(mutex_);
+  return words_of(made_);
+}
+
 std::vector<uint32_t> Specializer::remembered() const {
   const std::lock_guard lock(mutex_);
   std::vector<uint32_t> all;
+  all.reserve(words_of(made_));
   for (const auto& [key, words] : made_) {
     all.insert(all.end(), {static_cast<uint32_t>(key.size()), static_cast<uint32_t>(words.size())});
     all.insert(all.end(), key.begin(), key.end());

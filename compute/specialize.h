@@ -41,6 +41,8 @@ class Specializer {
 
   /// All that it remembers.
   std::vector<uint32_t> remembered() const;
+  /// Of how many words that is.
+  size_t remembered_words() const;
   /// Remembers that too. Words of another version of Weft, and words that are damaged, are left out; the rest is taken.
   void remember(std::span<const uint32_t> remembered);
 

@@ -64,7 +64,7 @@ void prepare(uint i) {
   const mat4x3 x = mat4x3(vec3(0), at_b.xyz - origin, at_c.xyz - origin, at_d.xyz - origin);
   const mat4x3 p = mat4x3(FETCH(predicted, a).xyz - origin, FETCH(predicted, b).xyz - origin, FETCH(predicted, c).xyz - origin,
                           FETCH(predicted, d).xyz - origin);
-  const vec4 weights = pair.edges ? closest_of_edges(x[0], x[1], x[2], x[3]) : closest_to_triangle(x[0], x[1], x[2], x[3]);
+  const vec4 weights = closest_of_pair(x, pair.edges);
   const vec3 between = offset(weights, x[0], x[1], x[2], x[3]);
   const float gap = length(between);
   const vec3 extent = max(abs(x[1]), max(abs(x[2]), abs(x[3])));

@@ -74,3 +74,25 @@ vec4 closest_of_edges(vec3 a, vec3 b, vec3 c, vec3 d) {
   consider(nearest, vec4(1 - s, s, t - 1, -t), a, b, c, d);
   return nearest.weights;
 }
+
+// Either, to the bit but for a zero's sign, where threads beside each other have pairs of both kinds: they go one way, with operands of their own.
+vec4 closest_of_pair(mat4x3 x, bool edges) {
+  const vec3 ab = edges ? x[1] - x[0] : x[2] - x[1], cd = x[3] - x[2], last = edges ? ab : x[1] - x[3];
+  const vec3 between = edges ? x[2] - x[0] : x[0] - x[1];
+  const float at_1 = parameter(edges ? x[0] - x[2] : between, edges ? cd : ab), at_2 = parameter((edges ? x[1] : x[0]) - x[2], cd);
+  const float at_3 = parameter(edges ? between : x[0] - x[3], last), at_4 = parameter(edges ? x[3] - x[0] : x[0] - x[3], last);
+  Nearest nearest = Nearest(edges ? vec4(1, 0, -1, 0) : vec4(1, -1, 0, 0), 3e38);
+  consider(nearest, edges ? vec4(1, 0, at_1 - 1, -at_1) : vec4(1, at_1 - 1, -at_1, 0), x[0], x[1], x[2], x[3]);
+  consider(nearest, edges ? vec4(0, 1, at_2 - 1, -at_2) : vec4(1, 0, at_2 - 1, -at_2), x[0], x[1], x[2], x[3]);
+  consider(nearest, edges ? vec4(1 - at_3, at_3, -1, 0) : vec4(1, -at_3, 0, at_3 - 1), x[0], x[1], x[2], x[3]);
+  // A triangle has three edges: the third once more.
+  consider(nearest, edges ? vec4(1 - at_4, at_4, 0, -1) : vec4(1, -at_4, 0, at_4 - 1), x[0], x[1], x[2], x[3]);
+  const vec3 other = edges ? cd : x[3] - x[1];
+  precise const vec3 n = cross(ab, other);
+  precise const float share = dot(cross(between, other), n), squared = dot(n, n);
+  const float r = clamped_ratio(share, squared);
+  precise const vec3 from_start = edges ? r * ab - between : between - r * ab, left = edges ? other : (1 - r) * other;
+  const float t = parameter(from_start, left), w = (1 - r) * t;
+  consider(nearest, edges ? vec4(1 - r, r, t - 1, -t) : vec4(1, min(r + w - 1, 0), -r, -w), x[0], x[1], x[2], x[3]);
+  return nearest.weights;
+}
