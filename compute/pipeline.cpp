@@ -52,7 +52,6 @@ CacheHeader header_for(const Device& device, std::span<const std::byte> content,
 struct CacheContent {
   std::vector<std::byte> bytes;
   uint32_t specialized_bytes = 0;   // at the front; the rest is the driver's
-  uint64_t checksum = 0;
   std::span<const std::byte> blob() const { return std::span(bytes).subspan(specialized_bytes); }
 };
 
@@ -81,7 +80,6 @@ Result<CacheContent> load(const Device& device, const std::filesystem::path& pat
   if (header.specialized_bytes > header.bytes)
     return refuse("what was specialised has more bytes than all of it: ", header.specialized_bytes);
   content.specialized_bytes = header.specialized_bytes;
-  content.checksum = header.checksum;
   return content;
 }
 
@@ -123,7 +121,6 @@ Result<PipelineCache> PipelineCache::create(const Device& device, const std::fil
   if (result != VK_SUCCESS) return fail("the pipeline cache could not be created: ", result_name(result));
   made.loaded_bytes_ = content.bytes.size();
   made.loaded_specialized_bytes_ = content.specialized_bytes;
-  made.loaded_checksum_ = content.checksum;
   made.cache_ = OwnedPipelineCache(device, cache);
   device.name_object(VK_OBJECT_TYPE_PIPELINE_CACHE, cache, "weft");
   return made;
@@ -149,7 +146,6 @@ Result<void> PipelineCache::save() const {
   }
 
   const CacheHeader header = header_for(*device_, blob, static_cast<uint32_t>(specialized.size()));
-  if (header.bytes == loaded_bytes_ && header.checksum == loaded_checksum_) return {};
   std::error_code problem;
   if (path_.has_parent_path()) std::filesystem::create_directories(path_.parent_path(), problem);
   const auto front = std::as_bytes(std::span(&header, 1));

@@ -36,7 +36,6 @@ class PipelineCache {
   OwnedPipelineCache cache_;
   std::filesystem::path path_;
   size_t loaded_bytes_ = 0, loaded_specialized_bytes_ = 0;   // of all, and of what was specialised
-  uint64_t loaded_checksum_ = 0;
   uint32_t broken_files_ = 0;
   std::string refusal_;
 };

@@ -69,7 +69,7 @@ class Module {
   void ask_spec_constants(Reflection& out) const;
 
   uint32_t bound_ = 0;
-  std::unordered_map<uint32_t, Words> defined_;   // of a tenth of all ids
+  std::unordered_map<uint32_t, Words> defined_;   // types, constants and variables
   std::vector<uint32_t> variables_;
   std::map<uint32_t, std::string> names_;
   std::map<MemberKey, uint32_t> decorations_;                      // (id, decoration) -> first operand

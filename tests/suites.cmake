@@ -1,6 +1,6 @@
-# Run after a test program is linked: asks it for its tests and makes of each suite one test of CTest, or two: tests that compare bits run on
-# other threads (tests/CMakeLists.txt). A process a suite: by itself most of a test's time is what its process begins with, the device and
-# the shaders that it specialises anew.
+# Run after a test program is linked: asks it for its tests and makes of each suite one test of CTest, or two: tests that compare bits run
+# on other threads (tests/CMakeLists.txt). A process a suite: by itself most of a test's time is what its process begins with, the device
+# and the shaders that it specialises anew.
 #
 #   cmake -D program=FILE -D file=FILE -D label=NAME -D skipped=FILTER -D bits=REGEX -D long=SUITE,SUITE -P suites.cmake
 execute_process(COMMAND ${program} --gtest_list_tests --gtest_filter=-${skipped} OUTPUT_VARIABLE listed RESULT_VARIABLE failed TIMEOUT 60)
@@ -10,7 +10,7 @@ endif()
 string(REPLACE "," ";" long "${long}")
 set(script "")
 
-# What `tests` are of `suite`, with that many threads of the software driver.
+# A test of CTest, of these tests, with that many threads of the software driver.
 function(add name threads)
   string(REPLACE ";" ":" filter "${ARGN}")
   list(FIND long ${name} place)
@@ -19,8 +19,10 @@ function(add name threads)
     list(LENGTH long cost)
     math(EXPR cost "${cost} - ${place}")   # the longest first
   endif()
-  set(script "${script}add_test([[${name}]] [[${program}]] [[--gtest_filter=${filter}]])
-set_tests_properties([[${name}]] PROPERTIES LABELS ${label} TIMEOUT 1200 COST ${cost} ENVIRONMENT LP_NUM_THREADS=${threads})\n" PARENT_SCOPE)
+  string(APPEND script "add_test([[${name}]] [[${program}]] [[--gtest_filter=${filter}]])\n")
+  string(APPEND script
+    "set_tests_properties([[${name}]] PROPERTIES LABELS ${label} TIMEOUT 1200 COST ${cost} ENVIRONMENT LP_NUM_THREADS=${threads})\n")
+  set(script "${script}" PARENT_SCOPE)
 endfunction()
 
 macro(end_suite)
@@ -53,4 +55,7 @@ foreach(line IN LISTS lines)
   endif()
 endforeach()
 end_suite()
+if(NOT script)
+  message(FATAL_ERROR "${program} lists no tests")
+endif()
 file(WRITE ${file} "${script}")

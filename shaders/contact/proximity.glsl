@@ -75,7 +75,8 @@ vec4 closest_of_edges(vec3 a, vec3 b, vec3 c, vec3 d) {
   return nearest.weights;
 }
 
-// Either, to the bit but for a zero's sign, where threads beside each other have pairs of both kinds: they go one way, with operands of their own.
+// Either, to the bit but for a zero's sign, where threads beside each other have pairs of both kinds: they go one way, with operands of
+// their own.
 vec4 closest_of_pair(mat4x3 x, bool edges) {
   const vec3 ab = edges ? x[1] - x[0] : x[2] - x[1], cd = x[3] - x[2], last = edges ? ab : x[1] - x[3];
   const vec3 between = edges ? x[2] - x[0] : x[0] - x[1];
