@@ -1,7 +1,6 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds and runs every test: first those that need no device under the sanitizers, then those of
-# threads under the thread sanitizer, then all of them optimised. The whole suite comes last, so that the output ends with its
-# result. With --interop those with other programs instead.
+# Installs what is missing, builds and runs every test: first those that need no device under the sanitizers, then all of them
+# optimised. The whole suite comes last, so that the output ends with its result. With --interop those with other programs instead.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 source "$root/samples/packages.sh"
@@ -10,7 +9,7 @@ usage() {
   cat <<END
 Usage: tests/run.sh [--interop [NAME...]]
 
-Installs the Debian packages that are missing, builds Weft into build/asan, build/tsan and build/ci, and runs its tests.
+Installs the Debian packages that are missing, builds Weft into build/asan and build/ci, and runs its tests.
 
   --interop    instead of these, the tests with other programs, all of them or those that are named: installs what they
                need and builds the command line into build/ci
@@ -61,9 +60,6 @@ install_missing "${packages_to_run[@]}" "${packages_to_test[@]}"
 
 build "$root" asan weft_assets weft_cpu_tests fuzz_mesh fuzz_scene fuzz_snapshot
 ctest --test-dir "$root/build/asan" -j "$(nproc)" --output-on-failure --no-tests=error -L '^cpu$'
-
-build "$root" tsan weft_thread_tests
-"$root/build/tsan/bin/weft_thread_tests"
 
 build "$root" ci
 ctest --test-dir "$root/build/ci" -j "$(nproc)" --output-on-failure --no-tests=error

@@ -64,11 +64,21 @@ void iterate(uint thread, uint contacts, uint touched) {
   wait();
 }
 
-void slide(uint thread, uint contacts, uint touched) {
-  for (uint k = thread; k < contacts; k += workgroup) ask_for_ways(LISTED(WEFT_ACTIVE, k));
+// Whether any side was asked to. Few are: those are listed, so that no thread waits for another one's.
+bool slide(uint thread, uint contacts, uint touched) {
+  for (uint k = thread; k < contacts; k += workgroup) {
+    const uint i = LISTED(WEFT_ACTIVE, k);
+    if (is_unsafe(i)) list(WEFT_PENETRATING, i);
+  }
   wait();
+  const uint unsafe = detection[0].listings[WEFT_PENETRATING];
+  if (unsafe == 0) return false;
+  for (uint k = thread; k < unsafe; k += workgroup) ask_for_ways(LISTED(WEFT_PENETRATING, k));
+  wait();
+  if (thread == 0) detection[0].listings[WEFT_PENETRATING] = 0;
   for (uint k = thread; k < touched; k += workgroup) slide_along(FETCH_UINT(touched_particles, k));
   wait();
+  return true;
 }
 
 void limit_all(uint thread) {
@@ -110,7 +120,8 @@ void wait_all(uint thread) {
 void solve_all(uint thread, uint contacts, uint touched) {
   for (uint k = 0; contacts > 0 && k < contact_settings.iterations; ++k) iterate(thread, contacts, touched);
   if ((push.flags & WEFT_LAST_ITERATION) == 0) return;
-  for (uint k = 0; contacts > 0 && k < WEFT_SLIDES; ++k) slide(thread, contacts, touched);
+  bool asked = contacts > 0;
+  for (uint k = 0; asked && k < WEFT_SLIDES; ++k) asked = slide(thread, contacts, touched);
   limit_all(thread);
 }
 

@@ -7,7 +7,8 @@ bool keep_to_their_sides(Candidate pair, vec3 n, float height) {
                             ITERATE(pair.particle[2]).xyz, ITERATE(pair.particle[3]).xyz);
   const float squared = dot(p[0], p[0]) + dot(p[1], p[1]) + dot(p[2], p[2]) + dot(p[3], p[3]);
   if (!(squared < 1e18)) return false;   // not finite
-  const float margin = max(kMargin * pair.separation, kFloor * sqrt(squared));   // no less than contact_limit's
+  const float rounding = kFloor * sqrt(squared);
+  const float margin = max(kMargin * pair.separation, rounding) + rounding;   // more than contact_limit's and contact_slide's
   const float first = height + dot(n, p[0] - FETCH(positions, pair.particle[0]).xyz);
   const vec4 heights = signs(pair.edges) * (first + n * mat4x3(vec3(0), p[1] - p[0], p[2] - p[0], p[3] - p[0]));
   return all(greaterThanEqual(heights, vec4(0.5 * margin)));

@@ -1,6 +1,6 @@
 // Threads, as simulation.h allows them: several simulations on one device, each driven by a thread of its own, and one simulation driven
-// from threads other than its creator's, one at a time. Built and run under ThreadSanitizer too (preset tsan), which sees
-// Weft and the locks that it takes, and not what Mesa's software driver does inside.
+// from threads other than its creator's, one at a time. Built and run under ThreadSanitizer too (weft_thread_tests),
+// which sees Weft and the locks that it takes, and not what Mesa's software driver does inside.
 #include <gtest/gtest.h>
 
 #include <thread>
