@@ -483,7 +483,7 @@ struct Detection {
 #define WEFT_PAIRED 0x80000000u  // a bit of a displacement bound, which is not negative: the particle has candidates
 #define WEFT_UNTANGLED 1e30f     // m, in place of a candidate's separation: it takes a vertex back through a triangle (untangle.comp)
 #define WEFT_SLIDES 2u   // rounds of contact_slide in a substep: what a particle gives way to one pair the second takes into account for others
-#define WEFT_CLUSTER 28u         // triangles that detection treats as one until it looks closer, at most
+#define WEFT_CLUSTER 16u         // triangles that detection treats as one until it looks closer, at most
 #define WEFT_NEAR_CLUSTERS 63u   // that a cluster's list has room for; with more the search asks all
 #define WEFT_MOTION 8u           // elements of cluster_motions a cluster
 #define WEFT_MOST_PUSHED 0.3f    // relative to the cell of the grid, which is four and a half edges long: Detection::most_pushed at most

@@ -306,7 +306,7 @@ void Solver::follow(const Cooked& subject) {
 // It is a matter of time, and of how seldom detections are: with the clusters of a sheet of 200 x 200 one takes as long as what it saves in
 // a frame.
 bool Solver::can_detect_alone() const {
-  constexpr std::uint32_t kMost = 4096;   // clusters
+  constexpr std::uint32_t kMost = 8192;   // clusters
   return has_seldom_ && contacts_.clusters <= kMost;
 }
 

@@ -20,12 +20,11 @@ void add_near(uint cluster, uint other) {
   if (place < WEFT_NEAR_CLUSTERS) near_clusters[row + 1 + place] = other;
 }
 
-// How far `cluster` may have to go in a substep to be out of the way of the kinematic particles of another one. Of both some particles stray
-// from the mean: where a large cluster is pushed, one end of it goes along and the other one waits.
+// How far `cluster` may have to go in a substep to be out of the way of the kinematic particles of another one.
 void make_way(uint cluster, uint by) {
   if (LATEST(cluster_motions, WEFT_MOTION * by + 7).y == 0) return;
-  const vec4 own_way = LATEST(cluster_motions, WEFT_MOTION * cluster + 6), its_way = LATEST(cluster_motions, WEFT_MOTION * by + 6);
-  const float pushed = min(per_substep() * (distance(own_way.xyz, its_way.xyz) + own_way.w + its_way.w), detection[0].most_pushed);
+  const vec3 approach = LATEST(cluster_motions, WEFT_MOTION * by + 6).xyz - LATEST(cluster_motions, WEFT_MOTION * cluster + 6).xyz;
+  const float pushed = min(per_substep() * length(approach), detection[0].most_pushed);
   if (pushed > contact_settings.margin_low) atomicMax(cluster_pushes[cluster], floatBitsToUint(pushed));
 }
 
