@@ -41,7 +41,6 @@ std::uint64_t alone(const compute::Device& device, const Scene& scene) {
 
 TEST_F(Threads, two_simulations_on_one_device_do_not_disturb_each_other) {
   const Scene scenes[] = {hung_sheet(6), hung_sheet(9)};
-  const std::uint64_t expected[] = {alone(device(), scenes[0]), alone(device(), scenes[1])};
   std::uint64_t found[2] = {};
   std::vector<std::thread> threads;
   for (int k = 0; k < 2; ++k)
@@ -55,7 +54,8 @@ TEST_F(Threads, two_simulations_on_one_device_do_not_disturb_each_other) {
       found[k] = hash_of(*simulation);
     });
   for (std::thread& thread : threads) thread.join();
-  for (int k = 0; k < 2; ++k) EXPECT_EQ(found[k], expected[k]) << k;
+  // Afterwards, so that it is the threads that make what a device keeps for all.
+  for (int k = 0; k < 2; ++k) EXPECT_EQ(found[k], alone(device(), scenes[k])) << k;
 }
 
 TEST_F(Threads, a_simulation_goes_from_thread_to_thread) {
@@ -77,3 +77,9 @@ TEST_F(Threads, a_simulation_goes_from_thread_to_thread) {
 
 }  // namespace
 }  // namespace weft
+
+#ifdef WEFT_WITHOUT_VALIDATION
+// Mesa's own locks are not seen, so what one of its threads frees for another one looks like a race.
+extern "C" const char* __tsan_default_suppressions();
+extern "C" const char* __tsan_default_suppressions() { return "race:libvulkan_lvp.so"; }
+#endif
