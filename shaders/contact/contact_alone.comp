@@ -64,7 +64,7 @@ void iterate(uint thread, uint contacts, uint touched) {
   wait();
 }
 
-// Whether any side was asked to. Few are: those are listed, so that no thread waits for another one's.
+// Whether any contact may cross. Few may: they are listed, in the place of those that penetrate, so that no thread waits for another one's.
 bool slide(uint thread, uint contacts, uint touched) {
   for (uint k = thread; k < contacts; k += workgroup) {
     const uint i = LISTED(WEFT_ACTIVE, k);
@@ -120,8 +120,8 @@ void wait_all(uint thread) {
 void solve_all(uint thread, uint contacts, uint touched) {
   for (uint k = 0; contacts > 0 && k < contact_settings.iterations; ++k) iterate(thread, contacts, touched);
   if ((push.flags & WEFT_LAST_ITERATION) == 0) return;
-  bool asked = contacts > 0;
-  for (uint k = 0; asked && k < WEFT_SLIDES; ++k) asked = slide(thread, contacts, touched);
+  bool may_cross = contacts > 0;
+  for (uint k = 0; may_cross && k < WEFT_SLIDES; ++k) may_cross = slide(thread, contacts, touched);
   limit_all(thread);
 }
 
