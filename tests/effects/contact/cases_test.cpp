@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <string>
 
 #include "compute/commands.h"
 #include "engine/reference/intersections.h"
