@@ -3,7 +3,7 @@
 
 const uint kOne = 0x3f800000u;   // 1.0
 
-// The step fraction of particle i: the least of all passes', and the fallback's where it applies. Resets its entries for the next substep.
+// The step fraction of particle i: the least of all rounds', and the fallback's where it applies. Resets its entries for the next substep.
 float fraction_of(uint i) {
   if (contact_counts[i] != 0) contact_counts[i] = 0;
   const uvec4 fractions = step_fractions[i];
