@@ -113,12 +113,11 @@ class Passes : public SinglePass {
     run("contact_limit_rest");
   }
   gpu::Detection detection() const { return get<gpu::Detection>(buffers::detection, 1).front(); }
-  /// The least of all rounds of contact_limit, and that of the static planes where pairs were unsafe.
+  /// The least of all that contact_limit found.
   std::vector<double> step_fractions() const {
     std::vector<double> least;
-    const bool unsafe = detection().falls_back != 0;
     const auto rounds = get<std::array<std::uint32_t, 4>>(buffers::step_fractions, t_.x.size());
-    for (const auto& f : rounds) least.push_back(std::bit_cast<float>(*std::min_element(f.begin(), f.end() - (unsafe ? 0 : 1))));
+    for (const auto& f : rounds) least.push_back(std::bit_cast<float>(*std::ranges::min_element(f)));
     return least;
   }
 
