@@ -301,13 +301,12 @@ inline Limit limit_motion(std::span<const Pair> pairs, std::span<const Contact> 
     return own;
   };
   const auto lower = [](const Pair& pair, const std::array<double, 4>& to, std::vector<double>& of) {
-    bool lower = false;
-    for (std::size_t j = 0; j < 4; ++j) {
-      double& fraction = of[pair.particle[j]];
-      lower = lower || to[j] < fraction;
-      fraction = std::min(fraction, to[j]);
-    }
-    return lower;
+    for (std::size_t j = 0; j < 4; ++j) of[pair.particle[j]] = std::min(of[pair.particle[j]], to[j]);
+  };
+  const auto is_lower = [](const std::array<double, 4>& t, const std::array<double, 4>& before) {
+    for (std::size_t j = 0; j < 4; ++j)
+      if (t[j] < before[j]) return true;
+    return false;
   };
   bool changed = true;
   for (int& round = limit.rounds; changed && round < static_cast<int>(WEFT_LIMIT_ROUNDS); ++round) {
@@ -315,11 +314,6 @@ inline Limit limit_motion(std::span<const Pair> pairs, std::span<const Contact> 
     changed = false;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       const std::array<double, 4> before = fractions_of(pairs[k], limit.fractions);
-      const auto is_lower = [&](const std::array<double, 4>& t) {
-        for (std::size_t j = 0; j < 4; ++j)
-          if (t[j] < before[j]) return true;
-        return false;
-      };
       std::array<double, 4> t{1, 1, 1, 1};
       if (!contacts[k].directed) {
         for (std::size_t j = 0; j < 4; ++j) t[j] = inverse_masses[pairs[k].particle[j]] == 0 ? 1 : 0;
@@ -327,9 +321,9 @@ inline Limit limit_motion(std::span<const Pair> pairs, std::span<const Contact> 
         const Layers layers(pairs[k], contacts[k].normal, x, p, inverse_masses, lags);
         if (!layers.crosses(before)) continue;
         if (round < static_cast<int>(WEFT_LIMIT_ROUNDS / 2)) t = layers.yield(before);
-        if (!is_lower(t)) t = layers.keep_apart();
+        if (!is_lower(t, before)) t = layers.keep_apart();
       }
-      changed = is_lower(t) || changed;
+      changed = is_lower(t, before) || changed;
       lower(pairs[k], t, next);
     }
     limit.fractions = next;
@@ -339,9 +333,9 @@ inline Limit limit_motion(std::span<const Pair> pairs, std::span<const Contact> 
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     if (!contacts[k].directed) continue;
     const Layers layers(pairs[k], contacts[k].normal, x, p, inverse_masses, lags);
-    lower(pairs[k], layers.keep_apart(), fallback);
-    std::vector<double> lowered = limit.fractions;
-    if (layers.crosses(fractions_of(pairs[k], limit.fractions))) limit.falls_back = lower(pairs[k], layers.keep_apart(), lowered) || limit.falls_back;
+    const std::array<double, 4> before = fractions_of(pairs[k], limit.fractions), t = layers.keep_apart();
+    lower(pairs[k], t, fallback);
+    limit.falls_back = limit.falls_back || (layers.crosses(before) && is_lower(t, before));
   }
   if (limit.falls_back)
     for (std::size_t i = 0; i < fallback.size(); ++i) limit.fractions[i] = std::min(limit.fractions[i], fallback[i]);

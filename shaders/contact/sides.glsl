@@ -46,8 +46,8 @@ Sides sides_of(Candidate pair, vec3 n) {
   const vec2 least = least_of_sides(height, pair.edges);
   const float gap = least.x + least.y;
   sides.height = height + towards * (0.5 * (least.y - least.x));   // now the least height of either side is half the gap
-  const vec4 sizes = vec4(size_of(x[0].xyz, steps[0]), size_of(x[1].xyz, steps[1]), size_of(x[2].xyz, steps[2]), size_of(x[3].xyz, steps[3]));
-  const float size = max(max(sizes.x, sizes.y), max(sizes.z, sizes.w));
+  const float size_ab = max(size_of(x[0].xyz, steps[0]), size_of(x[1].xyz, steps[1]));
+  const float size = max(size_ab, max(size_of(x[2].xyz, steps[2]), size_of(x[3].xyz, steps[3])));
   sides.margin = clamp(gap, 0, max(kMargin * pair.separation, kFloor * size));
   sides.rounding_error = 0.25 * kFloor * size;
   // A pair that an earlier pass parted to the margin does not count as crossing, in spite of rounding: no further pass is needed for it.
