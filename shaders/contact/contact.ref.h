@@ -287,57 +287,41 @@ inline Points slide(std::span<const Pair> pairs, std::span<const Contact> contac
 
 struct Limit {
   std::vector<double> fractions;   // of each particle's step
-  int rounds = 0;
-  bool falls_back = false;         // the rounds were not enough: the fallback applies to all
+  bool unsafe = false;             // the passes were not enough: the fallback applies to all
 };
 
-/// As contact_limit and contact_limit_rest do; all rounds fit into the workgroup.
+constexpr int kLastPass = WEFT_LIMIT_PASSES - 1;
+
 inline Limit limit_motion(std::span<const Pair> pairs, std::span<const Contact> contacts, const Points& x, const Points& p,
                           std::span<const double> inverse_masses, std::span<const double> lags = {}) {
-  Limit limit{std::vector<double>(x.size(), 1.0)};
-  const auto fractions_of = [](const Pair& pair, const std::vector<double>& of) {
-    std::array<double, 4> own;
-    for (std::size_t j = 0; j < 4; ++j) own[j] = of[pair.particle[j]];
-    return own;
-  };
-  const auto lower = [](const Pair& pair, const std::array<double, 4>& to, std::vector<double>& of) {
-    for (std::size_t j = 0; j < 4; ++j) of[pair.particle[j]] = std::min(of[pair.particle[j]], to[j]);
-  };
-  const auto is_lower = [](const std::array<double, 4>& t, const std::array<double, 4>& before) {
-    for (std::size_t j = 0; j < 4; ++j)
-      if (t[j] < before[j]) return true;
-    return false;
-  };
+  Limit limit{std::vector<double>(x.size(), 1.0), false};
+  std::vector<double> fallback = limit.fractions;
   bool changed = true;
-  for (int& round = limit.rounds; changed && round < static_cast<int>(WEFT_LIMIT_ROUNDS); ++round) {
+  for (int pass = 0; pass <= kLastPass && changed; ++pass) {
     std::vector<double> next = limit.fractions;
     changed = false;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
-      const std::array<double, 4> before = fractions_of(pairs[k], limit.fractions);
-      std::array<double, 4> t{1, 1, 1, 1};
+      std::array<double, 4> before, after;
+      bool crosses = false;
+      for (std::size_t j = 0; j < 4; ++j) before[j] = limit.fractions[pairs[k].particle[j]];
       if (!contacts[k].directed) {
-        for (std::size_t j = 0; j < 4; ++j) t[j] = inverse_masses[pairs[k].particle[j]] == 0 ? 1 : 0;
+        for (std::size_t j = 0; j < 4; ++j) after[j] = inverse_masses[pairs[k].particle[j]] == 0 ? 1 : 0;
       } else {
         const Layers layers(pairs[k], contacts[k].normal, x, p, inverse_masses, lags);
-        if (!layers.crosses(before)) continue;
-        if (round < static_cast<int>(WEFT_LIMIT_ROUNDS / 2)) t = layers.yield(before);
-        if (!is_lower(t, before)) t = layers.keep_apart();
+        crosses = layers.crosses(before);
+        after = pass == kLastPass ? layers.keep_apart() : crosses ? layers.yield(before) : before;
       }
-      changed = is_lower(t, before) || changed;
-      lower(pairs[k], t, next);
+      for (std::size_t j = 0; j < 4; ++j) {
+        double& fraction = (pass == kLastPass ? fallback : next)[pairs[k].particle[j]];
+        const bool less = after[j] < before[j];
+        if (pass == kLastPass) limit.unsafe = limit.unsafe || (crosses && less);
+        else changed = changed || less;
+        fraction = std::min(fraction, after[j]);
+      }
     }
     limit.fractions = next;
   }
-  if (!changed) return limit;
-  std::vector<double> fallback(x.size(), 1.0);
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    if (!contacts[k].directed) continue;
-    const Layers layers(pairs[k], contacts[k].normal, x, p, inverse_masses, lags);
-    const std::array<double, 4> before = fractions_of(pairs[k], limit.fractions), t = layers.keep_apart();
-    lower(pairs[k], t, fallback);
-    limit.falls_back = limit.falls_back || (layers.crosses(before) && is_lower(t, before));
-  }
-  if (limit.falls_back)
+  if (limit.unsafe)
     for (std::size_t i = 0; i < fallback.size(); ++i) limit.fractions[i] = std::min(limit.fractions[i], fallback[i]);
   return limit;
 }

@@ -300,14 +300,14 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
             (Labels{"predict+watch", "detect_alone", "detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search",
                     "detect_outline", "detect_search", "detect_pair", "detect_prepare", "contact_prepare", "stretch+finalize",
                     "contact_alone", "contact_penetration", "contact_solve", "contact_apply", "contact_slide", "contact_slide_apply",
-                    "contact_unsafe", "contact_limit", "contact_limit_rest", "contact_finalize", "surface"}));
+                    "contact_unsafe", "contact_limit", "contact_finalize", "surface"}));
   // With tethers, where idle threads cost (calls.h).
   EXPECT_EQ(labels(with(all, {Id::contact})),
             (Labels{"predict+watch", "anchor+watch", "detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search",
                     "outline_particles", "outline_faces", "outline_edges", "search_faces", "search_edges", "search_rare", "pair_faces",
                     "pair_edges", "contact_prepare", "stretch",
                     "bend+tether+collide+finalize", "contact_alone+collide", "contact_penetration", "contact_solve",
-                    "contact_apply+collide", "contact_slide", "contact_slide_apply", "contact_unsafe", "contact_limit", "contact_limit_rest",
+                    "contact_apply+collide", "contact_slide", "contact_slide_apply", "contact_unsafe", "contact_limit",
                     "contact_finalize", "surface"}));
   const std::vector<std::string> untangled = labels({{Id::stretch, Id::contact, Id::untangle}});
   EXPECT_EQ(untangled.size(), labels({{Id::stretch, Id::contact}}).size() + 1);

@@ -128,9 +128,7 @@ constexpr Pass kPasses[] = {
     {.name = "contact_slide", .stage = Stage::slide, .threads = kContacts, .crowd = Crowd::many},
     {.name = "contact_slide_apply", .stage = Stage::slide, .threads = kTouchedParticles, .crowd = Crowd::many},
     {.name = "contact_unsafe", .stage = Stage::substep_end, .threads = kCandidates, .crowd = Crowd::many},
-    {.name = "contact_limit", .stage = Stage::substep_end, .threads = kUnsafeCandidates, .crowd = Crowd::many, .rounds = WEFT_WIDE_ROUNDS},
-    {.name = "contact_limit_rest", .stage = Stage::substep_end, .threads = kContactsAlone, .crowd = Crowd::many, .alone = true,
-     .crew = true},
+    {.name = "contact_limit", .stage = Stage::substep_end, .threads = kUnsafeCandidates, .crowd = Crowd::many, .rounds = WEFT_LIMIT_PASSES},
     {.name = "contact_finalize", .stage = Stage::substep_end, .threads = kPairedParticles, .crowd = Crowd::met},
 };
 

@@ -139,8 +139,7 @@ inline constexpr Buffer contact_penetrations = cleared<gpu::uint>("contact_penet
 inline constexpr Buffer slides = cleared<gpu::uvec4>("slides", [](const Cooked& s) { return 2 * lengths::particles(s); });
 /// How far a kinematic particle was behind its target when the substep began (m, bits of a float; anchor.comp); 0 for all others.
 inline constexpr Buffer kinematic_lags = buffer<gpu::uint>("kinematic_lags", Lifetime::persistent, lengths::particles);
-/// Step fractions (times of impact): the part of its step that a particle may take, bits of a float (limit.glsl has the
-/// entries).
+/// Step fractions (times of impact): the part of its step that a particle may take, bits of a float, one a pass of contact_limit.
 inline constexpr Buffer step_fractions = cleared<gpu::uvec4>("step_fractions", lengths::particles, std::bit_cast<std::uint32_t>(1.0f));
 
 }  // namespace buffers

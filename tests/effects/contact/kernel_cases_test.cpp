@@ -328,11 +328,10 @@ TEST_F(ContactEdgeCase, a_step_into_a_plane_or_a_corner_goes_on_along_it) {
   }
 }
 
-// Close layers that fall together and far, the lowest stopped: the GPU's passes against the twin's. Each round stops a layer; where rounds
-// are not enough, all keep to their half of the gap.
-void compare_layers(const compute::Device& device, std::uint32_t layers) {
+// Close layers that fall together and far, the lowest stopped: the GPU's passes against the twin's.
+TEST_F(ContactEdgeCase, twenty_layers_do_not_cross_over_one_that_is_stopped) {
   Tufts t;
-  for (std::uint32_t layer = 0; layer < layers; ++layer)
+  for (std::uint32_t layer = 0; layer < 20; ++layer)
     for (const auto& [x, z] : {std::pair(-0.02, -0.01), std::pair(0.02, -0.01), std::pair(0.0, 0.02)}) {
       const double y = 0.001 * layer;
       t.x.push_back(reference::Vector(x, y, z).cast<float>().cast<double>());
@@ -343,24 +342,17 @@ void compare_layers(const compute::Device& device, std::uint32_t layers) {
     }
   const Scene scene = scene_of(t);
   const CookedFabric fabric = fabric_of(t, scene.solver);
-  Passes passes(device, scene, fabric, t, false);
+  Passes passes(device(), scene, fabric, t, false);
   passes.run("contact_prepare");
   passes.limit();
   const auto limit = reference::limit_motion(t.pairs, passes.contacts(), t.x, t.p, t.inverse_masses);
-  EXPECT_EQ(limit.falls_back, layers > WEFT_LIMIT_ROUNDS);
-  EXPECT_EQ(passes.detection().falls_back != 0, limit.falls_back);
+  EXPECT_TRUE(limit.unsafe);
+  EXPECT_NE(passes.detection().falls_back, 0u);
   const auto fractions = passes.step_fractions();
   for (std::size_t i = 0; i < fractions.size(); ++i) EXPECT_NEAR(fractions[i], limit.fractions[i], 1e-5) << i;
   passes.run("contact_finalize");
   const auto end = points(passes.particles(buffers::positions));
   for (std::size_t i = 3; i < end.size(); ++i) EXPECT_GT(end[i].y() - end[i - 3].y(), 0.00009) << i;
-}
-
-TEST_F(ContactEdgeCase, layers_do_not_cross_over_one_that_is_stopped) {
-  for (const std::uint32_t layers : {3u, 20u, 40u, 80u}) {
-    SCOPED_TRACE(std::to_string(layers) + " layers");
-    compare_layers(device(), layers);
-  }
 }
 
 }  // namespace

@@ -299,7 +299,7 @@ void compare_limited(const compute::Device& device, double violence, bool gather
   passes.limit();
   const auto limit = reference::limit_motion(t.pairs, passes.contacts(), t.x, t.p, t.inverse_masses, lags);
   const auto fractions = passes.step_fractions();
-  EXPECT_EQ(passes.detection().falls_back != 0, limit.falls_back);
+  EXPECT_EQ(passes.detection().falls_back != 0, limit.unsafe);
   int truncated = 0;
   for (std::size_t i = 0; i < t.x.size(); ++i) {
     truncated += fractions[i] < 1;
