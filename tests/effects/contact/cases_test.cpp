@@ -320,9 +320,10 @@ TEST_F(ContactCase, a_held_sheet_carries_a_free_one_along_by_nearly_a_cell_a_sub
     const double speed = 0.98 * 600 / free_cells;   // m/s: cells of the free sheet, 10 substeps in each of 60 frames
     const auto simulation = must(Simulation::create(device(), driven_into_a_free_one(free_cells, held_cells, speed)));
     run_without_crossing(*simulation, 24);
-    EXPECT_LT(lowest_of_the_free_one(*simulation), -0.65);
-    RecordProperty("waits_m_" + std::to_string(free_cells), std::to_string(simulation->counts().tracking_error));
-    RecordProperty("worst_strain_" + std::to_string(free_cells), std::to_string(strain_of(*simulation).max));
+    EXPECT_LT(lowest_of_the_free_one(*simulation), -0.65) << "the free sheet is in front of the held one's edge";
+    const double waits = simulation->counts().tracking_error;
+    EXPECT_LT(waits, 0.005) << "of 0.02 to 0.04 m that it goes in a substep";
+    RecordProperty("waits_m_" + std::to_string(free_cells), std::to_string(waits));
   }
 }
 
