@@ -434,7 +434,8 @@ struct Collisions {
 #define WEFT_LONGEST_LIFETIME 10u   // substeps: the longest candidate lifetime
 #define WEFT_NO_DISTANCE 4e-7f   // over the extent of a pair's sides: what is nearer has no direction (contact_prepare.comp)
 #define WEFT_MOST_TURNS 60000u      // of all loops that a thread of a crew makes: the software driver ends them at 65,535 (Needs::crew)
-#define WEFT_LIMIT_PASSES 4u        // of contact_limit: the components of a particle's step_fractions
+#define WEFT_WIDE_ROUNDS 2u         // of contact_limit with a thread a pair
+#define WEFT_LIMIT_ROUNDS 64u       // of contact_limit in all, at most
 
 // State of contact detection. A detection finds the candidate pairs: those whose sides can come within their separation while every
 // particle stays within its displacement bound about its predicted trajectory, a straight one (detect_track.comp says why no contact
@@ -463,8 +464,8 @@ struct Detection {
   uint listings[3];   // active candidates of this substep; unsafe ones: those that could cross at its end; active ones that penetrate in this
                       // iteration
   uint touchings;     // particles of active candidates
-  uint changed[WEFT_LIMIT_PASSES - 1];   // 1: this pass of contact_limit lowered the step fraction of some particle
-  uint falls_back;    // 1: its last pass still found a pair that crosses: the fallback fractions apply; WEFT_ALL_WAIT
+  uint changed[3];    // 1: this round of contact_limit lowered the step fraction of some particle; of three rounds by turns
+  uint falls_back;    // 1: its last round still found a pair that crosses: the fallback fractions apply; WEFT_ALL_WAIT
   uint served, served_lifetime;   // of the detection before: after how many substeps this one came, and its lifetime
   uint settled;       // 1: the last detection came after a full lifetime in which no particle left its displacement bound
   uint near[2];       // pairs that the broad phase found: of particles and triangles, then of edges
@@ -482,7 +483,7 @@ struct Detection {
 #define WEFT_PENETRATING 2u
 #define WEFT_PAIRED 0x80000000u  // a bit of a displacement bound, which is not negative: the particle has candidates
 #define WEFT_UNTANGLED 1e30f     // m, in place of a candidate's separation: it takes a vertex back through a triangle (untangle.comp)
-#define WEFT_SLIDES 2u   // rounds of contact_slide in a substep: what a particle gives way to one pair the second takes into account for others
+#define WEFT_SLIDES 4u   // rounds of contact_slide in a substep: what a particle gives way to one pair the next takes into account for others
 #define WEFT_CLUSTER 16u         // triangles that detection treats as one until it looks closer, at most
 #define WEFT_NEAR_CLUSTERS 63u   // that a cluster's list has room for; with more the search asks all
 #define WEFT_MOTION 8u           // elements of cluster_motions a cluster

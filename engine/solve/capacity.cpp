@@ -185,7 +185,7 @@ void Simulation::State::count_calm(const gpu::Counters& counters) {
 // of 50 x 50 takes 39, 24, 25 ms, walk 58, 50, 48. On an H200, of 8000, 16,000, 32,000, 64,000 and 128,000: 3.8, 3.5, 3.2, 3.2, 3.2 ms, the
 // drop of 100 x 100 4.7, 4.4, 3.9, 4.0, 4.0, walk 4.3, 4.0, 3.9, 3.8, 3.9.) One workgroup can do several times as many, should they grow
 // before the host knows.
-bool Simulation::State::contacts_are_few() const { return capacity.load <= (device->is_software() ? 16'000u : 64'000u); }
+bool Simulation::State::contacts_are_few() const { return capacity.load <= (device->is_software() ? 32'000u : 64'000u); }
 
 // Whether there may be more than one workgroup can do (contact_alone) before the host hears of them: for frames that are not repeated. Two
 // sheets of 70 x 70 that fall flat onto each other have 300,000 candidates, and none in the frame before.

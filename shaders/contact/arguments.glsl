@@ -74,7 +74,7 @@ void skip_detection() {
 void empty_lists() {
   if (untangles) detection[0].tangles = Groups(0, 1, 1);
   counters[0].contacts_load = min(detection[0].candidates, contact_settings.capacity) + 10 * detection[0].listings[WEFT_ACTIVE];
-  for (uint pass = 0; pass < WEFT_LIMIT_PASSES - 1; ++pass) detection[0].changed[pass] = 0;
+  for (uint entry = 0; entry < 3; ++entry) detection[0].changed[entry] = 0;
   detection[0].falls_back = 0;
   detection[0].touchings = 0;
   detection[0].touched = Groups(0, 1, 1);

@@ -15,7 +15,7 @@ WRITE(vec4, cluster_motions)
 WRITE(uint, near_clusters)
 WRITE(uint, cluster_pushes)
 WRITE(uint, near_bounds)
-GATHER_UINT(cluster_owners)
+GATHER_UINT(memberships)
 
 #include "contact/apart.glsl"
 #include "contact/grid.glsl"

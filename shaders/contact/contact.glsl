@@ -23,6 +23,16 @@ vec4 signs(bool edges) { return vec4(1, edges ? 1 : -1, -1, -1); }
 // place is the height of the first particle over the middle of the gap, at the substep's start (m).
 vec4 weights_of(vec4 stored, bool edges) { return vec4(edges ? 1 - stored.y : 1, stored.yzw); }
 
+// Ranks of particles, by which it is decided who gives way (slide.glsl): told in an earlier round of contact_slide to get out of the way of
+// one with a rank; where a kinematic particle is going to be in this substep (prepare.glsl); kinematic. Others have 0.
+const uint kTold = 1, kInTheWay = 2, kKinematic = 3;
+
+// Whether it is so of a particle of side A, and of side B.
+bvec2 either(bvec4 particles, bool edges) {
+  return edges ? bvec2(particles.x || particles.y, particles.z || particles.w)
+               : bvec2(particles.x, particles.y || particles.z || particles.w);
+}
+
 // The least of side A's values and of side B's.
 vec2 least_of_sides(vec4 values, bool edges) {
   return edges ? vec2(min(values.x, values.y), min(values.z, values.w)) : vec2(values.x, min(values.y, min(values.z, values.w)));

@@ -155,6 +155,10 @@ constexpr double kLimitFloor = 0x1p-20;
 /// motion, unless a scene says otherwise.
 constexpr double kKinematicLagLimit = 8;
 
+/// Ranks of particles, by which it is decided who gives way in contact_slide: told in an earlier round to get out of the way of one with a
+/// rank; where a kinematic particle is going to be; kinematic. Others have 0.
+constexpr std::uint32_t kRankTold = 1, kRankInTheWay = 2, kRankKinematic = 3;
+
 /// A pair seen along its normal: side A above the middle of the gap at 0, side B below it.
 class Layers {
  public:
@@ -189,24 +193,41 @@ class Layers {
   /// The fractions to which a pass lowers them: only those of a side that approaches.
   std::array<double, 4> yield(const std::array<double, 4>& fractions) const { return stop(planes(fractions)); }
 
-  /// The heights by which the ends of whole steps are to be raised to their planes, along the normal; 0 of kinematic particles (m).
-  std::array<double, 4> slide() const {
+  struct Slide {
+    std::array<double, 4> by{};   // m, along the normal: by how much the ends of whole steps are to be raised to their planes
+    bool drives[2] = {};          // whether side A, or B, has particles that the other one gives way to
+  };
+  /// `ranks`: of the particles (rank_particles).
+  Slide slide(std::array<std::uint32_t, 4> ranks) const {
     const Four whole{1, 1, 1, 1}, end = ends(whole);
-    Four by{};
-    if (!crosses(whole)) return by;
+    Slide slide;
+    if (!crosses(whole)) return slide;
+    std::uint32_t of_sides[2] = {0, 0};
+    for (int j = 0; j < 4; ++j) {
+      const auto k = static_cast<std::size_t>(j);
+      if (kinematic_[k]) ranks[k] = kRankKinematic;
+      std::uint32_t& of_side = of_sides[pair_.on_a(j) ? 0 : 1];
+      of_side = std::max(of_side, ranks[k]);
+    }
+    const auto pushes = [&](int j) {
+      const auto k = static_cast<std::size_t>(j);
+      return kinematic_[k] || (ranks[k] > 0 && (pair_.on_a(j) ? of_sides[0] > of_sides[1] : of_sides[1] > of_sides[0]));
+    };
     auto [a, b] = planes(whole);
-    // Cloth goes ahead of kinematic particles.
+    // Cloth goes ahead of what pushes it.
     for (int j = 0; j < 4; ++j) {
+      if (!pushes(j)) continue;
       const auto k = static_cast<std::size_t>(j);
-      if (kinematic_[k] && pair_.on_a(j)) b = std::min(b, end[k] - margin_);
-      if (kinematic_[k] && !pair_.on_a(j)) a = std::max(a, end[k] + margin_);
+      if (pair_.on_a(j)) b = std::min(b, end[k] - margin_);
+      else a = std::max(a, end[k] + margin_);
+      slide.drives[pair_.on_a(j) ? 0 : 1] = true;
     }
     for (int j = 0; j < 4; ++j) {
       const auto k = static_cast<std::size_t>(j);
-      if (kinematic_[k]) continue;
-      by[k] = pair_.on_a(j) ? std::max(0.0, a + 2 * rounding_ - end[k]) : std::min(0.0, b - 2 * rounding_ - end[k]);
+      if (pushes(j)) continue;
+      slide.by[k] = pair_.on_a(j) ? std::max(0.0, a + 2 * rounding_ - end[k]) : std::min(0.0, b - 2 * rounding_ - end[k]);
     }
-    return by;
+    return slide;
   }
 
   /// The fallback: fractions with which each side keeps to its half of the slack, whatever the other does.
@@ -267,61 +288,140 @@ class Layers {
   double half_gap_ = 0, margin_ = 0, rounding_ = 0, least_gap_ = 0;   // m
 };
 
-/// One round of contact_slide: each particle takes the largest way asked of it, of each sign of each coordinate.
+/// The ranks that contact_prepare gives: of particles that are where a kinematic one is going to be, as far as active contacts tell.
+inline std::vector<std::uint32_t> rank_particles(std::span<const Pair> pairs, std::span<const Contact> contacts, const Points& x,
+                                                 const Points& p, std::span<const double> inverse_masses) {
+  std::vector<std::uint32_t> ranks(x.size());
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    if (!contacts[k].touches) continue;
+    double low = 1e30, high = -1e30, approach[2] = {0, 0};
+    for (int j = 0; j < 4; ++j) {
+      const std::uint32_t i = pairs[k].particle[static_cast<std::size_t>(j)];
+      const bool on_a = pairs[k].on_a(j);
+      const double height = contacts[k].normal.dot(x[i]), towards = (on_a ? -1 : 1) * contacts[k].normal.dot(p[i] - x[i]);
+      if (on_a) low = std::min(low, height);
+      else high = std::max(high, height);
+      if (inverse_masses[i] == 0) approach[on_a ? 0 : 1] = std::max(approach[on_a ? 0 : 1], towards);
+    }
+    for (int j = 0; j < 4; ++j) {
+      const std::uint32_t i = pairs[k].particle[static_cast<std::size_t>(j)];
+      if (inverse_masses[i] > 0 && approach[pairs[k].on_a(j) ? 1 : 0] > low - high) ranks[i] = kRankInTheWay;
+    }
+  }
+  return ranks;
+}
+
+/// One round of contact_slide: each particle takes the largest way asked of it, of each sign of each coordinate. `ranks`: one a particle;
+/// those that this round gives are added.
 inline Points slide(std::span<const Pair> pairs, std::span<const Contact> contacts, const Points& x, const Points& p,
-                    std::span<const double> inverse_masses) {
+                    std::span<const double> inverse_masses, std::vector<std::uint32_t>& ranks) {
   Points up(p.size(), Vector::Zero()), down = up, slid = p;
+  std::vector<std::uint32_t> then = ranks;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     if (!contacts[k].directed || !contacts[k].touches) continue;
-    const auto by = Layers(pairs[k], contacts[k].normal, x, p, inverse_masses).slide();
+    std::array<std::uint32_t, 4> own;
+    for (std::size_t j = 0; j < 4; ++j) own[j] = ranks[pairs[k].particle[j]];
+    const auto [by, drives] = Layers(pairs[k], contacts[k].normal, x, p, inverse_masses).slide(own);
     for (std::size_t j = 0; j < 4; ++j) {
       const Vector way = by[j] * contacts[k].normal;
       const std::uint32_t i = pairs[k].particle[j];
       up[i] = up[i].cwiseMax(way);
       down[i] = down[i].cwiseMin(way);
+      if (by[j] != 0 && drives[pairs[k].on_a(static_cast<int>(j)) ? 1 : 0]) then[i] = std::max(then[i], kRankTold);
     }
   }
+  ranks = then;
   for (std::size_t i = 0; i < p.size(); ++i) slid[i] += up[i] + down[i];
   return slid;
 }
 
+/// Of the separation: how far sides must be apart along a turned normal (parting.glsl).
+constexpr double kParted = 0.5;
+
+/// The normal, unless the direction between the closest points at the end, or that half-way to it, parts the sides better where the steps
+/// begin and end, and by enough.
+inline Vector parting_normal(const Pair& pair, const Vector& normal, const Points& x, const Points& p) {
+  const auto gap = [&](const Vector& n, const Points& at) {
+    double low = 1e30, high = -1e30;
+    for (int j = 0; j < 4; ++j) {
+      const double height = n.dot(at[pair.particle[static_cast<std::size_t>(j)]] - x[pair.particle[0]]);
+      if (pair.on_a(j)) low = std::min(low, height);
+      else high = std::max(high, height);
+    }
+    return low - high;
+  };
+  const Quad end = places(pair, p);
+  const Vector last = offset(closest(end, pair.edges ? 2 : 1).weights, end).normalized();
+  Vector best = normal;
+  double most = std::max(kParted * pair.separation, std::min(gap(normal, x), gap(normal, p)));
+  for (const Vector& n : {Vector((normal + last).normalized()), last}) {
+    const double throughout = std::min(gap(n, x), gap(n, p));
+    if (throughout <= most) continue;
+    best = n;
+    most = throughout;
+  }
+  return best;
+}
+
 struct Limit {
   std::vector<double> fractions;   // of each particle's step
-  bool unsafe = false;             // the passes were not enough: the fallback applies to all
+  int rounds = 0;
+  bool falls_back = false;         // the rounds were not enough: the fallback applies to all
 };
 
-constexpr int kLastPass = WEFT_LIMIT_PASSES - 1;
-
+/// As contact_limit and contact_limit_rest do; all rounds fit into the workgroup.
 inline Limit limit_motion(std::span<const Pair> pairs, std::span<const Contact> contacts, const Points& x, const Points& p,
                           std::span<const double> inverse_masses, std::span<const double> lags = {}) {
-  Limit limit{std::vector<double>(x.size(), 1.0), false};
-  std::vector<double> fallback = limit.fractions;
+  Limit limit{std::vector<double>(x.size(), 1.0)};
+  const auto fractions_of = [](const Pair& pair, const std::vector<double>& of) {
+    std::array<double, 4> own;
+    for (std::size_t j = 0; j < 4; ++j) own[j] = of[pair.particle[j]];
+    return own;
+  };
+  const auto lower = [](const Pair& pair, const std::array<double, 4>& to, std::vector<double>& of) {
+    for (std::size_t j = 0; j < 4; ++j) of[pair.particle[j]] = std::min(of[pair.particle[j]], to[j]);
+  };
+  const auto is_lower = [](const std::array<double, 4>& t, const std::array<double, 4>& before) {
+    for (std::size_t j = 0; j < 4; ++j)
+      if (t[j] < before[j]) return true;
+    return false;
+  };
+  // Along the pair's normal, or along a better one if it seems to cross.
+  const auto layers_of = [&](std::size_t k, const std::array<double, 4>& before) {
+    const Layers layers(pairs[k], contacts[k].normal, x, p, inverse_masses, lags);
+    if (!layers.crosses(before)) return layers;
+    return Layers(pairs[k], parting_normal(pairs[k], contacts[k].normal, x, p), x, p, inverse_masses, lags);
+  };
   bool changed = true;
-  for (int pass = 0; pass <= kLastPass && changed; ++pass) {
+  for (int& round = limit.rounds; changed && round < static_cast<int>(WEFT_LIMIT_ROUNDS); ++round) {
     std::vector<double> next = limit.fractions;
     changed = false;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
-      std::array<double, 4> before, after;
-      bool crosses = false;
-      for (std::size_t j = 0; j < 4; ++j) before[j] = limit.fractions[pairs[k].particle[j]];
+      const std::array<double, 4> before = fractions_of(pairs[k], limit.fractions);
+      std::array<double, 4> t{1, 1, 1, 1};
       if (!contacts[k].directed) {
-        for (std::size_t j = 0; j < 4; ++j) after[j] = inverse_masses[pairs[k].particle[j]] == 0 ? 1 : 0;
+        for (std::size_t j = 0; j < 4; ++j) t[j] = inverse_masses[pairs[k].particle[j]] == 0 ? 1 : 0;
       } else {
-        const Layers layers(pairs[k], contacts[k].normal, x, p, inverse_masses, lags);
-        crosses = layers.crosses(before);
-        after = pass == kLastPass ? layers.keep_apart() : crosses ? layers.yield(before) : before;
+        const Layers layers = layers_of(k, before);
+        if (!layers.crosses(before)) continue;
+        if (round < static_cast<int>(WEFT_LIMIT_ROUNDS / 2)) t = layers.yield(before);
+        if (!is_lower(t, before)) t = layers.keep_apart();
       }
-      for (std::size_t j = 0; j < 4; ++j) {
-        double& fraction = (pass == kLastPass ? fallback : next)[pairs[k].particle[j]];
-        const bool less = after[j] < before[j];
-        if (pass == kLastPass) limit.unsafe = limit.unsafe || (crosses && less);
-        else changed = changed || less;
-        fraction = std::min(fraction, after[j]);
-      }
+      changed = is_lower(t, before) || changed;
+      lower(pairs[k], t, next);
     }
     limit.fractions = next;
   }
-  if (limit.unsafe)
+  if (!changed) return limit;
+  std::vector<double> fallback(x.size(), 1.0);
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    if (!contacts[k].directed) continue;
+    lower(pairs[k], layers_of(k, {1, 1, 1, 1}).keep_apart(), fallback);
+    const std::array<double, 4> before = fractions_of(pairs[k], limit.fractions);
+    const Layers layers = layers_of(k, before);
+    limit.falls_back = limit.falls_back || (layers.crosses(before) && is_lower(layers.keep_apart(), before));
+  }
+  if (limit.falls_back)
     for (std::size_t i = 0; i < fallback.size(); ++i) limit.fractions[i] = std::min(limit.fractions[i], fallback[i]);
   return limit;
 }

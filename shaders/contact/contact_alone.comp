@@ -32,6 +32,7 @@ SHARE(Detection, detection)
 #include "reaction/mesh.glsl"
 #include "motion_constraint/motion_constraint.glsl"
 #include "contact/contact.glsl"
+#include "contact/proximity.glsl"
 #include "contact/list_places.glsl"
 #include "contact/contact_share.glsl"
 #include "contact/penetration.glsl"
@@ -41,10 +42,12 @@ SHARE(Detection, detection)
 #include "contact/slide.glsl"
 #include "contact/slide_apply.glsl"
 #include "contact/unsafe.glsl"
+#include "contact/parting.glsl"
 #include "contact/limit.glsl"
 #include "contact/end_substep.glsl"
 
 #include "contact/wait.glsl"
+#include "contact/limit_rest.glsl"
 
 void list(uint kind, uint candidate) {
   contact_list[first_place(kind) + atomicAdd(detection[0].listings[kind], 1u)] = candidate;
@@ -86,12 +89,7 @@ void limit_all(uint thread) {
   for (uint k = thread; k < stored; k += workgroup)
     if (is_unsafe(k)) list(WEFT_UNSAFE, k);
   wait();
-  const uint unsafe = detection[0].listings[WEFT_UNSAFE];
-  for (uint pass = 0; pass < WEFT_LIMIT_PASSES; ++pass) {
-    if (pass > 0 && detection[0].changed[pass - 1] == 0) return;
-    for (uint k = thread; k < unsafe; k += workgroup) limit(LISTED(WEFT_UNSAFE, k), pass);
-    wait();
-  }
+  limit_from(thread, 0);
 }
 
 uint share(uint count) { return (count + workgroup - 1) / workgroup; }
@@ -101,11 +99,12 @@ void end_all(uint thread) {
     if (is_paired(i)) end_substep(i);
 }
 
-// At most, of a thread's loops, those within the functions included.
+// At most, of a thread's loops, those within the functions included; limit_from has as many again for itself.
 uint turns(uint contacts, uint touched) {
   const uint stored = min(detection[0].candidates, contact_settings.capacity);
-  const uint rounds = contact_settings.iterations + WEFT_SLIDES;
-  return rounds * (10 * share(contacts) + share(touched)) + (1 + 16 * WEFT_LIMIT_PASSES) * share(stored) + share(contact_settings.particles);
+  const uint in_iterations = contact_settings.iterations * (10 * share(contacts) + share(touched));
+  const uint in_slides = WEFT_SLIDES * (6 * share(contacts) + share(touched));
+  return in_iterations + in_slides + share(stored) + share(contact_settings.particles);
 }
 
 // The host expected few contacts, and there are more than one workgroup can do: their particles wait for this substep, as those of pairs do
@@ -128,7 +127,7 @@ void solve_all(uint thread, uint contacts, uint touched) {
 void main() {
   const uint thread = gl_LocalInvocationID.x;
   const uint contacts = detection[0].listings[WEFT_ACTIVE], touched = detection[0].touchings;
-  if (turns(contacts, touched) > contact_settings.most_turns) wait_all(thread);
+  if (2 * turns(contacts, touched) > contact_settings.most_turns) wait_all(thread);
   else solve_all(thread, contacts, touched);
   if (idle_costs || (push.flags & WEFT_ENDS_SUBSTEP) == 0) return;
   wait();

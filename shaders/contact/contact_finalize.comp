@@ -7,6 +7,7 @@
 
 GATHER_WRITE(predicted)
 READ_WRITE(uvec4, step_fractions)
+READ_WRITE(uvec4, slides)
 READ_WRITE(uint, contact_counts)
 READ_WRITE(Detection, detection)
 READ_WRITE(Counters, counters)

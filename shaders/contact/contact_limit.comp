@@ -14,21 +14,24 @@
 // both ends part them all the way. It is therefore enough to choose the t_j so that
 //     min over A (h_j + t_j d_j) + min over B (h_j + t_j d_j) >= margin.                                                            (1)
 //
-// Stages, for one candidate in one pass (1 and 3 in sides.glsl, the others in limit.glsl):
+// Stages, for one candidate in one round (1 and 3 in sides.glsl, the others in limit.glsl):
 //   1. measure    (sides_of)          heights, displacements, margin, and which particles are kinematic
-//   2. test       (limit_pair)        does the pair violate (1) with the fractions of the passes before? If not, it is left alone.
+//   2. test       (limit_pair)        does the pair violate (1) with the fractions of the round before? If not, it is left alone.
+//                 (parting_normal)  Any normal with a gap at the start will do for (1): a better one is tried first.
 //   3. divide     (stopping_heights)  the slack, gap - margin, is divided between the sides in proportion to how much each approaches. A
 //                                     side that approaches alone may follow the other one, which moves away, up to the margin.
 //                 (share_with_kinematic)   kinematic particles are served first (below).
 //   4. truncate   (truncated_fractions)    the time of impact of each particle with the plane at its stopping height
-//   5. store      (lower_fractions)   atomicMin into this pass's entry of the particle
+//   5. store      (lower_fractions)   atomicMin into this round's entry of the particle
 // What moves along with its neighbours satisfies (1) and is not slowed down. A fraction cuts the motion along the plane short as well:
 // contact_slide has turned most steps along their planes before.
 //
-// Passes. A particle that is stopped may be in the way of its next neighbour, so stages 2 to 5 are repeated. A pass reads only fractions
-// of the passes before it and writes only its own, so that the order of threads does not matter. The last pass tests whether those were
-// enough, and computes the fallback: fractions by a plane that does not move, in the middle of the slack. A side that keeps to it satisfies
-// its half of (1) whatever the other does. contact_finalize applies the fallback to all particles if a pair still violates (1).
+// Rounds. A particle that is stopped may be in the way of its next neighbour, so stages 2 to 5 are repeated until nothing changes: the first
+// rounds here, where every pair is looked at by a thread of its own, all others in one workgroup (contact_limit_rest), as they concern the
+// neighbours of those that were stopped. A round reads only the fractions of the round before and writes only its own, so that the order
+// of threads does not matter. After half of WEFT_LIMIT_ROUNDS pairs take a plane that does not move, in the middle of the slack. A side that
+// keeps to it satisfies its half of (1) whatever the other does: a pair asks for it once a normal, so that there is an end to rounds. If
+// it is not reached in time, all particles take the fraction by such planes, the fallback (contact_finalize).
 //
 // Kinematic particles (inverse mass 0: anchors, corners of collider meshes) come first: the other side gets the slack that they leave.
 // Where cloth cannot give way in time they stop too, and go on in the next substep: one that began a substep further from its target than the
@@ -51,13 +54,15 @@ READ_WRITE(Detection, detection)
 #include "contact/list_places.glsl"
 #include "contact/wide.glsl"
 #include "contact/contact.glsl"
+#include "contact/proximity.glsl"
 #include "contact/sides.glsl"
 #include "reaction/touched_mesh.glsl"
+#include "contact/parting.glsl"
 #include "contact/limit.glsl"
 
 void main() {
   const uint place = gl_GlobalInvocationID.x;
   if (place >= detection[0].listings[WEFT_UNSAFE]) return;
-  const uint pass = (push.flags >> WEFT_PASS_SHIFT) & kLastPass;
-  if (pass == 0 || detection[0].changed[pass - 1] != 0) limit(LISTED(WEFT_UNSAFE, place), pass);
+  const uint round = (push.flags >> WEFT_PASS_SHIFT) & 15u;
+  if (round == 0 || detection[0].changed[round - 1] != 0) limit(LISTED(WEFT_UNSAFE, place), round);
 }

@@ -8,7 +8,7 @@
 GATHER(positions)
 GATHER(predicted)
 GATHER_UINT(cluster_hulls)
-GATHER_UINT(cluster_owners)
+GATHER_UINT(memberships)
 GATHER_UINT4(cluster_edges)
 READ_WRITE(Counters, counters)
 WRITE(uint, displacement_bounds)

@@ -5,7 +5,7 @@
 
 GATHER_UINT4(cluster_faces)
 GATHER_UINT4(cluster_edges)
-GATHER_UINT(cluster_owners)
+GATHER_UINT(memberships)
 GATHER_UINT(cluster_pushes)
 READ_WRITE(Detection, detection)
 GATHER(detected_positions)

@@ -3,15 +3,17 @@
 
 const uint kOne = 0x3f800000u;   // 1.0
 
-// The step fraction of particle i: the least of all passes', and the fallback's where it applies. Resets its entries for the next substep.
+// The step fraction of particle i: the least of all that contact_limit found. Resets its entries for the next substep.
 float fraction_of(uint i) {
-  if (contact_counts[i] != 0) contact_counts[i] = 0;
+  if (contact_counts[i] != 0) {
+    contact_counts[i] = 0;
+    slides[2 * i + 1].w = 0;
+  }
   const uvec4 fractions = step_fractions[i];
   if (detection[0].falls_back == WEFT_ALL_WAIT) return 0;
   if (fractions == uvec4(kOne)) return 1;
   step_fractions[i] = uvec4(kOne);
-  const uint least = min(min(fractions.x, fractions.y), fractions.z);
-  return uintBitsToFloat(detection[0].falls_back != 0 ? min(least, fractions.w) : least);
+  return uintBitsToFloat(min(min(fractions.x, fractions.y), min(fractions.z, fractions.w)));
 }
 
 // Where the substep's step from x to p, the last iterate, ends.

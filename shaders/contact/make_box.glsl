@@ -80,7 +80,7 @@ void make_box(uint cluster) {
   }
   for (uint k = FETCH(clusters, cluster).z; k < end; ++k) {
     const uint i = FETCH_UINT(cluster_hulls, k);
-    if (FETCH_UINT(cluster_owners, i) == cluster) near_bounds[i] = floatBitsToUint(bound);
+    if (FETCH_UINT(memberships, FETCH_UINT(memberships, i)) == cluster) near_bounds[i] = floatBitsToUint(bound);
   }
   cluster_boxes[2 * cluster] = vec4(box.low, 0);
   cluster_boxes[2 * cluster + 1] = vec4(box.high, 0);

@@ -4,7 +4,7 @@
 #include "shared.h"
 
 GATHER_UINT4(cluster_faces)
-GATHER_UINT(cluster_owners)
+GATHER_UINT(memberships)
 GATHER_UINT(cluster_pushes)
 READ(Detection, detection)
 GATHER(detected_positions)

@@ -4,7 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
 
-GATHER_UINT(cluster_owners)
+GATHER_UINT(memberships)
 GATHER_UINT(cluster_pushes)
 READ_WRITE(Detection, detection)
 GATHER(detected_positions)

@@ -4,6 +4,7 @@
 WRITE(vec4, contact_normals)
 WRITE(vec4, contact_weights)
 
+WRITE(uvec4, slides)
 WRITE(uint, contact_list)
 #include "contact/list_places.glsl"
 #include "contact/contact_list.glsl"
@@ -56,6 +57,12 @@ vec3 direction(vec3 d, vec4 weights, mat4x3 x, bool edges) {
   return separation(of_features, x, edges) > separation(n, x, edges) ? of_features : n;
 }
 
+// `comes_over`: whether a kinematic particle of side A, or of side B, is going to be where the other side is now.
+void rank(Candidate pair, bvec4 is_held, bvec2 comes_over) {
+  for (int j = 0; j < 4; ++j)
+    if (!is_held[j] && (signs(pair.edges)[j] > 0 ? comes_over.y : comes_over.x)) slides[2 * pair.particle[j] + 1].w = kInTheWay;
+}
+
 void prepare(uint i) {
   const Candidate pair = unpack_candidate(LATEST(candidates, i));
   const uint a = pair.particle[0], b = pair.particle[1], c = pair.particle[2], d = pair.particle[3];
@@ -94,4 +101,6 @@ void prepare(uint i) {
   count(b);
   count(c);
   count(d);
+  const bvec2 comes_over = either(greaterThan(approach, vec4(2 * half_gap)), pair.edges);
+  if (comes_over.x || comes_over.y) rank(pair, is_held, comes_over);
 }

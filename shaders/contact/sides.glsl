@@ -9,6 +9,7 @@ float lag_of(uint i) { return uintBitsToFloat(FETCH_UINT(kinematic_lags, i)); }
 const float kNegligible = 1e-4;
 
 float largest(vec3 v) { return max(abs(v.x), max(abs(v.y), abs(v.z))); }
+float size_of(vec3 x, vec3 step) { return max(largest(x), largest(x + step)); }
 
 // A pair seen along its normal; vec4s have one value for each of its particles.
 struct Sides {
@@ -45,8 +46,8 @@ Sides sides_of(Candidate pair, vec3 n) {
   const vec2 least = least_of_sides(height, pair.edges);
   const float gap = least.x + least.y;
   sides.height = height + towards * (0.5 * (least.y - least.x));   // now the least height of either side is half the gap
-  float size = 0;
-  for (int j = 0; j < 4; ++j) size = max(size, max(largest(x[j].xyz), largest(x[j].xyz + steps[j])));
+  const float size_ab = max(size_of(x[0].xyz, steps[0]), size_of(x[1].xyz, steps[1]));
+  const float size = max(size_ab, max(size_of(x[2].xyz, steps[2]), size_of(x[3].xyz, steps[3])));
   sides.margin = clamp(gap, 0, max(kMargin * pair.separation, kFloor * size));
   sides.rounding_error = 0.25 * kFloor * size;
   // A pair that an earlier pass parted to the margin does not count as crossing, in spite of rounding: no further pass is needed for it.

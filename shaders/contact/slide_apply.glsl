@@ -3,7 +3,8 @@
 void slide_along(uint i) {
   const uvec3 up = slides[2 * i].xyz, down = slides[2 * i + 1].xyz;
   if ((up | down) == uvec3(0)) return;
-  slides[2 * i].xyz = slides[2 * i + 1].xyz = uvec3(0);
+  slides[2 * i + 1] = uvec4(0, 0, 0, max(slides[2 * i].w, slides[2 * i + 1].w));
+  slides[2 * i] = uvec4(0);
   const vec3 before = ITERATE(i).xyz, asked = before + uintBitsToFloat(up) - uintBitsToFloat(down);
   const vec3 end = keep_within_bound(bound_of(i), expected_of(i, detection[0].steps), FETCH(positions, i).xyz, asked);
   predicted[i].xyz = end;

@@ -59,7 +59,7 @@ TEST_F(Dispatches, of_a_frame_are_as_many_as_these) {
   const Counted fallen = count(device(), free);
   EXPECT_EQ(fallen.without, 22u) << "stretch and bending in each substep, a prediction, a surface";
   EXPECT_EQ(fallen.few, 22u + 10 * (9 + 1 + 2)) << "a detection, untangling, contacts in one workgroup, and the end of those with candidates";
-  EXPECT_EQ(fallen.many, 22u + 10 * (9 + 1 + 4 * 3 + 2 * 2 + 1 + WEFT_LIMIT_PASSES + 1)) << "contacts pass by pass";
+  EXPECT_EQ(fallen.many, 22u + 10 * (9 + 1 + 4 * 3 + 2 * WEFT_SLIDES + 1 + WEFT_WIDE_ROUNDS + 1 + 1)) << "contacts pass by pass";
   EXPECT_EQ(fallen.seldom, 22u + 10 * (4 + 1 + 2)) << "a detection by one workgroup, its search and its pairs; what is prepared";
   EXPECT_EQ(fallen.calm, 22u + 10 * (2 + 2)) << "nothing that could have crossed: the search tests and prepares what it finds";
   EXPECT_EQ(fallen.none, 22u + 10 * (2 + 1)) << "contacts' one workgroup ends the substep of those that it may find";

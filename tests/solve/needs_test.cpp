@@ -195,7 +195,8 @@ TEST(Passes, threads_are_counted_from_what_was_cooked) {
   EXPECT_EQ(threads["bend_lambda"], sheet.fabric.bends.size());
   EXPECT_EQ(threads["surface"], 30u);
   EXPECT_EQ(threads["contact_alone"], 30u);
-  EXPECT_EQ(dispatches["contact_limit"], std::size_t(WEFT_LIMIT_PASSES));
+  EXPECT_EQ(dispatches["contact_limit"], std::size_t(WEFT_WIDE_ROUNDS));
+  EXPECT_EQ(dispatches["contact_limit_rest"], 1u);
   const Sheet patched = sheet_for({{Id::gauss_seidel}});
   for (const Pass& pass : effect(Id::gauss_seidel).passes)
     EXPECT_EQ(ranges_of(pass, patched.subject()).size(), patched.fabric.own.of<PatchLists>().rounds.size());

@@ -224,7 +224,7 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(calls.has(Id::triangle), {&b::collisions, &b::collision_list, &b::collision_sums, &b::collision_depths});
     expect(calls.has(Id::triangle) && calls.has(Id::contact), {&b::ways_out});
     expect(calls.has(Id::contact),
-           {&b::clusters, &b::cluster_faces, &b::cluster_edges, &b::cluster_searchers, &b::cluster_owners, &b::cluster_hulls, &b::cluster_surroundings,
+           {&b::clusters, &b::cluster_faces, &b::cluster_edges, &b::cluster_searchers, &b::cluster_hulls, &b::memberships, &b::cluster_surroundings,
             &b::clusters_around, &b::cluster_boxes, &b::cluster_pushes, &b::near_bounds, &b::cluster_motions, &b::smooth_clusters,
             &b::near_clusters, &b::near_boxes,
             &b::outlines, &b::outline_boxes, &b::rest, &b::detected_positions, &b::trajectories, &b::displacement_bounds, &b::grid_counts,
@@ -300,14 +300,14 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
             (Labels{"predict+watch", "detect_alone", "detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search",
                     "detect_outline", "detect_search", "detect_pair", "detect_prepare", "contact_prepare", "stretch+finalize",
                     "contact_alone", "contact_penetration", "contact_solve", "contact_apply", "contact_slide", "contact_slide_apply",
-                    "contact_unsafe", "contact_limit", "contact_finalize", "surface"}));
+                    "contact_unsafe", "contact_limit", "contact_limit_rest", "contact_finalize", "surface"}));
   // With tethers, where idle threads cost (calls.h).
   EXPECT_EQ(labels(with(all, {Id::contact})),
             (Labels{"predict+watch", "anchor+watch", "detect_arguments", "detect_track", "cluster_box", "grid_fill", "grid_search",
                     "outline_particles", "outline_faces", "outline_edges", "search_faces", "search_edges", "search_rare", "pair_faces",
                     "pair_edges", "contact_prepare", "stretch",
                     "bend+tether+collide+finalize", "contact_alone+collide", "contact_penetration", "contact_solve",
-                    "contact_apply+collide", "contact_slide", "contact_slide_apply", "contact_unsafe", "contact_limit",
+                    "contact_apply+collide", "contact_slide", "contact_slide_apply", "contact_unsafe", "contact_limit", "contact_limit_rest",
                     "contact_finalize", "surface"}));
   const std::vector<std::string> untangled = labels({{Id::stretch, Id::contact, Id::untangle}});
   EXPECT_EQ(untangled.size(), labels({{Id::stretch, Id::contact}}).size() + 1);

@@ -109,15 +109,15 @@ class Passes : public SinglePass {
   }
   void limit() {
     run("contact_unsafe");
-    for (int pass = 0; pass < static_cast<int>(WEFT_LIMIT_PASSES); ++pass) run("contact_limit", pass);
+    for (int round = 0; round < static_cast<int>(WEFT_WIDE_ROUNDS); ++round) run("contact_limit", round);
+    run("contact_limit_rest");
   }
   gpu::Detection detection() const { return get<gpu::Detection>(buffers::detection, 1).front(); }
-  /// The least of all limit passes, and that of the static planes where pairs were unsafe.
+  /// The least of all that contact_limit found.
   std::vector<double> step_fractions() const {
     std::vector<double> least;
-    const bool unsafe = detection().falls_back != 0;
-    const auto passes = get<std::array<std::uint32_t, WEFT_LIMIT_PASSES>>(buffers::step_fractions, t_.x.size());
-    for (const auto& f : passes) least.push_back(std::bit_cast<float>(*std::min_element(f.begin(), f.end() - (unsafe ? 0 : 1))));
+    const auto rounds = get<std::array<std::uint32_t, 4>>(buffers::step_fractions, t_.x.size());
+    for (const auto& f : rounds) least.push_back(std::bit_cast<float>(*std::ranges::min_element(f)));
     return least;
   }
 

@@ -87,6 +87,18 @@ void sort_by_cluster(std::vector<T>& members, std::uint32_t T::*cluster) {
   std::stable_sort(members.begin(), members.end(), [&](const T& a, const T& b) { return a.*cluster < b.*cluster; });
 }
 
+std::vector<std::uint32_t> memberships(const ClusterLists& lists, const std::vector<std::uint32_t>& owner) {
+  std::vector<std::vector<std::uint32_t>> clusters(owner.size());
+  for (std::uint32_t i = 0; i < owner.size(); ++i) clusters[i].push_back(owner[i]);
+  for (std::uint32_t k = 0; k + 1 < lists.clusters.size(); ++k)
+    for (std::uint32_t h = lists.clusters[k].z; h < lists.clusters[k + 1].z; ++h)
+      if (owner[lists.hulls[h]] != k) clusters[lists.hulls[h]].push_back(k);
+  std::vector<std::uint32_t> list{static_cast<std::uint32_t>(owner.size() + 1)};
+  for (const auto& of_particle : clusters) list.push_back(list.back() + static_cast<std::uint32_t>(of_particle.size()));
+  for (const auto& of_particle : clusters) list.insert(list.end(), of_particle.begin(), of_particle.end());
+  return list;
+}
+
 }  // namespace
 
 ClusterLists make_clusters(const CookedFabric& fabric) {
@@ -119,7 +131,6 @@ ClusterLists make_clusters(const CookedFabric& fabric) {
   count += (loose + WEFT_CLUSTER - 1) / WEFT_CLUSTER;
 
   for (std::uint32_t i = 0; i < owner.size(); ++i) lists.searchers.push_back({i, owner[i]});
-  lists.owners = owner;
   sort_by_cluster(lists.faces, &gpu::uvec4::w);
   sort_by_cluster(lists.edges, &gpu::uvec4::z);
   sort_by_cluster(lists.searchers, &gpu::uvec2::y);
@@ -140,6 +151,7 @@ ClusterLists make_clusters(const CookedFabric& fabric) {
     lists.hulls.insert(lists.hulls.end(), hull.begin(), hull.end());
   }
   begin_cluster();
+  lists.memberships = memberships(lists, owner);
   find_surroundings(fabric, lists);
   return lists;
 }

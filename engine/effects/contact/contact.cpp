@@ -55,8 +55,8 @@ namespace effects {
 namespace {
 
 constexpr const Buffer* kBuffers[] = {
-    &buffers::clusters, &buffers::cluster_faces, &buffers::cluster_edges, &buffers::cluster_searchers, &buffers::cluster_owners,
-    &buffers::cluster_hulls, &buffers::cluster_surroundings, &buffers::clusters_around, &buffers::cluster_boxes,
+    &buffers::clusters, &buffers::cluster_faces, &buffers::cluster_edges, &buffers::cluster_searchers, &buffers::cluster_hulls,
+    &buffers::memberships, &buffers::cluster_surroundings, &buffers::clusters_around, &buffers::cluster_boxes,
     &buffers::cluster_pushes, &buffers::near_bounds, &buffers::cluster_motions, &buffers::smooth_clusters, &buffers::near_clusters,
     &buffers::near_boxes, &buffers::outlines, &buffers::outline_boxes,
     &buffers::rest, &buffers::detection, &buffers::detected_positions, &buffers::trajectories, &buffers::displacement_bounds,
@@ -128,7 +128,9 @@ constexpr Pass kPasses[] = {
     {.name = "contact_slide", .stage = Stage::slide, .threads = kContacts, .crowd = Crowd::many},
     {.name = "contact_slide_apply", .stage = Stage::slide, .threads = kTouchedParticles, .crowd = Crowd::many},
     {.name = "contact_unsafe", .stage = Stage::substep_end, .threads = kCandidates, .crowd = Crowd::many},
-    {.name = "contact_limit", .stage = Stage::substep_end, .threads = kUnsafeCandidates, .crowd = Crowd::many, .rounds = WEFT_LIMIT_PASSES},
+    {.name = "contact_limit", .stage = Stage::substep_end, .threads = kUnsafeCandidates, .crowd = Crowd::many, .rounds = WEFT_WIDE_ROUNDS},
+    {.name = "contact_limit_rest", .stage = Stage::substep_end, .threads = kContactsAlone, .crowd = Crowd::many, .alone = true,
+     .crew = true},
     {.name = "contact_finalize", .stage = Stage::substep_end, .threads = kPairedParticles, .crowd = Crowd::met},
 };
 

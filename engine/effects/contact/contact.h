@@ -37,8 +37,8 @@ inline constexpr Buffer cluster_faces = own<gpu::uvec4, &ClusterLists::faces>("c
 /// Edges of all triangles, each once.
 inline constexpr Buffer cluster_edges = own<gpu::uvec4, &ClusterLists::edges>("cluster_edges");
 inline constexpr Buffer cluster_searchers = own<gpu::uvec2, &ClusterLists::searchers>("cluster_searchers");
-inline constexpr Buffer cluster_owners = own<gpu::uint, &ClusterLists::owners>("cluster_owners");
 inline constexpr Buffer cluster_hulls = own<gpu::uint, &ClusterLists::hulls>("cluster_hulls");
+inline constexpr Buffer memberships = own<gpu::uint, &ClusterLists::memberships>("memberships");
 inline constexpr Buffer cluster_surroundings = own<gpu::uvec4, &ClusterLists::surroundings>("cluster_surroundings");
 inline constexpr Buffer clusters_around = own<gpu::uint, &ClusterLists::around>("clusters_around");
 /// xyz rest position (m), w thickness (m).
@@ -80,7 +80,7 @@ inline constexpr Buffer grid_starts = scratch<gpu::uint>("grid_starts", [](const
 inline constexpr Buffer grid_entries = scratch<gpu::vec4>("grid_entries", lengths::clusters);
 /// Two a cluster: xyz of its box's corners (m).
 inline constexpr Buffer cluster_boxes = scratch<gpu::vec4>("cluster_boxes", [](const Cooked& s) { return 2 * lengths::clusters(s); });
-/// By how much the bounds of a cluster's particles exceed the detection margin, because kinematic particles push them (m, bits of a float).
+/// By how much the bounds of the particles in a cluster's hull exceed their own, because kinematic particles push it (m, bits of a float).
 inline constexpr Buffer cluster_pushes = scratch<gpu::uint>("cluster_pushes", lengths::clusters);
 /// Eight a cluster (cluster_box.comp): columns of the mean deformation gradient at the detection, w how far a triangle's is from it, the
 /// largest gradient of a barycentric coordinate at rest (1/m), how far a particle may be from its trajectory (m); columns of the gradient
@@ -134,12 +134,13 @@ inline constexpr Buffer contact_counts = cleared<gpu::uint>("contact_counts", le
 inline constexpr Buffer contact_sums = cleared<gpu::ivec4>("contact_sums", lengths::particles);
 /// Sum of the penetrations of a particle's contacts, each times its weight (contact_share.glsl); 0 between iterations.
 inline constexpr Buffer contact_penetrations = cleared<gpu::uint>("contact_penetrations", lengths::particles);
-/// Two a particle: the largest way that contact_slide asks for along each coordinate, upwards and downwards (m, bits of floats); 0 between
-/// its rounds.
+/// Two a particle: xyz the largest way that contact_slide asks for along each coordinate, upwards and downwards (m, bits of floats); 0
+/// between its rounds. w the rank that a round gives it, and the one that it has (contact.glsl); 0 between substeps.
 inline constexpr Buffer slides = cleared<gpu::uvec4>("slides", [](const Cooked& s) { return 2 * lengths::particles(s); });
 /// How far a kinematic particle was behind its target when the substep began (m, bits of a float; anchor.comp); 0 for all others.
 inline constexpr Buffer kinematic_lags = buffer<gpu::uint>("kinematic_lags", Lifetime::persistent, lengths::particles);
-/// Step fractions (times of impact): the part of its step that a particle may take, bits of a float, one a pass of contact_limit.
+/// Step fractions (times of impact): the part of its step that a particle may take, bits of a float (limit.glsl has the
+/// entries).
 inline constexpr Buffer step_fractions = cleared<gpu::uvec4>("step_fractions", lengths::particles, std::bit_cast<std::uint32_t>(1.0f));
 
 }  // namespace buffers

@@ -294,35 +294,35 @@ double lowest_of_the_free_one(const Simulation& simulation) {
   return lowest;
 }
 
-// At 8 m/s, coarse and fine, in all three ways. At some resolutions it waits for a substep, in which it would go by 13 mm: a pair still
-// crosses after the rounds of contact_limit.
+// At 8 m/s, coarse and fine, in all three ways. It goes by 13 mm in a substep, and waited for whole ones where a corner of the triangle
+// that it meets first belonged to another cluster and was not told to make way (final_track.glsl), and at 28 cells where pairs still
+// crossed after four rounds of contact_limit, so that all particles fell back.
 TEST_F(ContactCase, a_held_sheet_carries_a_free_one_along_at_eight_metres_a_second) {
-  struct Driven {
-    std::uint32_t free_cells, held_cells;
-    double most;   // m, that it may wait
-  };
-  constexpr Driven kDriven[] = {{12, 10, 0.001}, {24, 10, 0.001}, {24, 30, 0.001}, {36, 20, 0.001}, {48, 20, 0.001}, {28, 20, 0.02}};
-  for (const auto& [free_cells, held_cells, most] : kDriven) {
+  constexpr std::pair<std::uint32_t, std::uint32_t> kCells[] = {{12, 10}, {20, 10}, {20, 20}, {24, 10}, {24, 30}, {28, 20},
+                                                                {28, 30}, {36, 20}, {36, 30}, {48, 10}, {48, 20}};
+  for (const auto& [free_cells, held_cells] : kCells) {
     SCOPED_TRACE(free_cells);
     const auto simulation = must(Simulation::create(device(), driven_into_a_free_one(free_cells, held_cells, 8)));
     run_without_crossing(*simulation, 24);
     const double waits = simulation->counts().tracking_error;
-    EXPECT_LT(waits, most) << "it waited for the cloth in front of it";
+    EXPECT_LT(waits, 0.001) << "it waited for the cloth in front of it";
     RecordProperty("waits_m_" + std::to_string(free_cells) + "_" + std::to_string(held_cells), std::to_string(waits));
     EXPECT_LT(lowest_of_the_free_one(*simulation), -0.65) << "the free sheet is in front of the held one's edge";
   }
 }
 
-// Strain runs a cell an iteration, so the free sheet is torn at what carries it along, but nothing crosses.
+// Strain runs a cell an iteration, so the free sheet is torn at what carries it along, but nothing crosses. At 28 cells and at 40 it did,
+// while triangles that had turned out of the way were taken to be in it (parting.glsl).
 TEST_F(ContactCase, a_held_sheet_carries_a_free_one_along_by_nearly_a_cell_a_substep) {
-  for (const auto& [free_cells, held_cells] : {std::pair(24u, 10u), std::pair(36u, 20u), std::pair(48u, 10u)}) {
+  constexpr std::pair<std::uint32_t, std::uint32_t> kCells[] = {{24, 10}, {28, 30}, {36, 20}, {40, 30}, {48, 10}};
+  for (const auto& [free_cells, held_cells] : kCells) {
     SCOPED_TRACE(free_cells);
     const double speed = 0.98 * 600 / free_cells;   // m/s: cells of the free sheet, 10 substeps in each of 60 frames
     const auto simulation = must(Simulation::create(device(), driven_into_a_free_one(free_cells, held_cells, speed)));
     run_without_crossing(*simulation, 24);
     EXPECT_LT(lowest_of_the_free_one(*simulation), -0.65) << "the free sheet is in front of the held one's edge";
     const double waits = simulation->counts().tracking_error;
-    EXPECT_LT(waits, 0.005) << "of 0.02 to 0.04 m that it goes in a substep";
+    EXPECT_LT(waits, 0.001) << "of 0.02 to 0.04 m that it goes in a substep";
     RecordProperty("waits_m_" + std::to_string(free_cells), std::to_string(waits));
   }
 }

@@ -260,18 +260,22 @@ void compare_slid(const compute::Device& device, double violence, bool gather_st
   Passes passes(device, scene, fabric, t, gather_storage);
   passes.run("contact_prepare");
   reference::Points p = t.p;
+  std::vector<std::uint32_t> ranks = reference::rank_particles(t.pairs, passes.contacts(), t.x, t.p, t.inverse_masses);
   int slid = 0;
   for (std::uint32_t round = 0; round < WEFT_SLIDES; ++round) {
     for (const char* pass : {"contact_slide", "contact_slide_apply"}) passes.run(pass);
-    const auto wanted = reference::slide(t.pairs, passes.contacts(), t.x, p, t.inverse_masses);
+    const auto wanted = reference::slide(t.pairs, passes.contacts(), t.x, p, t.inverse_masses, ranks);
     const auto got = points(passes.iterate());
     for (std::size_t i = 0; i < t.x.size(); ++i) {
       slid += (got[i] - p[i]).norm() > 1e-5;
       EXPECT_LT((got[i] - wanted[i]).norm(), 100 * kRounding * (1 + violence)) << i << " of " << violence;
       EXPECT_TRUE(t.inverse_masses[i] > 0 || got[i] == t.p[i]) << i;
     }
+    const auto told = passes.get<gpu::uvec4>(buffers::slides, 2 * t.x.size());
+    for (std::size_t i = 0; i < t.x.size(); ++i) EXPECT_EQ(told[2 * i + 1].w, ranks[i]) << i << " of " << violence;
     p = got;
   }
+  EXPECT_TRUE(violence < 0.002 || std::ranges::count(ranks, reference::kRankTold) > 0);
   EXPECT_GT(slid, violence > 0.002 ? 30 : 0);
 }
 
@@ -299,7 +303,7 @@ void compare_limited(const compute::Device& device, double violence, bool gather
   passes.limit();
   const auto limit = reference::limit_motion(t.pairs, passes.contacts(), t.x, t.p, t.inverse_masses, lags);
   const auto fractions = passes.step_fractions();
-  EXPECT_EQ(passes.detection().falls_back != 0, limit.unsafe);
+  EXPECT_EQ(passes.detection().falls_back != 0, limit.falls_back);
   int truncated = 0;
   for (std::size_t i = 0; i < t.x.size(); ++i) {
     truncated += fractions[i] < 1;

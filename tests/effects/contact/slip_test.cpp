@@ -68,10 +68,11 @@ Scene pulled_off_a_head(const test::Folder& folder, std::uint32_t cells, double 
 
 // Before tethers left it to what leads around, it hooked, for ever: 258 % in the mean. Later it still did, with 31 to 33 cells at 3 m/s: pairs
 // into which the solve alone pulled cloth had no contact, and a step that they cut short loses what leads around, too (contact_prepare).
-// Then one size in ten did, those below among them, while tethers took twice as much of the displacement bound (tether.glsl).
+// Then one size in ten did, those below among them, while tethers took twice as much of the displacement bound (tether.glsl). With 20 cells
+// its hem waited for a crease of the sheet that nobody pressed flat, up to the kinematic lag limit, and was driven through it (slide.glsl).
 TEST_F(Slip, a_sheet_slips_off_a_head_with_ears_and_crosses_neither_it_nor_itself) {
   const test::Folder folder;
-  for (const auto& [cells, speed] : {std::pair(32u, 3.0), std::pair(37u, 3.0), std::pair(29u, 5.0)}) {
+  for (const auto& [cells, speed] : {std::pair(32u, 3.0), std::pair(37u, 3.0), std::pair(29u, 5.0), std::pair(20u, 3.0)}) {
     SCOPED_TRACE(std::to_string(cells) + " cells, m/s: " + std::to_string(speed));
     const auto simulation = must(Simulation::create(device(), pulled_off_a_head(folder, cells, speed)));
     run(*simulation, 2.5);

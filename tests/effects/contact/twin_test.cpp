@@ -157,7 +157,7 @@ Pile pile(std::size_t layers, double gap, double fall) {
 }
 
 TEST(ContactLimit, layers_that_fall_together_stop_over_one_that_is_stopped) {
-  for (const std::size_t layers : {3u, 10u, 20u}) {
+  for (const std::size_t layers : {3u, 10u, 20u, 40u, 80u}) {
     const Pile p = pile(layers, 0.001, 0.05);
     std::vector<Contact> contacts;
     for (const Pair& pair : p.pairs) contacts.push_back(prepare_contact(pair, p.x, p.p, kRecover, p.inverse_masses));
@@ -165,8 +165,9 @@ TEST(ContactLimit, layers_that_fall_together_stop_over_one_that_is_stopped) {
     const Points end = along(p.x, p.p, limit.fractions);
     EXPECT_EQ(meetings(p.pairs, p.x, end), 0u) << layers;
     for (std::size_t i = 3; i < end.size(); ++i) EXPECT_GE(end[i].y() - end[i - 3].y(), 0.00009) << layers << " layers, particle " << i;
-    // Every pass stops a layer. Where there are more layers, those above keep to their half of the gap.
-    EXPECT_EQ(limit.unsafe, layers > WEFT_LIMIT_PASSES) << layers;
+    // Every round stops a layer. Where there are more layers, those above keep to their half of the gap.
+    EXPECT_EQ(limit.falls_back, layers > WEFT_LIMIT_ROUNDS) << layers;
+    EXPECT_EQ(limit.rounds, std::min<int>(static_cast<int>(layers), WEFT_LIMIT_ROUNDS)) << layers;
   }
 }
 
@@ -182,7 +183,7 @@ TEST(ContactLimit, what_cannot_stop_takes_its_slack_from_the_other_side) {
     const Limit limit = limit_motion({&pair, 1}, {&contact, 1}, x, p, masses);
     const Points end = along(x, p, limit.fractions);
     EXPECT_EQ(limit.fractions[1], 1);
-    EXPECT_FALSE(limit.unsafe);
+    EXPECT_FALSE(limit.falls_back);
     EXPECT_NEAR(end[0].y(), rise + 0.0005, 1e-4) << rise;   // a tenth of the separation
     EXPECT_FALSE(sides_meet(places(pair, x), places(pair, end), false));
   }
@@ -202,6 +203,24 @@ TEST(ContactLimit, an_anchor_waits_for_what_is_in_its_way_but_not_further_from_i
     // A tenth of the separation is left of the gap.
     EXPECT_NEAR(tracking_error, std::min(down - 0.0005, 0.01 + kKinematicLagLimit * 0.005), 1e-12) << lag;
     EXPECT_EQ(limit.fractions[1], 1);
+  }
+}
+
+// It is pushed at one corner and turns: along the normal at the start its other corners are in the way, where it ends they are not.
+TEST(ContactLimit, a_triangle_that_turns_out_of_the_way_holds_nothing_up_unless_it_ends_too_near) {
+  const Points x{{0, 0.005, 0.09}, {-0.1, 0, -0.1}, {0.1, 0, -0.1}, {0, 0, 0.1}};
+  const Pair pair{{0, 1, 2, 3}, 0.005, false};
+  for (const double distance : {0.001, 0.002, 0.0026, 0.004, 0.02}) {   // m, at the end
+    Points p = x;
+    p[3].y() -= 0.04;
+    p[0].y() = -0.038 + distance * std::hypot(1, 0.2);   // the triangle falls by 0.2 in 1
+    const std::vector<double> masses{1, 1, 1, 1};
+    const Contact contact = prepare_contact(pair, x, p, kRecover, masses);
+    EXPECT_LT((contact.normal - Vector(0, 1, 0)).norm(), 1e-12);
+    const Limit limit = limit_motion({&pair, 1}, {&contact, 1}, x, p, masses);
+    const bool is_held = *std::min_element(limit.fractions.begin(), limit.fractions.end()) < 1;
+    EXPECT_EQ(is_held, distance < kParted * pair.separation) << distance;
+    EXPECT_FALSE(sides_meet(places(pair, x), places(pair, along(x, p, limit.fractions)), false)) << distance;
   }
 }
 

@@ -165,7 +165,7 @@ Scene pressed_and_released() {
     key.translate = {0, y, 0};
     return key;
   };
-  anchor.keys = {key(0.03, 0), key(0.11, -0.299f), key(0.35, -0.299f), key(0.42, -0.1f)};
+  anchor.keys = {key(0.03, 0), key(0.11, -0.2995f), key(0.35, -0.2995f), key(0.42, -0.1f)};
   scene.cloths[0].anchors.push_back(anchor);
   scene.contacts.enabled = true;
   return scene;
