@@ -180,11 +180,11 @@ void Simulation::State::count_calm(const gpu::Counters& counters) {
   capacity.still = detections == 0 ? capacity.still + 1 : 0;
 }
 
-// A dispatch costs a GPU as much as a workgroup needs for thousands of contacts, and the software driver the waking of its threads: two dozen
-// a substep more than one thread needs for a thousand active contacts and as many candidates as here. (Of 1000, 16,000 and 32,000: the drop
-// of 50 x 50 takes 39, 24, 25 ms, walk 58, 50, 48; with four rounds of slides for two, of 16,000 and 32,000, 37 and 33. On an H200, of 8000, 16,000, 32,000, 64,000 and 128,000: 3.8, 3.5, 3.2, 3.2, 3.2 ms, the
-// drop of 100 x 100 4.7, 4.4, 3.9, 4.0, 4.0, walk 4.3, 4.0, 3.9, 3.8, 3.9.) One workgroup can do several times as many, should they grow
-// before the host knows.
+// A dispatch costs a GPU as much as a workgroup needs for thousands of contacts, and the software driver the waking of its threads: two
+// dozen a substep more than one thread needs for a thousand active contacts and as many candidates as here. (Of 1000, 16,000 and 32,000:
+// the drop of 50 x 50 takes 39, 24, 25 ms, walk 58, 50, 48; with four rounds of slides for two, of 16,000 and 32,000, 37 and 33. On an
+// H200, of 8000, 16,000, 32,000, 64,000 and 128,000: 3.8, 3.5, 3.2, 3.2, 3.2 ms, the drop of 100 x 100 4.7, 4.4, 3.9, 4.0, 4.0, walk 4.3,
+// 4.0, 3.9, 3.8, 3.9.) One workgroup can do several times as many, should they grow before the host knows.
 bool Simulation::State::contacts_are_few() const { return capacity.load <= (device->is_software() ? 32'000u : 64'000u); }
 
 // Whether there may be more than one workgroup can do (contact_alone) before the host hears of them: for frames that are not repeated. Two
