@@ -166,6 +166,24 @@ TEST(FabricContacts, clusters_of_a_flat_sheet_know_those_about_them_unless_a_hol
   EXPECT_LT(with_surroundings(holed), holed.surroundings.size() - 8) << "a hole is in the way";
 }
 
+// A cluster that is pushed moves all corners of its triangles, also those that belong to another one.
+TEST(FabricContacts, a_particle_is_a_member_of_its_own_cluster_first_and_of_all_whose_hulls_have_it) {
+  const ClusterLists lists = cooking::make_clusters(cooked(two_sheets()));
+  const std::vector<std::uint32_t>& list = lists.memberships;
+  std::size_t others = 0;
+  for (const auto& [i, own] : lists.searchers) {
+    const std::vector<std::uint32_t> members(list.begin() + list[i], list.begin() + list[i + 1]);
+    ASSERT_FALSE(members.empty());
+    EXPECT_EQ(members[0], own);
+    std::multiset<std::uint32_t> wanted;
+    for (std::uint32_t k = 0; k + 1 < lists.clusters.size(); ++k)
+      if (std::count(lists.hulls.begin() + lists.clusters[k].z, lists.hulls.begin() + lists.clusters[k + 1].z, i) > 0) wanted.insert(k);
+    EXPECT_EQ(std::multiset<std::uint32_t>(members.begin(), members.end()), wanted) << i;
+    others += members.size() - 1;
+  }
+  EXPECT_GT(others, 0u);
+}
+
 TEST(FabricContacts, particles_without_a_triangle_have_clusters_too) {
   CookedFabric fabric = cooked(two_sheets());
   fabric.triangles.clear();
