@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds and runs every test: first those that need no device under the sanitizers, then all of them
-# optimised. The whole suite comes last, so that the output ends with its result. With --interop those with other programs instead.
+# Installs what is missing, builds and runs every test: first those that need no device under the sanitizers, then all others
+# optimised. The longer part comes last, so that the output ends with its result. With --interop those with other programs instead.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 source "$root/samples/packages.sh"
@@ -58,7 +58,7 @@ fi
 
 install_missing "${packages_to_run[@]}" "${packages_to_test[@]}"
 
-build "$root" asan weft_assets weft_cpu_tests fuzz_mesh fuzz_scene fuzz_snapshot
+build "$root" asan weft_assets weft_cpu_tests weft_long_tests fuzz_mesh fuzz_scene fuzz_snapshot
 ctest --test-dir "$root/build/asan" -j "$(nproc)" --output-on-failure --no-tests=error -L '^cpu$'
 
 build "$root" ci
