@@ -137,6 +137,14 @@ WEFT_CONSTANTS(WEFT_DECLARE)
 #define GATHER_UINT(name) WEFT_TEXELS(usamplerBuffer, name) READ(uint, name)
 #define GATHER_WRITE(name) WEFT_TEXELS(samplerBuffer, name) WEFT_BUFFER(, vec4, name)
 #define GATHER_WRITE_UINT(name) WEFT_TEXELS(usamplerBuffer, name) WEFT_BUFFER(, uint, name)
+// SHARE_GATHER is for buffers that a dispatch gathers from after it has written them: those are storage texel buffers, which are coherent.
+#define WEFT_SHARED_TEXELS(image, format, name) layout(set = WEFT_TEXEL_SET, format) restrict coherent uniform image name##_texels;
+#define SHARE_GATHER(name) WEFT_SHARED_TEXELS(imageBuffer, rgba32f, name) SHARE(vec4, name)
+#define SHARE_GATHER_UINT(name) WEFT_SHARED_TEXELS(uimageBuffer, r32ui, name) SHARE(uint, name)
+#define LOAD(name, i) (through_texels ? imageLoad(name##_texels, int(i)) : name[i])
+#define LOAD_UINT(name, i) (through_texels ? imageLoad(name##_texels, int(i)).x : name[i])
+#define STORE(name, i, value) { if (through_texels) imageStore(name##_texels, int(i), value); else name[i] = value; }
+#define STORE_UINT(name, i, value) { if (through_texels) imageStore(name##_texels, int(i), uvec4(value)); else name[i] = value; }
 #define FETCH(name, i) (through_texels ? texelFetch(name##_texels, int(i)) : name[i])
 #define FETCH_UINT2(name, i) (through_texels ? texelFetch(name##_texels, int(i)).xy : name[i])
 #define FETCH_UINT(name, i) (through_texels ? texelFetch(name##_texels, int(i)).x : name[i])

@@ -95,7 +95,7 @@ Result<PlannedPass::Resource> resource_of(const compute::Binding& binding, Plan&
   auto at =
       std::find_if(plan.buffers.begin(), plan.buffers.end(), [&](const Plan::PlannedBuffer& b) { return number_of(*b.row) >= number; });
   if (at == plan.buffers.end() || at->row != &memory) at = plan.buffers.insert(at, {&memory});
-  (texels ? at->texels : at->storage) = true;
+  (!texels ? at->storage : binding.kind == compute::Binding::Kind::storage_texel_buffer ? at->shared_texels : at->texels) = true;
   return PlannedPass::Resource{binding, PlannedPass::Resource::Kind::buffer, number};
 }
 

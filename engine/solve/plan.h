@@ -36,7 +36,7 @@ struct PlannedPass {
 struct Plan {
   struct PlannedBuffer {
     const Buffer* row = nullptr;
-    bool storage = false, texels = false;  // how it is bound
+    bool storage = false, texels = false, shared_texels = false;  // how it is bound (SHARE_GATHER: the last)
   };
   std::vector<PlannedPass> passes;
   std::vector<PlannedBuffer> buffers;      // those that passes touch, in the order of their numbers

@@ -1,5 +1,5 @@
 // apply: what contact_apply does for particle i. Needs collide/colliders.glsl, reaction/mesh.glsl,
-// motion/displacement_bound.glsl, motion_constraint/motion_constraint.glsl, and ITERATE(i).
+// motion/displacement_bound.glsl, motion_constraint/motion_constraint.glsl, ITERATE(i) and MOVE(i, to).
 
 // What rounding of the place leaves of a correction is there for the next iteration; contact_finalize forgets the last.
 vec3 moved_by_contacts(uint i, vec3 p) {
@@ -28,5 +28,5 @@ void apply_corrections(uint i) {
     }
     p = end;
   }
-  if (p != before.xyz) predicted[i].xyz = p;
+  if (p != before.xyz) MOVE(i, vec4(p, before.w));
 }

@@ -14,15 +14,16 @@ GATHER_UINT(touched_particles)
 READ(vec4, ways_out)
 READ_WRITE(Counters, counters)
 // This dispatch has written what it reads of these.
-SHARE(vec4, predicted)
+SHARE_GATHER(predicted)
 SHARE(ivec4, contact_sums)
 SHARE(uint, contact_penetrations)
 SHARE(uvec4, slides)
 SHARE(uvec4, step_fractions)
-SHARE(uint, contact_list)
+SHARE_GATHER_UINT(contact_list)
 SHARE(Detection, detection)
-#define ITERATE(i) predicted[i]
-#define LISTED(kind, place) contact_list[first_place(kind) + place]
+#define ITERATE(i) LOAD(predicted, i)
+#define MOVE(i, to) STORE(predicted, i, to)
+#define LISTED(kind, place) LOAD_UINT(contact_list, first_place(kind) + place)
 #define PENETRATIONS(i) contact_penetrations[i]
 
 #include "motion/update_velocity.glsl"
@@ -50,7 +51,8 @@ SHARE(Detection, detection)
 #include "contact/limit_rest.glsl"
 
 void list(uint kind, uint candidate) {
-  contact_list[first_place(kind) + atomicAdd(detection[0].listings[kind], 1u)] = candidate;
+  const uint place = first_place(kind) + atomicAdd(detection[0].listings[kind], 1u);
+  STORE_UINT(contact_list, place, candidate);
 }
 
 void iterate(uint thread, uint contacts, uint touched) {

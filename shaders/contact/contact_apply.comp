@@ -24,6 +24,7 @@ GATHER(materials)
 #include "motion_constraint/motion_constraint.glsl"
 
 #define ITERATE(i) FETCH(predicted, i)
+#define MOVE(i, to) predicted[i] = to
 #include "contact/apply.glsl"
 
 void main() {

@@ -21,6 +21,7 @@ READ(Collider, colliders)
 #include "reaction/mesh.glsl"
 
 #include "contact/wide.glsl"
+#define MOVE(i, to) predicted[i] = to
 #include "contact/end_substep.glsl"
 
 void main() {

@@ -20,6 +20,7 @@ GATHER(materials)
 #include "reaction/mesh.glsl"
 
 #define ITERATE(i) FETCH(predicted, i)
+#define MOVE(i, to) predicted[i] = to
 #include "contact/slide_apply.glsl"
 
 void main() {

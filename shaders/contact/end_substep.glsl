@@ -1,5 +1,6 @@
 // end_substep: what contact_finalize does for particle i, which has candidates. Needs motion/update_velocity.glsl, motion/watch_bound.glsl,
-// reaction/mesh.glsl, step_fractions, contact_counts, contact_sums, Detection, Counters and ITERATE(i).
+// reaction/mesh.glsl, step_fractions, contact_counts, contact_sums, Detection, Counters, ITERATE(i) and
+// MOVE(i, to).
 
 const uint kOne = 0x3f800000u;   // 1.0
 
@@ -54,5 +55,5 @@ void end_substep(uint i) {
   p.xyz = end;
   p = update_velocity(i, x, p, vec3(0), v.xyz, FETCH(materials, floatBitsToUint(v.w)).x);
   watch_bound(bound_of(i), expected_of(i, detection[0].steps), end, p.xyz);
-  predicted[i] = p;
+  MOVE(i, p);
 }

@@ -1,6 +1,6 @@
 // wait: for the rest of the workgroup, and for what it has written. All of its threads must call it together.
 
 void wait() {
-  memoryBarrierBuffer();
+  memoryBarrier();
   barrier();
 }
