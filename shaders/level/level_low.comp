@@ -5,26 +5,26 @@
 
 READ(uint, level_ends)
 // This dispatch has written what it reads of these.
-SHARE(vec4, level_centres)
-SHARE(vec4, level_middles)
+SHARE_GATHER(level_centres)
+SHARE_GATHER(level_middles)
 SHARE(vec4, level_supports)
-SHARE(vec4, level_carried)
-SHARE(vec4, level_steps)
+SHARE_GATHER(level_carried)
+SHARE_GATHER(level_steps)
 const uint kAtOnce = 8, kLinksAtOnce = 4;
-#define CENTRE_OF(k) level_centres[k]
-#define MIDDLE_OF(k) level_middles[k]
+#define CENTRE_OF(k) LOAD(level_centres, k)
+#define MIDDLE_OF(k) LOAD(level_middles, k)
 #define PUT_OUT_OF(k) level_supports[k]
 #include "support/support.glsl"
 #include "level/centre.glsl"
-#define CENTRE(k) level_centres[k]
-#define MIDDLE(k) level_middles[k]
-#define STEP(k) level_steps[k]
-#define CARRIED(k, node) level_carried[k]
+#define CENTRE(k) LOAD(level_centres, k)
+#define MIDDLE(k) LOAD(level_middles, k)
+#define STEP(k) LOAD(level_steps, k)
+#define CARRIED(k, node) LOAD(level_carried, k)
 #define PUT_OUT(k) level_supports[k]
 #include "level/level.glsl"
 
 void wait() {
-  memoryBarrierBuffer();
+  memoryBarrier();
   barrier();
 }
 
@@ -34,8 +34,8 @@ void main() {
   for (uint level = has_wide_levels ? push.count : push.count - 1; level-- > 0;) {
     for (uint k = (level == 0 ? 0 : level_ends[level - 1]) + here; k < level_ends[level]; k += workgroup) {
       const LevelPlace place = place_of(k);
-      level_centres[k].xyz = place.centre;
-      level_middles[k].xyz = place.middle;
+      STORE(level_centres, k, vec4(place.centre, 0))
+      STORE(level_middles, k, vec4(place.middle, 0))
       if (nodes_are_held) level_supports[k].xyz = place.put_out;
     }
     wait();
@@ -45,10 +45,10 @@ void main() {
     const uint end = level_ends[level];
     for (uint k = first + here; k < end; k += workgroup) {
       const LevelNode node = unpack_level_node(FETCH(level_nodes, k));
-      level_carried[k] = vec4(carried_of(k, node), node.inverse_mass * float(node.links));
+      STORE(level_carried, k, vec4(carried_of(k, node), node.inverse_mass * float(node.links)))
     }
     wait();
-    for (uint k = first + here; k < end; k += workgroup) level_steps[k] = step_of(k);
+    for (uint k = first + here; k < end; k += workgroup) STORE(level_steps, k, step_of(k))
     wait();
     first = end;
   }
