@@ -119,11 +119,12 @@ Result<compute::Arena> Solver::create_arena(bool grows) const {
                                    VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT};
     // Both iterates are bound in both roles.
     const bool iterate = predicted != nullptr && (&row == &buffers::predicted || &row == &buffers::next_iterate);
-    if (planned.storage || (iterate && predicted->storage)) request.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-    if (planned.texels || (iterate && predicted->texels)) request.usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
-    if (planned.shared_texels || (iterate && predicted->shared_texels)) request.usage |= VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT;
-    if (planned.texels || planned.shared_texels || (iterate && (predicted->texels || predicted->shared_texels)))
-      request.texel_format = texel_format(row.texel);
+    const auto is_bound = [&](bool Plan::PlannedBuffer::*way) { return planned.*way || (iterate && predicted->*way); };
+    const bool texels = is_bound(&Plan::PlannedBuffer::texels), shared = is_bound(&Plan::PlannedBuffer::shared_texels);
+    if (is_bound(&Plan::PlannedBuffer::storage)) request.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    if (texels) request.usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
+    if (shared) request.usage |= VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT;
+    if (texels || shared) request.texel_format = texel_format(row.texel);
     if (row.access == Access::vertices) request.usage |= VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | vertex_usage_;
     if (row.access == Access::arguments) request.usage |= VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
     requests.push_back(std::move(request));

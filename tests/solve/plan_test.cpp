@@ -156,10 +156,12 @@ TEST(Plan, every_pass_is_valid_on_a_device_of_vulkan_1_1_without_features) {
   std::string said;
   tools.SetMessageConsumer([&](spv_message_level_t, const char*, const spv_position_t&, const char* text) { said += text; });
   std::set<std::vector<std::uint32_t>> seen;
-  std::ptrdiff_t most_buffers = 0, most_of_seldom = 0, most_of_seldom_in_storage = 0;   // of seldom only where the device binds so many
+  std::ptrdiff_t most_shared = 0, most_buffers = 0, most_of_seldom = 0, most_of_seldom_in_storage = 0;   // of seldom only where the device binds so many
   for_every_plan([&](const Plan& plan, const Calls&, bool texels) {
     for (const PlannedPass& planned : plan.passes) {
       const auto is_storage = [](const PlannedPass::Resource& r) { return r.binding.kind == compute::Binding::Kind::storage_buffer; };
+      const auto is_shared = [](const PlannedPass::Resource& r) { return r.binding.kind == compute::Binding::Kind::storage_texel_buffer; };
+      most_shared = std::max(most_shared, std::ranges::count_if(planned.resources, is_shared));
       const Crowd crowd = planned.pass->crowd;
       std::ptrdiff_t& most = planned.pass->when != nullptr && crowd != Crowd::any ? most_of_seldom : most_buffers;
       const std::ptrdiff_t takes = std::ranges::count_if(planned.resources, is_storage);
@@ -170,6 +172,7 @@ TEST(Plan, every_pass_is_valid_on_a_device_of_vulkan_1_1_without_features) {
     }
   });
   EXPECT_GT(seen.size(), 50u);
+  EXPECT_EQ(most_shared, 4) << "Vulkan grants a stage no more storage texel buffers";
   EXPECT_EQ(most_buffers, 15) << "engine/README.md says so";
   EXPECT_EQ(most_of_seldom, 18) << "and so do contact.cpp and it";
   EXPECT_EQ(most_of_seldom_in_storage, 28) << "contact.cpp says so";
