@@ -184,6 +184,7 @@ struct Patch {
 #define WEFT_LEVEL_SLACK 1.03f   // how much longer than at rest a coarse link may be beside contacts (level.glsl)
 #define WEFT_MOST_EAGER 1.75f    // the most that it is
 #define WEFT_MOST_EAGER_2 1.2f   // in second order in time, in which a link that only pulls gains energy from 1.3 on
+#define WEFT_LEVEL_PART 0.4f   // of what each level alone would change, as levels overlap (implicit/mean.glsl)
 #define WEFT_LOW_LEVEL 1024u   // nodes, at most, of a level that one workgroup does
 
 /// One-sided link to an anchor; anchor == WEFT_NONE ends a particle's list. Lists are padded to an even length.

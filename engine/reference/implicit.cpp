@@ -43,6 +43,7 @@ Result<ImplicitSystem> ImplicitSystem::create(const Scene& scene, const CookedFa
     system.planes_.push_back({vector(collider.normal).normalized(), vector(collider.centre)});
   }
   system.jacobi_weight = fabric.jacobi_weight;
+  system.levels_ = ImplicitLevels::create(fabric);
   return system;
 }
 
@@ -84,11 +85,16 @@ ImplicitEquations ImplicitSystem::assemble(std::span<const ImplicitTarget> targe
   // Prescribed directions are decoupled, so that the inverse maps free directions to free directions, and the bounds in
   // implicit.h hold.
   equations.inverse.assign(equations.diagonal.size(), Matrix::Zero());
+  std::vector<Matrix> blocks = equations.inverse;   // what springs are to a particle
   for (std::size_t i = 0; i < equations.diagonal.size(); ++i)
     if (const double mass = equations.masses[static_cast<Eigen::Index>(i)]; mass > 0) {
       const Matrix& s = equations.filter[i];
-      equations.inverse[i] = (s * equations.diagonal[i] * s + mass * (Matrix::Identity() - s)).inverse();
+      const Matrix whole = s * equations.diagonal[i] * s + mass * (Matrix::Identity() - s);
+      equations.inverse[i] = whole.inverse();
+      blocks[i] = whole - mass * Matrix::Identity();
     }
+  equations.levels = levels_;
+  if (levels_) equations.level_blocks = levels_->mean_blocks(blocks);
   equations.right = equations.filtered(std::move(impulse));
   equations.guess = equations.filtered(velocities - equations.flight);
   return equations;

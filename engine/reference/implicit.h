@@ -7,7 +7,8 @@
 // The matrix is a mass on every particle and a 3x3 block on every spring, A = M + sum (e_a - e_b) B (e_a - e_b)^T, all of them
 // positive semidefinite: in any pose there is one solution, and both solvers converge to it.
 //  - Conjugate gradients, preconditioned by the blocks on the diagonal, with the filter of Baraff and Witkin (section 5.3):
-//    directions of a particle that are prescribed (held particles, colliders) are removed from every residual.
+//    directions of a particle that are prescribed (held particles, colliders) are removed from every residual. With coarse levels
+//    the preconditioner has these, too.
 //  - Damped block Jacobi, dv <- dv + w D^-1 (b - A dv). A pair's [B -B; -B B] is at most twice its diagonal and a bending
 //    stencil of four particles at most four times, so no eigenvalue of D^-1 A is above 2, or 4: any w below 1, or 1/2,
 //    converges. With w = 2/3, or 1/3, no mode overshoots by more than a third however few iterations there are, so the motion
@@ -29,11 +30,13 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "compute/result.h"
 #include "engine/fabric.h"
+#include "engine/reference/implicit_levels.h"
 #include "engine/scene.h"
 #include "shaders/implicit/implicit.ref.h"
 
@@ -56,6 +59,8 @@ struct ImplicitEquations {
   Columns right;                   // b, filtered (kg m/s)
   Columns flight;                  // v* (m/s)
   Columns guess;                   // the velocity before less v*, filtered (m/s)
+  std::shared_ptr<const ImplicitLevels> levels;   // in the preconditioner; null: none
+  std::vector<Matrix> level_blocks;               // kg: the mean of what springs are to what each node carries
   std::vector<ClothRange> free;    // cloths without a held or constrained particle
 
   Columns times(const Columns& p) const;         // A p, not filtered
@@ -126,6 +131,7 @@ class ImplicitSystem {
   std::vector<ParticleSpring> springs_;
   std::vector<ClothRange> cloths_;
   std::vector<Plane> planes_;
+  std::shared_ptr<const ImplicitLevels> levels_;
   ImplicitReport report_;
 };
 

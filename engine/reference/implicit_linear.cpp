@@ -8,10 +8,15 @@ namespace {
 
 double product(const Columns& a, const Columns& b) { return a.cwiseProduct(b).sum(); }
 
-Columns preconditioned(const ImplicitEquations& equations, const Columns& r) {
+Columns by_blocks(const ImplicitEquations& equations, const Columns& r) {
   Columns z(3, r.cols());
   for (Eigen::Index i = 0; i < r.cols(); ++i) z.col(i) = equations.filter[i] * (equations.inverse[i] * r.col(i));
   return z;
+}
+
+Columns preconditioned(const ImplicitEquations& equations, const Columns& r) {
+  const Columns z = by_blocks(equations, r);
+  return equations.levels ? z + equations.filtered(equations.levels->changes(r, equations.level_blocks)) : z;
 }
 
 // Line search along the guess, to the least error in the norm of A; updates r. Counts as an iteration.
@@ -94,11 +99,11 @@ ImplicitSolution solve_jacobi(const ImplicitEquations& equations, std::uint32_t 
   if (!(whole > 0)) return solution;
   Columns r = equations.right;
   if (iterations > 0) follow_guess(equations, solution, r);
-  Columns z = preconditioned(equations, r);
+  Columns z = by_blocks(equations, r);
   double gamma = product(r, z);
   while (solution.iterations < iterations && r.norm() > tolerance * whole) {
     const Columns r_next = r - weight * equations.filtered(equations.times(z));
-    const Columns z_next = preconditioned(equations, r_next);
+    const Columns z_next = by_blocks(equations, r_next);
     const double next = product(r_next, z_next);
     if (!(next < gamma)) {
       solution.stopped = true;

@@ -36,6 +36,7 @@ const EffectRow kRows[] = {
      {{"solver.method", "verlet"}, {"cloths[0].springs", R"({"structural":{"stiffness":0.2},"shear":{"stiffness":0.1}})"}},
      {{"solver.method", "jacobi"}}},
     {"implicit", "method implicit, conjugate gradients", {{"solver.method", "implicit"}}, {{"solver.method", "jacobi"}}},
+    {"implicit_level", "method implicit on levels", {{"solver.method", "implicit"}, {"solver.levels", "true"}}, {{"solver.method", "jacobi"}}},
     {"implicit_jacobi", "method implicit, block Jacobi",
      {{"solver.method", "implicit"}, {"solver.linear", "jacobi"}},
      {{"solver.method", "jacobi"}}},

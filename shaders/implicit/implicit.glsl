@@ -12,6 +12,29 @@ struct Inverse {
   vec3 below;      // yx, zx, zy
 };
 
+// What the springs add to a block of this inverse factor and mass (kg), symmetric; not below 0 by rounding.
+struct Block {
+  vec3 diagonal, below;
+};
+
+Block springs_part(Inverse c, float mass) {
+  const vec3 d = 1 / c.diagonal;   // of C, whose inverse is c
+  const float yx = -c.below.x * d.x * d.y;
+  const float zx = -(c.below.y * d.x + c.below.z * yx) * d.z, zy = -c.below.z * d.y * d.z;
+  const vec3 diagonal = vec3(d.x * d.x, yx * yx + d.y * d.y, zx * zx + zy * zy + d.z * d.z);
+  return Block(max(diagonal - mass, vec3(0)), vec3(yx * d.x, zx * d.x, zx * yx + zy * d.y));
+}
+
+// Of a block with this diagonal (xx, yy, zz) and this below it (yx, zx, zy); in exact arithmetic no pivot is below `least`.
+Inverse factor_of(vec3 diagonal, vec3 below, float least) {
+  const float x = inversesqrt(max(diagonal.x, least));
+  const float yx = below.x * x, zx = below.y * x;
+  const float y = inversesqrt(max(diagonal.y - yx * yx, least));
+  const float zy = (below.z - zx * yx) * y;
+  const float z = inversesqrt(max(diagonal.z - zx * zx - zy * zy, least));
+  return Inverse(vec3(x, y, z), vec3(-yx * x * y, (zy * yx * y - zx) * x * z, -zy * y * z));
+}
+
 vec3 half_preconditioned(Inverse c, vec3 r) {
   return vec3(c.diagonal.x * r.x, c.below.x * r.x + c.diagonal.y * r.y, c.below.y * r.x + c.below.z * r.y + c.diagonal.z * r.z);
 }

@@ -24,6 +24,7 @@ void update(uint i, Linear state, uint k) {
   solve_vectors[n + i] = vec4(change + state.step * direction, 0);
   solve_vectors[3 * n + i] = vec4(direction, 0);
   solve_vectors[4 * n + i] = vec4(image, 0);
+  if (has_levels) return;   // implicit_spread does that
   exchanged[i] = vec4(preconditioned(Inverse(FETCH(inverses, 2 * i).xyz, FETCH(inverses, 2 * i + 1).xyz), r), 0);
 }
 

@@ -67,16 +67,6 @@ void add_spring(uint other, vec4 spring, vec3 x, vec3 v, uint place, inout Sums 
   spring_blocks[place] = vec4(b, a);
 }
 
-// In exact arithmetic no pivot is below the mass.
-Inverse factor_of(Sums s, float mass) {
-  const float x = inversesqrt(max(s.diagonal.x, mass));
-  const float yx = s.below.x * x, zx = s.below.y * x;
-  const float y = inversesqrt(max(s.diagonal.y - yx * yx, mass));
-  const float zy = (s.below.z - zx * yx) * y;
-  const float z = inversesqrt(max(s.diagonal.z - zx * zx - zy * zy, mass));
-  return Inverse(vec3(x, y, z), vec3(-yx * x * y, (zy * yx * y - zx) * x * z, -zy * y * z));
-}
-
 // The symmetric matrix is written out by its columns.
 Sums filtered_system(Sums s, vec4 directions, float mass) {
   const mat3 d = mat3(s.diagonal.x, s.below.x, s.below.y, s.below.x, s.diagonal.y, s.below.z, s.below.y, s.below.z, s.diagonal.z);
@@ -112,7 +102,7 @@ void main() {
   // Kinematic particles take no part, nor do particles that are not finite.
   vec3 start = mass > 0 ? guess(i, v) : vec3(0);
   const bool free = mass > 0 && dot(x.xyz, x.xyz) < 1e20 && dot(start, start) < 1e20;
-  Inverse inverse = factor_of(sums, mass);
+  Inverse inverse = factor_of(sums.diagonal, sums.below, mass);
   if (has_colliders) {
     ColliderFilter collider = ColliderFilter(vec4(0), vec3(0));
     if (free)
@@ -121,7 +111,7 @@ void main() {
     collider_filters[2 * i + 1] = vec4(collider.change, 0);
     sums = filtered_system(sums, collider.directions, mass);
     start = apply_filter(collider.directions, start);
-    inverse = factor_of(sums, mass);
+    inverse = factor_of(sums.diagonal, sums.below, mass);
   }
   inverses[2 * i] = free ? vec4(inverse.diagonal, mass) : vec4(0);
   inverses[2 * i + 1] = free ? vec4(inverse.below, 0) : vec4(0);

@@ -205,8 +205,9 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(calls.has(Id::collide), {&b::colliders});
     expect(calls.has(Id::stretch), {&b::stretch_rows, &b::stretch_links});
     expect(calls.has(Id::stretch) && calls.iterated, {&b::stretch_lambda});
-    expect(levels, {&b::level_nodes, &b::level_gathers, &b::level_node_shares, &b::level_ends, &b::level_links, &b::level_shares, &b::level_centres,
-                    &b::level_middles, &b::level_carried, &b::level_steps});
+    expect(levels, {&b::level_nodes, &b::level_gathers, &b::level_node_shares, &b::level_ends, &b::level_shares});
+    expect(levels && !implicit, {&b::level_links, &b::level_centres, &b::level_middles, &b::level_carried, &b::level_steps});
+    expect(levels && implicit, {&b::level_grips, &b::level_residuals, &b::level_blocks, &b::level_changes});
     expect(levels && calls.iterated, {&b::level_lambda});
     expect(calls.has(Id::support), {&b::supports});
     expect(calls.has(Id::support) && calls.has(Id::reaction), {&b::support_bodies});
@@ -272,6 +273,9 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
   EXPECT_EQ(labels({{Id::spring, Id::implicit, Id::tether}}),
             (Labels{"predict", "implicit_assemble", "implicit_multiply", "implicit_advance", "implicit_drift",
                     "implicit_step+tether+finalize", "surface"}));
+  EXPECT_EQ(labels({{Id::spring, Id::implicit, Id::level}}),
+            (Labels{"predict", "implicit_assemble", "implicit_multiply", "implicit_advance", "implicit_mean", "implicit_mean_wide", "implicit_low",
+                    "implicit_wide", "implicit_spread", "implicit_drift", "implicit_step+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::spring, Id::implicit}, false, true}),
             (Labels{"predict", "implicit_assemble", "implicit_relax", "implicit_drift", "implicit_step+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::spring, Id::implicit, Id::collide}}),

@@ -111,6 +111,7 @@ inline std::vector<Calls> combinations() {
     if (calls.iterated || calls.has(Id::bend)) continue;   // links and bends: not of the methods on springs
     found.push_back(with(calls, {Id::spring}));
     found.push_back(with(calls, {Id::spring, Id::implicit}));
+    found.push_back(with(calls, {Id::spring, Id::implicit, Id::level}));
     found.push_back(with(calls, {Id::spring, Id::implicit}));
     found.back().relaxed = true;
   }

@@ -75,6 +75,8 @@ inline std::vector<Subject> subjects() {
   all.push_back({"mass_spring", springy(Method::mass_spring)});
   all.push_back({"verlet", springy(Method::verlet)});
   all.push_back({"implicit", springy(Method::implicit)});
+  Scene& preconditioned = all.emplace_back("implicit on levels", springy(Method::implicit)).scene;
+  preconditioned.solver.levels = true;
   Scene& relaxed = all.emplace_back("implicit jacobi", springy(Method::implicit)).scene;
   relaxed.solver.linear = Linear::jacobi;
   all.push_back({"fine and held", fine_and_held()});

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "compute/device.h"
+#include "compute/pipeline.h"
 #include "tests/support/must.h"
 
 namespace weft {
@@ -22,7 +24,7 @@ class GpuEnvironment : public testing::Environment {
   const compute::Device* device() {
     if (!device_ && refusal.empty()) {
       compute::DeviceChoice choice;
-      choice.validation = true;
+      choice.validation = std::getenv("WEFT_TESTS_UNVALIDATED") == nullptr;
       choice.on_validation_message = [this](const std::string& message) {
         const std::lock_guard lock(mutex_);
         heard_.push_back(message);
@@ -30,6 +32,8 @@ class GpuEnvironment : public testing::Environment {
       auto created = compute::Device::create(choice);
       if (created) device_ = std::move(*created);
       else refusal = created.error();
+      const char* modules = std::getenv("WEFT_TESTS_MODULES");
+      if (device_ && modules) modules_ = must(compute::PipelineCache::create(*device_, modules));
     }
     return device_.get();
   }
@@ -39,6 +43,8 @@ class GpuEnvironment : public testing::Environment {
     return std::exchange(heard_, {});
   }
   void TearDown() override {
+    if (modules_.handle()) must(modules_.save());
+    modules_ = {};
     device_.reset();
     for (const std::string& message : take_messages()) ADD_FAILURE() << "at the device's end: " << message;
   }
@@ -47,6 +53,7 @@ class GpuEnvironment : public testing::Environment {
 
  private:
   std::unique_ptr<compute::Device> device_;
+  compute::PipelineCache modules_;
   std::mutex mutex_;
   std::vector<std::string> heard_;
 };

@@ -1,16 +1,21 @@
 #include "engine/effects/implicit/implicit.h"
 
 #include "compute/text.h"
+#include "engine/cook/cook_state.h"
 #include "engine/effects/effect.h"
+#include "engine/effects/implicit/levels.h"
 
 namespace weft::effects {
 namespace {
 
 constexpr const Buffer* kBuffers[] = {&buffers::spring_blocks, &buffers::inverses, &buffers::exchanged, &buffers::solve_vectors,
-                                      &buffers::partial_sums,  &buffers::linear,   &buffers::free_cloths, &buffers::collider_filters};
+                                      &buffers::partial_sums,  &buffers::linear,   &buffers::free_cloths, &buffers::collider_filters,
+                                      &buffers::level_grips,   &buffers::level_residuals, &buffers::level_blocks, &buffers::level_changes};
 
 bool by_jacobi(const Needs& needs) { return needs.constants[gpu::constant::linear_solver] == WEFT_LINEAR_JACOBI; }
 bool by_conjugate_gradients(const Needs& needs) { return !by_jacobi(needs); }
+bool on_levels(const Needs& needs) { return needs.has(EffectId::level); }
+bool on_wide_levels(const Needs& needs) { return on_levels(needs) && levels::has_wide(needs); }
 bool meets_colliders(const Needs& needs) { return needs.has(EffectId::collide); }
 
 // A workgroup a cloth.
@@ -21,6 +26,11 @@ constexpr Pass kPasses[] = {
     {.name = "implicit_filter", .stage = Stage::assemble, .threads = threads::particles, .when = meets_colliders},
     {.name = "implicit_multiply", .stage = Stage::linear, .threads = threads::particles, .when = by_conjugate_gradients},
     {.name = "implicit_advance", .stage = Stage::linear, .threads = threads::particles, .when = by_conjugate_gradients},
+    {.name = "implicit_mean", .stage = Stage::linear, .threads = {levels::nodes}, .when = on_levels, .ranges = levels::finest},
+    {.name = "implicit_mean_wide", .stage = Stage::linear, .threads = {levels::nodes}, .when = on_wide_levels, .ranges = levels::wide_but_finest},
+    {.name = "implicit_low", .stage = Stage::linear, .threads = {levels::low, lengths::one}, .when = on_levels, .alone = true},
+    {.name = "implicit_wide", .stage = Stage::linear, .threads = {levels::nodes}, .when = on_wide_levels, .ranges = levels::wide},
+    {.name = "implicit_spread", .stage = Stage::linear, .threads = threads::particles, .when = on_levels},
     {.name = "implicit_relax", .stage = Stage::linear, .threads = threads::particles, .when = by_jacobi},
     {.name = "implicit_drift", .stage = Stage::iteration, .threads = kCloths},
     {.name = "implicit_step", .stage = Stage::iteration, .threads = threads::particles, .changes = Changes::iterate, .can_finalize = true},
@@ -52,7 +62,8 @@ constinit const Effect implicit{
     .reference = Reference::a_way_to,
     .figures = kFigures,
     .remark = remark,
-    .hold = [](cooking::CookState&, std::span<const Mesh>) {},   // free_cloths follow from the masses
+    .lay_out = [](cooking::CookState& state) { grip_levels(state.fabric()); },
+    .hold = [](cooking::CookState& state, std::span<const Mesh>) { grip_levels(state.fabric()); },   // free_cloths follow from the masses
 };
 
 }  // namespace weft::effects

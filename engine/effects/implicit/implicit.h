@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "engine/effects/level/level.h"
 #include "engine/effects/spring/spring.h"
 
 namespace weft {
@@ -13,7 +14,22 @@ inline bool is_free(const CookedFabric& fabric, const ClothRange& cloth) {
   return std::ranges::all_of(particles, [](const gpu::vec4& x) { return x.w > 0; });
 }
 
+/// Coarse levels as a preconditioner (shaders/implicit/mean.glsl).
+struct ImplicitLevels {
+  std::vector<float> grips;   // 1/kg, of each of LevelLists::nodes: g, by which the mean block of what it carries is its own over its mass; below 0: it is held
+};
+
 namespace buffers {
+inline constexpr Buffer level_grips = own<float, &ImplicitLevels::grips>("level_grips");
+/// The mean residual over the mass of what each node carries (m/s).
+inline constexpr Buffer level_residuals =
+    scratch<gpu::vec4>("level_residuals", [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); });
+/// Two a node: the mean of the blocks that springs give to what it carries (kg), xx yy zz; yx zx zy.
+inline constexpr Buffer level_blocks =
+    scratch<gpu::vec4>("level_blocks", [](const Cooked& s) { return 2 * std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); });
+/// The change that each node and those that carry it ask for (m/s).
+inline constexpr Buffer level_changes =
+    scratch<gpu::vec4>("level_changes", [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); });
 /// A spring's 3x3 block u u^T + a I in this substep: xyz u (kg^1/2), w a (kg).
 inline constexpr Buffer spring_blocks = scratch<gpu::vec4>("spring_blocks", lengths::spring_places);
 /// Two a particle: the inverse of the Cholesky factor of its diagonal block (kg^-1/2), xx yy zz, w mass (kg; 0: held); yx zx

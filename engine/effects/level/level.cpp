@@ -216,6 +216,7 @@ Result<void> cook(cooking::CookState& state, const cooking::ClothInput& input) {
     surface = level.coarse.surface;
     cloth.levels.push_back(std::move(level));
   }
+  if (state.scene().solver.method == Method::implicit) return {};   // these carry no stiffness there
   state.has_levels = !cloth.levels.empty();
   state.own_part = 1;
   for (const Level& level : cloth.levels) state.own_part -= kPart * stiff(level, cloth.stiffness).part / static_cast<double>(cloth.levels.size());
@@ -326,48 +327,19 @@ void hold(cooking::CookState& state, std::span<const Mesh>) {
   Layout(fabric, all.cloths, levels_of(state.scene()) && tears(state.scene())).lay_out();
 }
 
-Range nodes_of(const LevelLists& lists, std::uint32_t level) {
-  const std::uint32_t first = level == 0 ? 0 : lists.ends[level - 1];
-  return {first, lists.ends[level] - first};
-}
-
-// A dispatch a level that is not low.
-std::vector<Range> wide_levels(const Cooked& s) {
-  const LevelLists& lists = s.fabric.own.of<LevelLists>();
-  std::vector<Range> ranges;
-  for (std::uint32_t k = lists.low; k < lists.ends.size(); ++k) ranges.push_back(nodes_of(lists, k));
-  return ranges;
-}
-
-std::vector<Range> finest_level(const Cooked& s) {
-  const LevelLists& lists = s.fabric.own.of<LevelLists>();
-  if (lists.ends.empty()) return {};
-  return {nodes_of(lists, static_cast<std::uint32_t>(lists.ends.size() - 1))};
-}
-
-// Finest first.
-std::vector<Range> wide_but_finest(const Cooked& s) {
-  std::vector<Range> ranges = wide_levels(s);
-  if (!ranges.empty()) ranges.pop_back();
-  std::reverse(ranges.begin(), ranges.end());
-  return ranges;
-}
-
-std::uint64_t nodes_in(const Cooked& s) { return s.fabric.own.of<LevelLists>().nodes.size(); }
-bool has_wide(const Needs& needs) { return needs.constants[gpu::constant::has_wide_levels] != 0; }
+// The method implicit has the levels' nodes as a preconditioner (engine/effects/implicit/levels.cpp), and no links between them.
+bool by_links(const Needs& needs) { return !needs.has(EffectId::implicit); }
+bool wide_by_links(const Needs& needs) { return by_links(needs) && levels::has_wide(needs); }
 
 constexpr Pass kPasses[] = {
-    {.name = "level_centre", .stage = Stage::iteration, .threads = {nodes_in}, .ranges = finest_level},
-    {.name = "level_centre_wide", .stage = Stage::iteration, .threads = {nodes_in}, .when = has_wide, .ranges = wide_but_finest},
-    {.name = "level_low",
-     .stage = Stage::iteration,
-     .threads = {[](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().low); }, lengths::one},
-     .alone = true},
-    {.name = "level_wide", .stage = Stage::iteration, .threads = {nodes_in}, .when = has_wide, .ranges = wide_levels},
+    {.name = "level_centre", .stage = Stage::iteration, .threads = {levels::nodes}, .when = by_links, .ranges = levels::finest},
+    {.name = "level_centre_wide", .stage = Stage::iteration, .threads = {levels::nodes}, .when = wide_by_links, .ranges = levels::wide_but_finest},
+    {.name = "level_low", .stage = Stage::iteration, .threads = {levels::low, lengths::one}, .when = by_links, .alone = true},
+    {.name = "level_wide", .stage = Stage::iteration, .threads = {levels::nodes}, .when = wide_by_links, .ranges = levels::wide},
     {.name = "level_spread",
      .stage = Stage::iteration,
      .threads = threads::particles,
-     .when = [](const Needs& needs) { return !needs.has(EffectId::strand); }},   // its first round does that
+     .when = [](const Needs& needs) { return by_links(needs) && !needs.has(EffectId::strand); }},   // its first round does that
 };
 
 constexpr Figure kFigures[] = {
@@ -378,6 +350,45 @@ constexpr Figure kFigures[] = {
      }}};
 
 }  // namespace
+}  // namespace weft::effects
+
+namespace weft::levels {
+namespace {
+
+Range nodes_of(const LevelLists& lists, std::size_t level) {
+  const std::uint32_t first = level == 0 ? 0 : lists.ends[level - 1];
+  return {first, lists.ends[level] - first};
+}
+
+}  // namespace
+
+std::uint64_t nodes(const Cooked& s) { return s.fabric.own.of<LevelLists>().nodes.size(); }
+std::uint64_t low(const Cooked& s) { return s.fabric.own.of<LevelLists>().low; }
+bool has_wide(const Needs& needs) { return needs.constants[gpu::constant::has_wide_levels] != 0; }
+
+std::vector<Range> finest(const Cooked& s) {
+  const LevelLists& lists = s.fabric.own.of<LevelLists>();
+  if (lists.ends.empty()) return {};
+  return {nodes_of(lists, lists.ends.size() - 1)};
+}
+
+std::vector<Range> wide(const Cooked& s) {
+  const LevelLists& lists = s.fabric.own.of<LevelLists>();
+  std::vector<Range> ranges;
+  for (std::size_t k = lists.low; k < lists.ends.size(); ++k) ranges.push_back(nodes_of(lists, k));
+  return ranges;
+}
+
+std::vector<Range> wide_but_finest(const Cooked& s) {
+  std::vector<Range> ranges = wide(s);
+  if (!ranges.empty()) ranges.pop_back();
+  std::reverse(ranges.begin(), ranges.end());
+  return ranges;
+}
+
+}  // namespace weft::levels
+
+namespace weft::effects {
 
 constinit const Effect level{
     .name = "level",

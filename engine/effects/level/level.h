@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engine/effects/buffer.h"
+#include "engine/effects/effect.h"
 
 namespace weft {
 
@@ -16,6 +17,16 @@ struct LevelLists {
   std::vector<gpu::uvec4> shares;          // of each particle in the finest level's nodes: gpu::pack_level_share
   std::uint32_t low = 0;                   // how many levels one workgroup does
 };
+
+/// Which nodes the passes of levels go through.
+namespace levels {
+std::uint64_t nodes(const Cooked& s);
+std::uint64_t low(const Cooked& s);               // how many levels one workgroup does
+bool has_wide(const Needs& needs);                // levels that it does not
+std::vector<Range> finest(const Cooked& s);
+std::vector<Range> wide(const Cooked& s);         // a range a level, coarsest first
+std::vector<Range> wide_but_finest(const Cooked& s);   // finest first
+}  // namespace levels
 
 namespace buffers {
 inline constexpr Buffer level_nodes = own<gpu::uvec4, &LevelLists::nodes>("level_nodes");

@@ -20,17 +20,18 @@ struct CrumpledSprings {
   CookedFabric fabric;
   ImplicitEquations equations;
 
-  CrumpledSprings(Linear linear, std::uint32_t iterations, bool links, unsigned seed) {
-    scene.solver = {.rate = 100, .substeps = 1, .iterations = iterations, .method = Method::implicit, .linear = linear};
+  CrumpledSprings(Linear linear, std::uint32_t iterations, bool links, unsigned seed, std::uint32_t cells_on_levels = 0) {
+    const bool levels = cells_on_levels > 0;
+    scene.solver = {.rate = 100, .substeps = 1, .iterations = iterations, .method = Method::implicit, .linear = linear, .levels = levels};
     Cloth& cloth = scene.cloths.emplace_back();
-    cloth.grid = Grid{{0.8f, 1}, 8, 10, Topology::diagonal, true};
+    cloth.grid = levels ? Grid{{1, 1}, cells_on_levels, cells_on_levels, Topology::diagonal, true} : Grid{{0.8f, 1}, 8, 10, Topology::diagonal, true};
     cloth.tethers = false;
     cloth.fabric.stretch = 200;
     if (!links) cloth.springs = Springs{{500, 0.02}, {400, 0.01}, {50, 0.001}};
     cloth.anchors.emplace_back().corners = {Corner::low_high, Corner::high_high};
     fabric = must(cook(scene, must(make_meshes(scene))));
     Random random(seed);
-    fabric.positions = moved(random, fabric, 0.05);
+    fabric.positions = moved(random, fabric, levels ? 0.3 / cells_on_levels : 0.05);
     for (gpu::vec4& v : fabric.velocities) v = anywhere(random, 0.5, v.w);
     for (const AnchorTarget& anchor : fabric.anchors) fabric.velocities[anchor.particle] = {0, 0, 0, fabric.velocities[anchor.particle].w};
     reference::ImplicitSystem system = must(reference::ImplicitSystem::create(scene, fabric));
@@ -109,6 +110,16 @@ TEST_F(KernelImplicit, multiply_is_the_product_with_the_twins_matrix) {
       }
 }
 
+// The passes of levels in an iteration.
+void precondition(SinglePass& passes, int iteration, std::size_t levels, std::size_t low) {
+  const int wide = static_cast<int>(levels - low);
+  passes.run("implicit_mean", iteration);
+  for (int k = 0; k + 1 < wide; ++k) passes.run("implicit_mean_wide", iteration * (wide - 1) + k);
+  passes.run("implicit_low", iteration);
+  for (int k = 0; k < wide; ++k) passes.run("implicit_wide", iteration * wide + k);
+  passes.run("implicit_spread", iteration);
+}
+
 // The change after so many iterations, on both sides.
 struct Solved {
   Columns got, wanted;
@@ -119,10 +130,13 @@ Solved solve(const compute::Device& device, const CrumpledSprings& sheet, bool g
   const std::uint32_t iterations = sheet.scene.solver.iterations;
   const bool jacobi = sheet.scene.solver.linear == Linear::jacobi;
   const std::vector<gpu::vec4> before = passes.iterate();
+  const LevelLists& lists = sheet.fabric.own.of<LevelLists>();
+  const std::size_t levels = lists.ends.size();
   for (std::uint32_t k = 0; k < iterations; ++k) {
     const int dispatch = static_cast<int>(k);
     if (jacobi) passes.run("implicit_relax", dispatch);
     else passes.run("implicit_multiply", dispatch), passes.run("implicit_advance", dispatch);
+    if (levels > 0) precondition(passes, dispatch, levels, lists.low);
   }
   const std::size_t n = before.size();
   Solved solved;
@@ -147,6 +161,27 @@ TEST_F(KernelImplicit, a_solve_goes_where_its_twin_goes) {
           EXPECT_LT((solved.got - solved.wanted).norm(), 1e-3 * solved.wanted.norm())
               << (linear == Linear::cg ? "cg " : "jacobi ") << iterations << " iterations, links " << links;
           EXPECT_EQ(solved.counters.stopped, 0u);
+        }
+}
+
+TEST_F(KernelImplicit, a_solve_on_levels_goes_where_its_twin_goes) {
+  for (const std::uint32_t cells : {12u, 30u, 110u})
+    for (const bool links : {false, true})
+      for (const bool gather_storage : {false, true})
+        for (const std::uint32_t iterations : {2u, 3u, 20u}) {
+          if (cells == 110 && (iterations != 3 || links == gather_storage)) continue;   // every other way is tried there
+          SCOPED_TRACE(std::to_string(cells) + " cells, " + std::to_string(iterations) + " iterations, links " + std::to_string(links));
+          const CrumpledSprings sheet(Linear::cg, iterations, links, 8, cells);
+          const LevelLists& lists = sheet.fabric.own.of<LevelLists>();
+          ASSERT_GE(lists.ends.size(), cells == 12 ? 1u : 2u);
+          ASSERT_EQ(lists.low < lists.ends.size(), cells == 110) << "a level of more than " << WEFT_LOW_LEVEL << " nodes is wide";
+          const Solved solved = solve(device(), sheet, gather_storage);
+          EXPECT_LT((solved.got - solved.wanted).norm(), 1e-3 * solved.wanted.norm());
+          EXPECT_EQ(solved.counters.stopped, 0u);
+          ImplicitEquations without = sheet.equations;
+          without.levels = nullptr;
+          const Columns by_blocks = reference::solve_conjugate_gradients(without, iterations).change;
+          EXPECT_GT((by_blocks - solved.wanted).norm(), 0.01 * solved.wanted.norm()) << "levels change nothing";
         }
 }
 

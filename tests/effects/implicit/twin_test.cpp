@@ -8,8 +8,10 @@
 #include <random>
 #include <set>
 
+#include "engine/effects/implicit/implicit.h"
 #include "engine/reference/implicit.h"
 #include "shaders/bend/bend.ref.h"
+#include "shaders/packed.h"
 #include "tests/support/cooked.h"
 #include "tests/support/without_contacts.h"
 
@@ -374,6 +376,82 @@ TEST(ImplicitSystem, a_sheet_that_falls_on_a_plane_lies_on_it_and_can_be_lifted_
   EXPECT_GT(system.positions.row(1).minCoeff(), 0.5) << "the plane held the sheet";
 }
 
+// The fabric's own links and bends, hung by two corners.
+Scene hung_on_levels(std::uint32_t cells) {
+  Scene scene = implicit_scene(Linear::cg, 100);
+  scene.solver.levels = true;
+  Cloth& cloth = scene.cloths.emplace_back();
+  cloth.grid = Grid{{2, 2}, cells, cells, Topology::diagonal, true};
+  cloth.tethers = false;
+  cloth.anchors.emplace_back().corners = {Corner::low_high, Corner::high_high};
+  return scene;
+}
+
+// Half a second after it was let go, when it hangs.
+TEST(ImplicitSystem, ten_iterations_on_levels_leave_less_than_thirty_without) {
+  for (const std::uint32_t cells : {24u, 48u}) {
+    const Scene scene = hung_on_levels(cells);
+    ImplicitSystem system = system_of(scene, cooked(scene));
+    for (int k = 0; k < 50; ++k) system.step();
+    ImplicitEquations on_levels = system.assemble(), without = on_levels;
+    ASSERT_NE(on_levels.levels, nullptr);
+    without.levels = nullptr;
+    const Columns exact = solve_conjugate_gradients(on_levels, 1000, 1e-12).change;
+    EXPECT_LT((solve_conjugate_gradients(without, 3000, 1e-12).change - exact).norm(), 1e-8 * exact.norm()) << "they solve something else";
+    const auto error = [&](const ImplicitEquations& equations, std::uint32_t iterations) {
+      const Columns off = solve_conjugate_gradients(equations, iterations).change - exact;
+      return std::sqrt(off.cwiseProduct(equations.times(off)).sum());
+    };
+    EXPECT_LT(error(on_levels, 10), error(without, 30)) << cells << " cells";
+    EXPECT_LT(error(on_levels, 50), 0.4 * error(without, 50)) << cells << " cells";
+  }
+}
+
+// In a flat sheet at rest, by its definition: the trace of a node's diagonal block of P^T K P, which is the change that its node alone makes.
+TEST(ImplicitSystem, a_levels_nodes_are_as_stiff_as_the_springs_make_them) {
+  Scene scene = hung_on_levels(20);
+  scene.cloths[0].bending = false;
+  const CookedFabric fabric = cooked(scene);
+  const LevelLists& lists = fabric.own.of<LevelLists>();
+  const std::size_t levels = lists.ends.size(), particles = fabric.positions.size();
+  ASSERT_GE(levels, 2u);
+  const auto column_of = [&](std::uint32_t node) {   // shares of all particles in it
+    std::vector<double> of_nodes(lists.nodes.size()), shares(particles);
+    of_nodes[node] = 1;
+    const auto carried = [&](const gpu::uvec4& packed) {
+      if (packed.x == WEFT_NONE) return 0.0;
+      const gpu::LevelShare share = gpu::unpack_level_share(packed);
+      return double(share.part0) * of_nodes[share.node0] + double(share.part1) * of_nodes[share.node1] + double(share.part2) * of_nodes[share.node2];
+    };
+    for (std::uint32_t k = node + 1; k < lists.ends.back(); ++k) of_nodes[k] += carried(lists.node_shares[k]);
+    for (std::size_t i = 0; i < particles; ++i) shares[i] = carried(lists.shares[i]);
+    return shares;
+  };
+  std::vector<Matrix> blocks(particles, Matrix::Zero());
+  for (const ParticleSpring& s : fabric.springs) {
+    blocks[s.a](0, 0) += double(s.stiffness);   // only the trace counts
+    blocks[s.b](0, 0) += double(s.stiffness);
+  }
+  const auto twin = ImplicitLevels::create(fabric);
+  ASSERT_NE(twin, nullptr);
+  const std::vector<Matrix> means = twin->mean_blocks(blocks);
+  const std::vector<float>& grips = fabric.own.of<weft::ImplicitLevels>().grips;
+  int held = 0;
+  for (std::uint32_t k = 0; k < lists.ends.back(); ++k) {
+    const double inverse_mass = double(gpu::unpack_level_node(lists.nodes[k]).inverse_mass);
+    if (grips[k] < 0) {
+      EXPECT_EQ(inverse_mass, 0);
+      ++held;
+      continue;
+    }
+    const std::vector<double> shares = column_of(k);
+    double wanted = 0;
+    for (const ParticleSpring& s : fabric.springs) wanted += double(s.stiffness) * std::pow(shares[s.a] - shares[s.b], 2);
+    EXPECT_NEAR(double(grips[k]) / inverse_mass * means[k].trace(), wanted, 1e-5 * wanted) << k;
+  }
+  EXPECT_GE(held, 2) << "the corners";
+}
+
 TEST(ImplicitSystem, what_it_cannot_do_is_refused_by_a_sentence) {
   Scene scene = sheet(2);
   scene.colliders.emplace_back().shape = ColliderShape::sphere;
@@ -387,6 +465,9 @@ TEST(ImplicitSystem, what_it_cannot_do_is_refused_by_a_sentence) {
   Scene other = sheet(2);
   other.solver.method = Method::jacobi;
   EXPECT_NE(cook(other, *make_meshes(other)).error().find("springs"), std::string::npos);
+  Scene levels = sheet(2, Linear::jacobi);
+  levels.solver.levels = true;
+  EXPECT_NE(cook(levels, *make_meshes(levels)).error().find("with linear \"cg\""), std::string::npos);
 }
 
 }  // namespace

@@ -1,0 +1,25 @@
+// implicit_mean_wide: the same for a level of many nodes that is not the finest.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+
+// An earlier dispatch has written the finer level's.
+GATHER_WRITE(level_residuals)
+GATHER_WRITE(level_blocks)
+READ(Linear, linear)
+
+#include "implicit/implicit.glsl"
+
+#define RESIDUAL_OF(k) FETCH(level_residuals, k).xyz
+#define BLOCK_OF(k) Block(FETCH(level_blocks, 2 * (k)).xyz, FETCH(level_blocks, 2 * (k) + 1).xyz)
+#include "implicit/mean.glsl"
+
+void main() {
+  if (gl_GlobalInvocationID.x >= push.count || linear[0].done != 0) return;
+  const uint k = push.first + gl_GlobalInvocationID.x;
+  level_residuals[k] = vec4(mean_residual(k), 0);
+  if (push.iteration > 0) return;
+  const Block block = mean_block(k);
+  level_blocks[2 * k] = vec4(block.diagonal, 0);
+  level_blocks[2 * k + 1] = vec4(block.below, 0);
+}

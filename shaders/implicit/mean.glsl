@@ -1,0 +1,41 @@
+// Coarse levels as a preconditioner of conjugate gradients: what is long in the residual is solved for at once, over the nodes of
+// engine/effects/level, instead of running an edge an iteration. It is additive (Bramble, Pasciak and Xu 1990): each level l adds
+//     c P (M + G)^-1 P^T r,        z = D^-1 r + sum over levels,
+// P the shares by which particles go with the level's nodes, M what a node carries, and G the diagonal block of P^T (h^2 K + h D) P. That is
+// symmetric and positive definite whatever blocks are, so conjugate gradients converge to the same solution, only sooner.
+//
+// Nothing is summed over springs: by the nodes' gathers, weights that sum to one, M^-1 P^T r is the mean of M^-1 r, from level to level; and
+// G is taken to be g M times the mean S of the blocks of what it carries, with g from the springs at rest (engine/effects/implicit/levels.cpp).
+// So a level adds c P (1 + g S)^-1 of a mean.
+//
+// Needs RESIDUAL_OF(i) and BLOCK_OF(i), of what is gathered: its residual over its mass (m/s), and its block (kg).
+
+GATHER_UINT4(level_nodes)
+GATHER_UINT2(level_gathers)
+
+uint gathers_from(uint k) { return unpack_level_node(FETCH(level_nodes, k)).first_gather; }
+
+// The first gather has what the others leave.
+vec3 mean_residual(uint k) {
+  const uint begin = gathers_from(k), end = gathers_from(k + 1);
+  const vec3 from = RESIDUAL_OF(FETCH_UINT2(level_gathers, begin).x);
+  vec3 sum = vec3(0);
+  for (uint g = begin + 1; g < end; ++g) {
+    const LevelGather gather = unpack_level_gather(FETCH_UINT2(level_gathers, g));
+    sum += gather.in_centre * (RESIDUAL_OF(gather.point) - from);
+  }
+  return from + sum;
+}
+
+Block mean_block(uint k) {
+  const uint begin = gathers_from(k), end = gathers_from(k + 1);
+  const Block from = BLOCK_OF(FETCH_UINT2(level_gathers, begin).x);
+  Block sum = from;
+  for (uint g = begin + 1; g < end; ++g) {
+    const LevelGather gather = unpack_level_gather(FETCH_UINT2(level_gathers, g));
+    const Block at = BLOCK_OF(gather.point);
+    sum.diagonal += gather.in_centre * (at.diagonal - from.diagonal);
+    sum.below += gather.in_centre * (at.below - from.below);
+  }
+  return sum;
+}
