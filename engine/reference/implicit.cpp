@@ -85,16 +85,17 @@ ImplicitEquations ImplicitSystem::assemble(std::span<const ImplicitTarget> targe
   // Prescribed directions are decoupled, so that the inverse maps free directions to free directions, and the bounds in
   // implicit.h hold.
   equations.inverse.assign(equations.diagonal.size(), Matrix::Zero());
-  std::vector<Matrix> blocks = equations.inverse;   // what springs are to a particle
+  ImplicitLevels::Blocks blocks{equations.inverse, equations.inverse};   // of particles
   for (std::size_t i = 0; i < equations.diagonal.size(); ++i)
     if (const double mass = equations.masses[static_cast<Eigen::Index>(i)]; mass > 0) {
       const Matrix& s = equations.filter[i];
       const Matrix whole = s * equations.diagonal[i] * s + mass * (Matrix::Identity() - s);
       equations.inverse[i] = whole.inverse();
-      blocks[i] = whole - mass * Matrix::Identity();
+      blocks.springs[i] = whole - mass * Matrix::Identity();
+      blocks.held[i] = (equations.diagonal[i].trace() / mass - 3) * (Matrix::Identity() - s);
     }
   equations.levels = levels_;
-  if (levels_) equations.level_blocks = levels_->mean_blocks(blocks);
+  if (levels_) equations.level_blocks = levels_->means_of(blocks);
   equations.right = equations.filtered(std::move(impulse));
   equations.guess = equations.filtered(velocities - equations.flight);
   return equations;

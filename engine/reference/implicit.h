@@ -60,7 +60,7 @@ struct ImplicitEquations {
   Columns flight;                  // v* (m/s)
   Columns guess;                   // the velocity before less v*, filtered (m/s)
   std::shared_ptr<const ImplicitLevels> levels;   // in the preconditioner; null: none
-  std::vector<Matrix> level_blocks;               // kg: the mean of what springs are to what each node carries
+  ImplicitLevels::Blocks level_blocks;            // of their nodes
   std::vector<ClothRange> free;    // cloths without a held or constrained particle
 
   Columns times(const Columns& p) const;         // A p, not filtered

@@ -52,15 +52,16 @@ std::vector<Value> ImplicitLevels::means(const std::vector<Value>& of_particles)
   return of_nodes;
 }
 
-std::vector<Matrix> ImplicitLevels::mean_blocks(const std::vector<Matrix>& of_particles) const { return means(of_particles); }
+template std::vector<Matrix> ImplicitLevels::means(const std::vector<Matrix>&) const;
 
-Eigen::Matrix3Xd ImplicitLevels::changes(const Eigen::Matrix3Xd& residual, const std::vector<Matrix>& blocks) const {
+Eigen::Matrix3Xd ImplicitLevels::changes(const Eigen::Matrix3Xd& residual, const Blocks& of_nodes) const {
   std::vector<Vector> of_particles;
   for (Eigen::Index i = 0; i < residual.cols(); ++i) of_particles.push_back(inverse_masses_[i] * residual.col(i));
   const std::vector<Vector> mean = means(of_particles);
   std::vector<Vector> change(nodes_.size(), Vector::Zero());
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    if (nodes_[k].grip >= 0) change[k] = double(WEFT_LEVEL_PART) * (Matrix::Identity() + nodes_[k].grip * blocks[k]).ldlt().solve(mean[k]);
+    const Matrix block = Matrix::Identity() + nodes_[k].grip * of_nodes.springs[k] + of_nodes.held[k];
+    if (nodes_[k].grip >= 0) change[k] = double(WEFT_LEVEL_PART) * block.ldlt().solve(mean[k]);
     for (const Share& share : nodes_[k].shares) change[k] += share.part * change[share.node];
   }
   Eigen::Matrix3Xd spread = Eigen::Matrix3Xd::Zero(3, residual.cols());

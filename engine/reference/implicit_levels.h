@@ -15,10 +15,14 @@ class ImplicitLevels {
   /// Null where the fabric has no levels.
   static std::shared_ptr<const ImplicitLevels> create(const CookedFabric& fabric);
 
-  /// The mean of the blocks (kg) of what each node carries: one a node, from one a particle.
-  std::vector<Matrix> mean_blocks(const std::vector<Matrix>& of_particles) const;
-  /// By how much particles go with the nodes (m/s), not filtered, for a residual (kg m/s) and the nodes' mean blocks. One column a particle.
-  Eigen::Matrix3Xd changes(const Eigen::Matrix3Xd& residual, const std::vector<Matrix>& blocks) const;
+  /// What a node's block is made of: the mean of what springs are to what it carries (kg), and of what colliders are to it.
+  struct Blocks {
+    std::vector<Matrix> springs, held;
+  };
+  /// One a node, from one a particle.
+  Blocks means_of(const Blocks& of_particles) const { return {means(of_particles.springs), means(of_particles.held)}; }
+  /// By how much particles go with the nodes (m/s), not filtered, for a residual (kg m/s). One column a particle.
+  Eigen::Matrix3Xd changes(const Eigen::Matrix3Xd& residual, const Blocks& of_nodes) const;
 
  private:
   struct Gather {

@@ -17,6 +17,10 @@ struct Block {
   vec3 diagonal, below;
 };
 
+// Of a node's block (mean.glsl); the second only where there are colliders.
+const uint kSprings = 0, kHeld = 1;
+const uint kParts = has_colliders ? 2 : 1;
+
 Block springs_part(Inverse c, float mass) {
   const vec3 d = 1 / c.diagonal;   // of C, whose inverse is c
   const float yx = -c.below.x * d.x * d.y;

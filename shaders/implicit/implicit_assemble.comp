@@ -108,7 +108,8 @@ void main() {
     if (free)
       collider = filter_at(x.xyz, v, FETCH(materials, floatBitsToUint(FETCH(velocities, i).w)), preconditioned(inverse, sums.impulse));
     collider_filters[2 * i] = collider.directions;
-    collider_filters[2 * i + 1] = vec4(collider.change, 0);
+    const float stiffness = sums.diagonal.x + sums.diagonal.y + sums.diagonal.z - 3 * mass;
+    collider_filters[2 * i + 1] = vec4(collider.change, mass > 0 ? stiffness / mass : 0);
     sums = filtered_system(sums, collider.directions, mass);
     start = apply_filter(collider.directions, start);
     inverse = factor_of(sums.diagonal, sums.below, mass);

@@ -14,7 +14,7 @@ SHARE_GATHER(level_changes)
 #include "implicit/implicit.glsl"
 
 #define RESIDUAL_OF(k) LOAD(level_residuals, k).xyz
-#define BLOCK_OF(k) Block(LOAD(level_blocks, 2 * (k)).xyz, LOAD(level_blocks, 2 * (k) + 1).xyz)
+#define BLOCK_OF(k, part) Block(LOAD(level_blocks, 4 * (k) + 2 * (part)).xyz, LOAD(level_blocks, 4 * (k) + 2 * (part) + 1).xyz)
 #define CHANGE(k) LOAD(level_changes, k).xyz
 #include "implicit/mean.glsl"
 #include "implicit/level_change.glsl"
@@ -33,10 +33,11 @@ void main() {
   for (uint level = has_wide_levels ? push.count : push.count - 1; level-- > 0;) {
     for (uint k = first_of(level) + here; k < level_ends[level]; k += workgroup) {
       STORE(level_residuals, k, vec4(mean_residual(k), 0))
-      if (push.iteration > 0) continue;
-      const Block block = mean_block(k);
-      STORE(level_blocks, 2 * k, vec4(block.diagonal, 0))
-      STORE(level_blocks, 2 * k + 1, vec4(block.below, 0))
+      for (uint part = 0; part < kParts && push.iteration == 0; ++part) {
+        const Block block = mean_block(k, part);
+        STORE(level_blocks, 4 * k + 2 * part, vec4(block.diagonal, 0))
+        STORE(level_blocks, 4 * k + 2 * part + 1, vec4(block.below, 0))
+      }
     }
     wait();
   }

@@ -6,29 +6,39 @@
 GATHER(positions)
 GATHER(inverses)
 GATHER(solve_vectors)
+GATHER(collider_filters)
 WRITE(vec4, level_residuals)
 WRITE(vec4, level_blocks)
 READ(Linear, linear)
 
 #include "implicit/implicit.glsl"
 
+// What colliders hold of it: 1 - F (implicit_filter.glsl), times the trace of its springs' block over its mass.
+Block held_part(uint i) {
+  const vec4 n = FETCH(collider_filters, 2 * i);
+  const float stiffness = FETCH(collider_filters, 2 * i + 1).w;
+  return Block(stiffness * (1 - n.w - (1 - 2 * n.w) * n.xyz * n.xyz), -stiffness * (1 - 2 * n.w) * n.yzz * n.xxy);
+}
+
 // Kinematic particles have neither.
-Block block_of(uint i) {
+Block block_of(uint i, uint part) {
   const vec4 first = FETCH(inverses, 2 * i);
   if (first.w == 0) return Block(vec3(0), vec3(0));
+  if (part == kHeld) return held_part(i);
   return springs_part(Inverse(first.xyz, FETCH(inverses, 2 * i + 1).xyz), first.w);
 }
 
 #define RESIDUAL_OF(i) FETCH(positions, i).w * FETCH(solve_vectors, i).xyz
-#define BLOCK_OF(i) block_of(i)
+#define BLOCK_OF(i, part) block_of(i, part)
 #include "implicit/mean.glsl"
 
 void main() {
   if (gl_GlobalInvocationID.x >= push.count || linear[0].done != 0) return;
   const uint k = push.first + gl_GlobalInvocationID.x;
   level_residuals[k] = vec4(mean_residual(k), 0);
-  if (push.iteration > 0) return;
-  const Block block = mean_block(k);
-  level_blocks[2 * k] = vec4(block.diagonal, 0);
-  level_blocks[2 * k + 1] = vec4(block.below, 0);
+  for (uint part = 0; part < kParts && push.iteration == 0; ++part) {
+    const Block block = mean_block(k, part);
+    level_blocks[4 * k + 2 * part] = vec4(block.diagonal, 0);
+    level_blocks[4 * k + 2 * part + 1] = vec4(block.below, 0);
+  }
 }

@@ -11,7 +11,7 @@ READ(Linear, linear)
 #include "implicit/implicit.glsl"
 
 #define RESIDUAL_OF(k) FETCH(level_residuals, k).xyz
-#define BLOCK_OF(k) Block(FETCH(level_blocks, 2 * (k)).xyz, FETCH(level_blocks, 2 * (k) + 1).xyz)
+#define BLOCK_OF(k, part) Block(FETCH(level_blocks, 4 * (k) + 2 * (part)).xyz, FETCH(level_blocks, 4 * (k) + 2 * (part) + 1).xyz)
 #define CHANGE(k) FETCH(level_changes, k).xyz
 #include "implicit/level_change.glsl"
 

@@ -14,8 +14,13 @@ vec3 change_of_node(uint k) {
   const float grip = level_grips[k];
   vec3 own = vec3(0);
   if (grip >= 0) {
-    const Block block = BLOCK_OF(k);
-    own = WEFT_LEVEL_PART * preconditioned(factor_of(1 + grip * block.diagonal, grip * block.below, 1), RESIDUAL_OF(k));
+    Block block = BLOCK_OF(k, kSprings);
+    block = Block(1 + grip * block.diagonal, grip * block.below);
+    if (has_colliders) {
+      const Block held = BLOCK_OF(k, kHeld);
+      block = Block(block.diagonal + held.diagonal, block.below + held.below);
+    }
+    own = WEFT_LEVEL_PART * preconditioned(factor_of(block.diagonal, block.below, 1), RESIDUAL_OF(k));
   }
   return own + carried(FETCH(level_node_shares, k));
 }

@@ -8,7 +8,12 @@
 // G is taken to be g M times the mean S of the blocks of what it carries, with g from the springs at rest (engine/effects/implicit/levels.cpp).
 // So a level adds c P (1 + g S)^-1 of a mean.
 //
-// Needs RESIDUAL_OF(i) and BLOCK_OF(i), of what is gathered: its residual over its mass (m/s), and its block (kg).
+// What colliders constrain does not go with its node. The springs between it and what does are strained by all of the change, and not by the
+// little by which shares differ, so 1 + g S has the mean H of (1 - F) tr(B) / m besides, F a particle's filter, B its springs' block and m its
+// mass. (Without it a sheet that lies in part took more iterations on levels than off them.)
+//
+// Needs RESIDUAL_OF(i) and BLOCK_OF(i, part), of what is gathered: its residual over its mass (m/s), and its part kSprings of S (kg) or kHeld
+// of H.
 
 GATHER_UINT4(level_nodes)
 GATHER_UINT2(level_gathers)
@@ -27,13 +32,13 @@ vec3 mean_residual(uint k) {
   return from + sum;
 }
 
-Block mean_block(uint k) {
+Block mean_block(uint k, uint part) {
   const uint begin = gathers_from(k), end = gathers_from(k + 1);
-  const Block from = BLOCK_OF(FETCH_UINT2(level_gathers, begin).x);
+  const Block from = BLOCK_OF(FETCH_UINT2(level_gathers, begin).x, part);
   Block sum = from;
   for (uint g = begin + 1; g < end; ++g) {
     const LevelGather gather = unpack_level_gather(FETCH_UINT2(level_gathers, g));
-    const Block at = BLOCK_OF(gather.point);
+    const Block at = BLOCK_OF(gather.point, part);
     sum.diagonal += gather.in_centre * (at.diagonal - from.diagonal);
     sum.below += gather.in_centre * (at.below - from.below);
   }

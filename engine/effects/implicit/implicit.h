@@ -24,9 +24,9 @@ inline constexpr Buffer level_grips = own<float, &ImplicitLevels::grips>("level_
 /// The mean residual over the mass of what each node carries (m/s).
 inline constexpr Buffer level_residuals =
     scratch<gpu::vec4>("level_residuals", [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); });
-/// Two a node: the mean of the blocks that springs give to what it carries (kg), xx yy zz; yx zx zy.
+/// Four a node: the mean of the blocks that springs give to what it carries (kg), xx yy zz; yx zx zy; and the same of what colliders hold of it.
 inline constexpr Buffer level_blocks =
-    scratch<gpu::vec4>("level_blocks", [](const Cooked& s) { return 2 * std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); });
+    scratch<gpu::vec4>("level_blocks", [](const Cooked& s) { return 4 * std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); });
 /// The change that each node and those that carry it ask for (m/s).
 inline constexpr Buffer level_changes =
     scratch<gpu::vec4>("level_changes", [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); });

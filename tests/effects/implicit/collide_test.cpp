@@ -31,8 +31,8 @@ struct Cornered {
   ImplicitEquations equations;
   Columns flight;   // before anything was met (m/s)
 
-  Cornered(Linear linear, std::uint32_t iterations, unsigned seed) {
-    scene.solver = {.rate = 100, .substeps = 1, .iterations = iterations, .method = Method::implicit, .linear = linear};
+  Cornered(Linear linear, std::uint32_t iterations, unsigned seed, bool levels = false) {
+    scene.solver = {.rate = 100, .substeps = 1, .iterations = iterations, .method = Method::implicit, .linear = linear, .levels = levels};
     Cloth& cloth = scene.cloths.emplace_back();
     cloth.grid = Grid{{0.8f, 1}, 8, 10, Topology::diagonal, true};
     cloth.tethers = false;
@@ -108,15 +108,16 @@ TEST_F(ImplicitFilter, filtered_equations_are_those_of_the_twin) {
 }
 
 TEST_F(ImplicitFilter, a_filtered_solve_goes_where_its_twin_goes) {
-  for (const Linear linear : {Linear::cg, Linear::jacobi})
+  for (const auto& [linear, levels] : {std::pair(Linear::cg, false), {Linear::cg, true}, {Linear::jacobi, false}})
     for (const std::uint32_t iterations : {2u, 5u, 40u}) {
-      const Cornered sheet(linear, iterations, 4);
+      const Cornered sheet(linear, iterations, 4, levels);
+      ASSERT_EQ(sheet.fabric.own.of<LevelLists>().ends.empty(), !levels);
       SinglePass passes = sheet.passes(device(), iterations == 5);
       const bool jacobi = linear == Linear::jacobi;
       for (std::uint32_t k = 0; k < iterations; ++k) {
         const int dispatch = static_cast<int>(k);
         if (jacobi) passes.run("implicit_relax", dispatch);
-        else passes.run("implicit_multiply", dispatch), passes.run("implicit_advance", dispatch);
+        else iterate_gradients(passes, dispatch, sheet.fabric);
       }
       const std::size_t n = sheet.fabric.positions.size();
       const Columns got = jacobi ? columns(passes.get<gpu::vec4>(buffers::exchanged, 3 * n), n * ((iterations - 1) % 3), n)
@@ -125,7 +126,7 @@ TEST_F(ImplicitFilter, a_filtered_solve_goes_where_its_twin_goes) {
                                      : solve_conjugate_gradients(sheet.equations, iterations))
                                  .change;
       // As without colliders (tests/effects/implicit/kernel_test.cpp).
-      EXPECT_LT((got - wanted).norm(), 1e-3 * wanted.norm()) << (jacobi ? "jacobi " : "cg ") << iterations;
+      EXPECT_LT((got - wanted).norm(), 1e-3 * wanted.norm()) << (jacobi ? "jacobi " : levels ? "cg on levels " : "cg ") << iterations;
     }
 }
 

@@ -110,16 +110,6 @@ TEST_F(KernelImplicit, multiply_is_the_product_with_the_twins_matrix) {
       }
 }
 
-// The passes of levels in an iteration.
-void precondition(SinglePass& passes, int iteration, std::size_t levels, std::size_t low) {
-  const int wide = static_cast<int>(levels - low);
-  passes.run("implicit_mean", iteration);
-  for (int k = 0; k + 1 < wide; ++k) passes.run("implicit_mean_wide", iteration * (wide - 1) + k);
-  passes.run("implicit_low", iteration);
-  for (int k = 0; k < wide; ++k) passes.run("implicit_wide", iteration * wide + k);
-  passes.run("implicit_spread", iteration);
-}
-
 // The change after so many iterations, on both sides.
 struct Solved {
   Columns got, wanted;
@@ -130,13 +120,10 @@ Solved solve(const compute::Device& device, const CrumpledSprings& sheet, bool g
   const std::uint32_t iterations = sheet.scene.solver.iterations;
   const bool jacobi = sheet.scene.solver.linear == Linear::jacobi;
   const std::vector<gpu::vec4> before = passes.iterate();
-  const LevelLists& lists = sheet.fabric.own.of<LevelLists>();
-  const std::size_t levels = lists.ends.size();
   for (std::uint32_t k = 0; k < iterations; ++k) {
     const int dispatch = static_cast<int>(k);
     if (jacobi) passes.run("implicit_relax", dispatch);
-    else passes.run("implicit_multiply", dispatch), passes.run("implicit_advance", dispatch);
-    if (levels > 0) precondition(passes, dispatch, levels, lists.low);
+    else iterate_gradients(passes, dispatch, sheet.fabric);
   }
   const std::size_t n = before.size();
   Solved solved;

@@ -434,7 +434,7 @@ TEST(ImplicitSystem, a_levels_nodes_are_as_stiff_as_the_springs_make_them) {
   }
   const auto twin = ImplicitLevels::create(fabric);
   ASSERT_NE(twin, nullptr);
-  const std::vector<Matrix> means = twin->mean_blocks(blocks);
+  const std::vector<Matrix> means = twin->means_of({blocks, blocks}).springs;
   const std::vector<float>& grips = fabric.own.of<weft::ImplicitLevels>().grips;
   int held = 0;
   for (std::uint32_t k = 0; k < lists.ends.back(); ++k) {
