@@ -31,6 +31,7 @@ inline constexpr SolverRow kSolverRows[] = {
     {"gauss_seidel on levels", "solver.method=gauss_seidel solver.levels=true"},
     {"chebyshev", "solver.method=chebyshev"},
     {"implicit", "solver.method=implicit"},
+    {"implicit on levels", "solver.method=implicit solver.levels=true"},
     {"mass_spring", "solver.method=mass_spring"},
     {"verlet", "solver.method=verlet"},
 };

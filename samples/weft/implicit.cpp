@@ -1,6 +1,6 @@
 // `weft implicit`: the table of the particle system that Weft's implicit method grew out of (2006): frames a second for 10 to 70
-// iterations, 100 to 10,000 particles, conjugate gradients and Jacobi, on the processor and on the device, and beside each
-// the residual that it left.
+// iterations, 100 to 10,000 particles, conjugate gradients, without coarse levels and on them, and Jacobi, on the processor and on the
+// device, and beside each the residual that it left.
 //
 // A sheet of 1 m by 1 m with 24 springs a particle is held at two corners and falls; a frame is one step of 0.01 s. Errors are taken
 // at one pose for all, that of a converged solver after a fifth of a second, in one step: the part of the residual that
@@ -33,11 +33,10 @@ struct ImplicitOutcome {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ImplicitOutcome, frames_a_second, residual, distance, stopped, non_finite)
 
 struct ImplicitRow {
-  std::uint32_t particles = 0, iterations = 0;
-  Linear linear = Linear::cg;
+  std::uint32_t particles = 0, iterations = 0, solver = 0;   // into kSolvers
   ImplicitOutcome processor, device;
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ImplicitRow, particles, iterations, linear, processor, device)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ImplicitRow, particles, iterations, solver, processor, device)
 
 namespace {
 
@@ -46,19 +45,28 @@ using reference::Columns;
 using reference::ImplicitEquations;
 using reference::ImplicitSystem;
 
+struct LinearSolver {
+  const char* name;
+  Linear linear;
+  bool levels;
+};
+constexpr LinearSolver kSolvers[] = {{"cg", Linear::cg, false}, {"cg on levels", Linear::cg, true}, {"jacobi", Linear::jacobi, false}};
+constexpr auto kSolverCount = static_cast<std::uint32_t>(std::size(kSolvers));
+
 constexpr double kStep = 0.01;                // s
 constexpr int kStepsBefore = 20;
 constexpr double kTimed = 0.25;               // s, and at least this many steps:
 constexpr std::size_t kLeastTimed = 5, kMostTimed = 100;
 
-Scene sheet(std::uint32_t side, Linear linear, std::uint32_t iterations) {
+Scene sheet(std::uint32_t side, const LinearSolver& solver, std::uint32_t iterations) {
   Scene scene;
   scene.contacts.enabled = false;   // springs that the equations are of, and nothing else
   scene.solver.rate = 1 / kStep;
   scene.solver.substeps = 1;
   scene.solver.iterations = iterations;
   scene.solver.method = Method::implicit;
-  scene.solver.linear = linear;
+  scene.solver.linear = solver.linear;
+  scene.solver.levels = solver.levels;
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{{1, 1}, side - 1, side - 1, Topology::diagonal, false};
   cloth.springs = Springs{{500, 0.01}, {500, 0.01}, {5, 0.001}};
@@ -83,7 +91,7 @@ Result<ImplicitSystem> system_of(const Scene& scene) {
 }
 
 Result<Subject> subject_of(std::uint32_t side) {
-  auto system = system_of(sheet(side, Linear::cg, 1));
+  auto system = system_of(sheet(side, kSolvers[0], 1));
   if (!system) return system.take_error();
   constexpr std::uint32_t kMany = 5000;
   for (int k = 0; k < kStepsBefore; ++k) {
@@ -121,7 +129,7 @@ Result<Outcome> on_processor(const Scene& scene, const Subject& subject) {
   system->positions = subject.positions;
   system->velocities = subject.velocities;
   Outcome outcome;
-  judge(subject, system->solve(subject.equations).change, outcome);
+  judge(subject, system->solve(system->assemble()).change, outcome);
   const Result<double> speed = speed_of([&]() -> Result<void> {
     system->step();
     return {};
@@ -170,10 +178,10 @@ Result<Outcome> on_device(const compute::Device& device, const Scene& scene, con
   return outcome;
 }
 
-const char* name_of(Linear linear) { return linear == Linear::cg ? "cg" : "jacobi"; }
+const char* name_of(const ImplicitRow& row) { return kSolvers[std::min(row.solver, kSolverCount - 1)].name; }
 
 void print(const ImplicitRow& row) {
-  std::printf("%9u %-7s %10u %10.4g %10.4g %12.2e %12.2e %12.2e %12.2e%s\n", row.particles, name_of(row.linear), row.iterations,
+  std::printf("%9u %-12s %10u %10.4g %10.4g %12.2e %12.2e %12.2e %12.2e%s\n", row.particles, name_of(row), row.iterations,
               row.processor.frames_a_second, row.device.frames_a_second, row.processor.residual, row.device.residual,
               row.processor.distance, row.device.distance, row.device.residual > ImplicitSystem::kConverged ? "  not converged" : "");
   std::fflush(stdout);
@@ -181,19 +189,19 @@ void print(const ImplicitRow& row) {
 
 std::string csv_of(const std::vector<ImplicitRow>& rows) {
   TextStream text;
-  text << "particles,linear,iterations,processor,frames_per_second,residual,rms_distance_m,stopped,non_finite\n";
+  text << "particles,solver,iterations,processor,frames_per_second,residual,rms_distance_m,stopped,non_finite\n";
   for (const ImplicitRow& row : rows)
     for (const bool device : {false, true}) {
       const Outcome& o = device ? row.device : row.processor;
-      text << row.particles << ',' << name_of(row.linear) << ',' << row.iterations << ',' << (device ? "vulkan" : "cpu") << ','
+      text << row.particles << ',' << name_of(row) << ',' << row.iterations << ',' << (device ? "vulkan" : "cpu") << ','
            << o.frames_a_second << ',' << o.residual << ',' << o.distance << ',' << o.stopped << ',' << o.non_finite << '\n';
     }
   return text.str();
 }
 
-const ImplicitRow* find(const std::vector<ImplicitRow>& rows, std::uint32_t particles, Linear linear, std::uint32_t iterations) {
+const ImplicitRow* find(const std::vector<ImplicitRow>& rows, std::uint32_t particles, std::uint32_t iterations) {   // by cg
   for (const ImplicitRow& row : rows)
-    if (row.particles == particles && row.linear == linear && row.iterations == iterations) return &row;
+    if (row.particles == particles && row.solver == 0 && row.iterations == iterations) return &row;
   return nullptr;
 }
 
@@ -203,13 +211,13 @@ void summarise(const std::vector<ImplicitRow>& rows) {
   for (const ImplicitRow& row : rows) {
     non_finite += row.processor.non_finite + row.device.non_finite;
     largest = std::max(largest, row.particles);
-    if (row.linear != Linear::cg || row.iterations != 30) continue;
+    if (row.solver != 0 || row.iterations != 30) continue;
     if (row.device.frames_a_second <= row.processor.frames_a_second) wins = 0;
     else if (wins == 0) wins = row.particles;
   }
   if (wins > 0) std::printf("With 30 iterations of conjugate gradients the device is faster from %u particles on.\n", wins);
   else std::printf("With 30 iterations of conjugate gradients the device is not faster at %u particles.\n", largest);
-  const ImplicitRow *few = find(rows, largest, Linear::cg, 10), *many = find(rows, largest, Linear::cg, 70);
+  const ImplicitRow *few = find(rows, largest, 10), *many = find(rows, largest, 70);
   if (few && many)
     std::printf("At %u particles 70 iterations take %.1f times as long as 10 on the processor and %.1f times on the device.\n", largest,
                 few->processor.frames_a_second / many->processor.frames_a_second,
@@ -220,7 +228,7 @@ void summarise(const std::vector<ImplicitRow>& rows) {
 constexpr const char* kImplicitTable = "implicit.csv";
 
 Exit conclude_implicit(const Rows& all, const std::filesystem::path& out) {
-  std::printf("%9s %-7s %10s %10s %10s %12s %12s %12s %12s\n%28s %21s %25s %25s\n", "particles", "solver", "iterations", "CPU fps",
+  std::printf("%9s %-12s %10s %10s %10s %12s %12s %12s %12s\n%33s %21s %25s %25s\n", "particles", "solver", "iterations", "CPU fps",
               "Vulkan fps", "CPU", "Vulkan", "CPU", "Vulkan", "", "", "residual left", "rms distance, m");
   std::vector<ImplicitRow> rows;
   for (const auto& [item, row] : all.rows) print(rows.emplace_back(row.get<ImplicitRow>()));
@@ -251,21 +259,21 @@ Exit implicit(const ImplicitOptions& options) {
   std::optional<Subject> subject;   // of that side
   Labour labour;
   labour.measure = [&](std::uint32_t item) -> Result<Row> {
-    if (side != sides[item / (2 * counts)]) {
-      side = sides[item / (2 * counts)];
+    if (side != sides[item / (kSolverCount * counts)]) {
+      side = sides[item / (kSolverCount * counts)];
       auto made = subject_of(side);
       if (!made) return made.take_error();
       subject = std::move(*made);
     }
-    const Linear linear = item / counts % 2 == 0 ? Linear::cg : Linear::jacobi;
-    const Scene scene = sheet(side, linear, iterations[item % counts]);
+    const std::uint32_t solver = item / counts % kSolverCount;
+    const Scene scene = sheet(side, kSolvers[solver], iterations[item % counts]);
     const auto processor = on_processor(scene, *subject), vulkan = on_device(**device, scene, *subject);
     if (!processor || !vulkan) return fail((processor ? vulkan : processor).why());
-    return Row(ImplicitRow{side * side, iterations[item % counts], linear, *processor, *vulkan});
+    return Row(ImplicitRow{side * side, iterations[item % counts], solver, *processor, *vulkan});
   };
   labour.conclude = [&](const Rows& all) { return conclude_implicit(all, options.out); };
   Work work{"implicit", {{"device", (*device)->name()}, {"quick", options.quick}}};
-  work.items = static_cast<std::uint32_t>(sides.size()) * 2 * counts;
+  work.items = static_cast<std::uint32_t>(sides.size()) * kSolverCount * counts;
   return work_through(work, labour, options.farm, options.out);
 }
 

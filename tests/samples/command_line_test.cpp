@@ -232,7 +232,7 @@ TEST_F(CommandLine, implicit_leaves_a_table_in_which_nothing_is_lost_and_both_pr
   std::istringstream table(read(folder / "out/implicit.csv"));
   std::string line;
   std::getline(table, line);
-  EXPECT_EQ(line, "particles,linear,iterations,processor,frames_per_second,residual,rms_distance_m,stopped,non_finite");
+  EXPECT_EQ(line, "particles,solver,iterations,processor,frames_per_second,residual,rms_distance_m,stopped,non_finite");
   int rows = 0;
   for (double errors[2]; std::getline(table, line); ++rows) {
     for (char& c : line) c = c == ',' ? ' ' : c;
