@@ -269,7 +269,7 @@ struct SolverSettings {
   double relaxation = 0;        // over-relaxation omega, below most_relaxation; 0: relaxation_of
   double rho = 0;               // Chebyshev only: the spectral radius it takes Jacobi's iteration to have, below 1; 0: rho_of
   std::uint32_t order = 1;      // 1 or 2: of the error in time, by implicit Euler or by BDF2 (shaders/bdf2/bdf2.glsl)
-  std::optional<bool> levels = {};   // coarse levels before each iteration (has_levels); not set: levels_of
+  std::optional<bool> levels = {};   // coarse levels before each iteration, or in the preconditioner of implicit; not set: levels_of
   double longest_advance = 0.1; // s: a longer advance() is clamped to this, and the surplus reported
 };
 
@@ -413,7 +413,7 @@ Method method_of(const Scene& scene);
 /// Whether tethers hold every cloth to anchors that no keys move.
 bool tethers_hold(const Scene& scene);
 
-/// Whether it has coarse levels. Methods jacobi, strands and gauss_seidel may; unless told otherwise strands does, and the default unless
+/// Whether it has coarse levels. Methods jacobi, strands and gauss_seidel may, and implicit with linear cg; unless told otherwise strands does, and the default unless
 /// tethers_hold.
 bool levels_of(const Scene& scene);
 

@@ -2,12 +2,13 @@
 # on other threads (tests/CMakeLists.txt). A process a suite: by itself most of a test's time is what its process begins with, the device
 # and the shaders that it specialises anew.
 #
-#   cmake -D program=FILE -D file=FILE -D label=NAME -D skipped=FILTER -D bits=REGEX -D long=SUITE,SUITE -P suites.cmake
+#   cmake -D program=FILE -D file=FILE -D label=NAME -D skipped=FILTER -D bits=REGEX -D long=SUITE,SUITE -D unvalidated=SUITE,SUITE -P suites.cmake
 execute_process(COMMAND ${program} --gtest_list_tests --gtest_filter=-${skipped} OUTPUT_VARIABLE listed RESULT_VARIABLE failed TIMEOUT 60)
 if(failed)
   message(FATAL_ERROR "${program} does not list its tests: ${failed}")
 endif()
 string(REPLACE "," ";" long "${long}")
+string(REPLACE "," ";" unvalidated "${unvalidated}")
 set(script "")
 
 # A test of CTest, of these tests, with that many threads of the software driver.
@@ -19,9 +20,15 @@ function(add name threads)
     list(LENGTH long cost)
     math(EXPR cost "${cost} - ${place}")   # the longest first
   endif()
+  set(environment LP_NUM_THREADS=${threads})
+  string(REGEX REPLACE "[.]bits$" "" whole ${name})
+  list(FIND unvalidated ${whole} place)
+  if(NOT place EQUAL -1)
+    string(APPEND environment ";WEFT_TESTS_UNVALIDATED=1")
+  endif()
   string(APPEND script "add_test([[${name}]] [[${program}]] [[--gtest_filter=${filter}]])\n")
   string(APPEND script
-    "set_tests_properties([[${name}]] PROPERTIES LABELS ${label} TIMEOUT 1200 COST ${cost} ENVIRONMENT LP_NUM_THREADS=${threads})\n")
+    "set_tests_properties([[${name}]] PROPERTIES LABELS ${label} TIMEOUT 1200 COST ${cost} ENVIRONMENT [[${environment}]])\n")
   set(script "${script}" PARENT_SCOPE)
 endfunction()
 

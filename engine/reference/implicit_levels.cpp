@@ -24,7 +24,8 @@ std::shared_ptr<const ImplicitLevels> ImplicitLevels::create(const CookedFabric&
   for (std::size_t k = 0; k + 1 < lists.nodes.size(); ++k) {
     Node node{{}, unpacked<Shares>(lists.node_shares[k]), double(fabric.own.of<weft::ImplicitLevels>().grips[k])};
     double left = 1;   // the first gather has what the others leave
-    const std::uint32_t begin = gpu::unpack_level_node(lists.nodes[k]).first_gather, end = gpu::unpack_level_node(lists.nodes[k + 1]).first_gather;
+    const std::uint32_t begin = gpu::unpack_level_node(lists.nodes[k]).first_gather;
+    const std::uint32_t end = gpu::unpack_level_node(lists.nodes[k + 1]).first_gather;
     for (std::uint32_t g = begin; g < end; ++g) {
       const gpu::LevelGather gather = gpu::unpack_level_gather(lists.gathers[g]);
       node.gathers.push_back({gather.point, g == begin ? 0 : double(gather.in_centre)});

@@ -115,7 +115,8 @@ std::string method_fault(const Scene& scene) {
       method == Method::by_default || method == Method::jacobi || method == Method::strands || method == Method::gauss_seidel;
   const bool may_have_levels = is_relaxation || (method == Method::implicit && scene.solver.linear == Linear::cg);
   if (levels_of(scene) && !may_have_levels)
-    return named + " has no levels, and solver.levels is true: \"jacobi\", \"strands\", \"gauss_seidel\" and, with linear \"cg\", \"implicit\" may have them";
+    return named + " has no levels, and solver.levels is true: \"jacobi\", \"strands\", \"gauss_seidel\" and, with linear \"cg\", "
+                   "\"implicit\" may have them";
   for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
     const Cloth& cloth = scene.cloths[i];
     const std::string path = "cloths[" + std::to_string(i) + "].";

@@ -2,8 +2,8 @@
 // inside a collider it is changed so that it ends on the surface, and the direction across the surface is constrained: the solve does not
 // change it. Not where the springs would take the particle off by themselves, judged with its neighbours in free flight.
 //
-// `collider_filters` has two entries a particle: the filter; and the change of its free flight (m/s), beside which is how stiff its springs are, the
-// trace of their block over its mass. implicit_filter.comp tells the springs
+// `collider_filters` has two entries a particle: the filter; and the change of its free flight (m/s), w the trace of its springs' block over
+// its mass. implicit_filter.comp tells the springs
 // of that change; the particle itself gets it from finalize, which puts it out of the collider again and adds friction.
 
 #include "implicit/implicit_filter.glsl"

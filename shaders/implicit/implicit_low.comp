@@ -1,5 +1,5 @@
-// implicit_low: the levels of few nodes by one workgroup: what they have of the residual, finest first, and then the change that they ask for,
-// coarsest first (mean.glsl).
+// implicit_low: the levels of few nodes by one workgroup: what they have of the residual, finest first, and then the change that they ask
+// for, coarsest first (mean.glsl).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"

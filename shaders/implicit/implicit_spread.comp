@@ -1,5 +1,5 @@
-// implicit_spread: the preconditioned residual where levels belong to the preconditioner: by a particle's own block, and by the nodes of the
-// finest level (mean.glsl).
+// implicit_spread: the preconditioned residual where levels belong to the preconditioner: by a particle's own block, and by the nodes of
+// the finest level (mean.glsl).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"

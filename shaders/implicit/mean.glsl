@@ -1,19 +1,19 @@
 // Coarse levels as a preconditioner of conjugate gradients: what is long in the residual is solved for at once, over the nodes of
 // engine/effects/level, instead of running an edge an iteration. It is additive (Bramble, Pasciak and Xu 1990): each level l adds
 //     c P (M + G)^-1 P^T r,        z = D^-1 r + sum over levels,
-// P the shares by which particles go with the level's nodes, M what a node carries, and G the diagonal block of P^T (h^2 K + h D) P. That is
-// symmetric and positive definite whatever blocks are, so conjugate gradients converge to the same solution, only sooner.
+// P the shares by which particles go with the level's nodes, M what a node carries, and G the diagonal block of P^T (h^2 K + h D) P. That
+// is symmetric and positive definite whatever blocks are, so conjugate gradients converge to the same solution, only sooner.
 //
-// Nothing is summed over springs: by the nodes' gathers, weights that sum to one, M^-1 P^T r is the mean of M^-1 r, from level to level; and
-// G is taken to be g M times the mean S of the blocks of what it carries, with g from the springs at rest (engine/effects/implicit/levels.cpp).
-// So a level adds c P (1 + g S)^-1 of a mean.
+// Nothing is summed over springs. By the nodes' gathers, weights that sum to one, M^-1 P^T r is the mean of M^-1 r, from level to level; and
+// G is taken to be g M S, S the mean of the blocks of what it carries and g a number of the springs at rest
+// (engine/effects/implicit/levels.cpp). So a level adds c P (1 + g S)^-1 of a mean.
 //
-// What colliders constrain does not go with its node. The springs between it and what does are strained by all of the change, and not by the
-// little by which shares differ, so 1 + g S has the mean H of (1 - F) tr(B) / m besides, F a particle's filter, B its springs' block and m its
-// mass. (Without it a sheet that lies in part took more iterations on levels than off them.)
+// What colliders constrain does not go with its node. The springs between it and what does are strained by all of the change, and not by
+// the little by which shares differ, so 1 + g S has H besides, the mean of (1 - F) tr(B) / m: F a particle's filter, B its springs' block and
+// m its mass. (Without it a sheet that lies in part took more iterations on levels than off them.)
 //
-// Needs RESIDUAL_OF(i) and BLOCK_OF(i, part), of what is gathered: its residual over its mass (m/s), and its part kSprings of S (kg) or kHeld
-// of H.
+// Needs RESIDUAL_OF(i) and BLOCK_OF(i, part), of what is gathered: its residual over its mass (m/s), and its part kSprings of S (kg) or
+// kHeld of H.
 
 GATHER_UINT4(level_nodes)
 GATHER_UINT2(level_gathers)

@@ -1,2 +1,2 @@
-weft_passes(implicit_advance implicit_assemble implicit_drift implicit_filter implicit_low implicit_mean implicit_mean_wide implicit_multiply implicit_relax
-  implicit_spread implicit_step implicit_wide)
+weft_passes(implicit_advance implicit_assemble implicit_drift implicit_filter implicit_low implicit_mean implicit_mean_wide
+  implicit_multiply implicit_relax implicit_spread implicit_step implicit_wide)

@@ -1,4 +1,5 @@
-// A test on whatever Vulkan device there is, with validation and synchronization validation on: one message fails it.
+// A test on whatever Vulkan device there is, with validation and synchronization validation on: one message fails it. Where
+// WEFT_TESTS_UNVALIDATED is set they are off, which takes a quarter off suites that run for long (tests/CMakeLists.txt).
 // All tests of a program share one device. Without a device they fail: the software driver is always there.
 #pragma once
 
@@ -12,7 +13,6 @@
 #include <vector>
 
 #include "compute/device.h"
-#include "compute/pipeline.h"
 #include "tests/support/must.h"
 
 namespace weft {
@@ -32,8 +32,6 @@ class GpuEnvironment : public testing::Environment {
       auto created = compute::Device::create(choice);
       if (created) device_ = std::move(*created);
       else refusal = created.error();
-      const char* modules = std::getenv("WEFT_TESTS_MODULES");
-      if (device_ && modules) modules_ = must(compute::PipelineCache::create(*device_, modules));
     }
     return device_.get();
   }
@@ -43,8 +41,6 @@ class GpuEnvironment : public testing::Environment {
     return std::exchange(heard_, {});
   }
   void TearDown() override {
-    if (modules_.handle()) must(modules_.save());
-    modules_ = {};
     device_.reset();
     for (const std::string& message : take_messages()) ADD_FAILURE() << "at the device's end: " << message;
   }
@@ -53,7 +49,6 @@ class GpuEnvironment : public testing::Environment {
 
  private:
   std::unique_ptr<compute::Device> device_;
-  compute::PipelineCache modules_;
   std::mutex mutex_;
   std::vector<std::string> heard_;
 };

@@ -16,7 +16,7 @@ inline bool is_free(const CookedFabric& fabric, const ClothRange& cloth) {
 
 /// Coarse levels as a preconditioner (shaders/implicit/mean.glsl).
 struct ImplicitLevels {
-  std::vector<float> grips;   // 1/kg, of each of LevelLists::nodes: g, by which the mean block of what it carries is its own over its mass; below 0: it is held
+  std::vector<float> grips;   // 1/kg, of each of LevelLists::nodes: g of mean.glsl; below 0: it is held
 };
 
 namespace buffers {
@@ -24,7 +24,7 @@ inline constexpr Buffer level_grips = own<float, &ImplicitLevels::grips>("level_
 /// The mean residual over the mass of what each node carries (m/s).
 inline constexpr Buffer level_residuals =
     scratch<gpu::vec4>("level_residuals", [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); });
-/// Four a node: the mean of the blocks that springs give to what it carries (kg), xx yy zz; yx zx zy; and the same of what colliders hold of it.
+/// Four a node: S of mean.glsl (kg), xx yy zz; yx zx zy; and likewise H.
 inline constexpr Buffer level_blocks =
     scratch<gpu::vec4>("level_blocks", [](const Cooked& s) { return 4 * std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); });
 /// The change that each node and those that carry it ask for (m/s).

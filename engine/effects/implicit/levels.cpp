@@ -1,7 +1,7 @@
 // How stiff a level's node is against the mean of the blocks of what it carries (shaders/implicit/mean.glsl).
 //
-// The diagonal block of P^T K P is the sum over springs of (w_a - w_b)^2 times a spring's block, w the shares of its ends in the node. In cloth
-// at rest that is isotropic enough for one number: its trace over that of the mean of the blocks of particles, each the sum of its springs'.
+// The diagonal block of P^T K P is the sum over springs of (w_a - w_b)^2 times a spring's block, w the shares of its ends in the node. In
+// cloth at rest one number tells enough of it: its trace over that of the mean of the blocks of particles, each the sum of its springs'.
 // Held particles have no share. Springs of rest length 0 bend (of either sign), and are left out.
 #include "engine/effects/implicit/levels.h"
 
@@ -40,7 +40,8 @@ Shares coarser(const Shares& shares, const LevelLists& lists) {
 
 // Of node k: the mean of what it gathers.
 double mean_of(const LevelLists& lists, std::uint32_t k, const std::vector<double>& values) {
-  const std::uint32_t begin = gpu::unpack_level_node(lists.nodes[k]).first_gather, end = gpu::unpack_level_node(lists.nodes[k + 1]).first_gather;
+  const std::uint32_t begin = gpu::unpack_level_node(lists.nodes[k]).first_gather;
+  const std::uint32_t end = gpu::unpack_level_node(lists.nodes[k + 1]).first_gather;
   const double from = values[gpu::unpack_level_gather(lists.gathers[begin]).point];
   double mean = from;
   for (std::uint32_t g = begin + 1; g < end; ++g) {

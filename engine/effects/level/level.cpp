@@ -333,7 +333,11 @@ bool wide_by_links(const Needs& needs) { return by_links(needs) && levels::has_w
 
 constexpr Pass kPasses[] = {
     {.name = "level_centre", .stage = Stage::iteration, .threads = {levels::nodes}, .when = by_links, .ranges = levels::finest},
-    {.name = "level_centre_wide", .stage = Stage::iteration, .threads = {levels::nodes}, .when = wide_by_links, .ranges = levels::wide_but_finest},
+    {.name = "level_centre_wide",
+     .stage = Stage::iteration,
+     .threads = {levels::nodes},
+     .when = wide_by_links,
+     .ranges = levels::wide_but_finest},
     {.name = "level_low", .stage = Stage::iteration, .threads = {levels::low, lengths::one}, .when = by_links, .alone = true},
     {.name = "level_wide", .stage = Stage::iteration, .threads = {levels::nodes}, .when = wide_by_links, .ranges = levels::wide},
     {.name = "level_spread",

@@ -24,7 +24,8 @@ struct CrumpledSprings {
     const bool levels = cells_on_levels > 0;
     scene.solver = {.rate = 100, .substeps = 1, .iterations = iterations, .method = Method::implicit, .linear = linear, .levels = levels};
     Cloth& cloth = scene.cloths.emplace_back();
-    cloth.grid = levels ? Grid{{1, 1}, cells_on_levels, cells_on_levels, Topology::diagonal, true} : Grid{{0.8f, 1}, 8, 10, Topology::diagonal, true};
+    cloth.grid = Grid{{0.8f, 1}, 8, 10, Topology::diagonal, true};
+    if (levels) cloth.grid = Grid{{1, 1}, cells_on_levels, cells_on_levels, Topology::diagonal, true};
     cloth.tethers = false;
     cloth.fabric.stretch = 200;
     if (!links) cloth.springs = Springs{{500, 0.02}, {400, 0.01}, {50, 0.001}};

@@ -407,7 +407,7 @@ TEST(ImplicitSystem, ten_iterations_on_levels_leave_less_than_thirty_without) {
   }
 }
 
-// In a flat sheet at rest, by its definition: the trace of a node's diagonal block of P^T K P, which is the change that its node alone makes.
+// In a flat sheet at rest, by its definition: the trace of a node's diagonal block of P^T K P.
 TEST(ImplicitSystem, a_levels_nodes_are_as_stiff_as_the_springs_make_them) {
   Scene scene = hung_on_levels(20);
   scene.cloths[0].bending = false;
@@ -421,7 +421,8 @@ TEST(ImplicitSystem, a_levels_nodes_are_as_stiff_as_the_springs_make_them) {
     const auto carried = [&](const gpu::uvec4& packed) {
       if (packed.x == WEFT_NONE) return 0.0;
       const gpu::LevelShare share = gpu::unpack_level_share(packed);
-      return double(share.part0) * of_nodes[share.node0] + double(share.part1) * of_nodes[share.node1] + double(share.part2) * of_nodes[share.node2];
+      return double(share.part0) * of_nodes[share.node0] + double(share.part1) * of_nodes[share.node1] +
+             double(share.part2) * of_nodes[share.node2];
     };
     for (std::uint32_t k = node + 1; k < lists.ends.back(); ++k) of_nodes[k] += carried(lists.node_shares[k]);
     for (std::size_t i = 0; i < particles; ++i) shares[i] = carried(lists.shares[i]);
