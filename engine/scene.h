@@ -413,8 +413,8 @@ Method method_of(const Scene& scene);
 /// Whether tethers hold every cloth to anchors that no keys move.
 bool tethers_hold(const Scene& scene);
 
-/// Whether it has coarse levels. Methods jacobi, strands and gauss_seidel may, and implicit with linear cg; unless told otherwise strands does, and the default unless
-/// tethers_hold.
+/// Whether it has coarse levels. Methods jacobi, strands and gauss_seidel may, and implicit with linear cg; unless told otherwise strands
+/// does, and the default unless tethers_hold.
 bool levels_of(const Scene& scene);
 
 /// The spectral radius that Chebyshev's iteration takes Jacobi's to have, with its default filled in.

@@ -12,15 +12,16 @@ struct Inverse {
   vec3 below;      // yx, zx, zy
 };
 
-// What the springs add to a block of this inverse factor and mass (kg), symmetric; not below 0 by rounding.
+// A symmetric block: xx, yy, zz; yx, zx, zy.
 struct Block {
   vec3 diagonal, below;
 };
 
-// Of a node's block (mean.glsl); the second only where there are colliders.
+// The parts of a node's block (mean.glsl); the second only where there are colliders.
 const uint kSprings = 0, kHeld = 1;
 const uint kParts = has_colliders ? 2 : 1;
 
+// What springs add to a particle's block (kg), by its inverse factor and the mass; not below 0 by rounding.
 Block springs_part(Inverse c, float mass) {
   const vec3 d = 1 / c.diagonal;   // of C, whose inverse is c
   const float yx = -c.below.x * d.x * d.y;

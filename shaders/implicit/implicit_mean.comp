@@ -24,11 +24,11 @@ Block held_part(uint i) {
 Block block_of(uint i, uint part) {
   const vec4 first = FETCH(inverses, 2 * i);
   if (first.w == 0) return Block(vec3(0), vec3(0));
-  if (part == kHeld) return held_part(i);
+  if (has_colliders && part == kHeld) return held_part(i);
   return springs_part(Inverse(first.xyz, FETCH(inverses, 2 * i + 1).xyz), first.w);
 }
 
-#define RESIDUAL_OF(i) FETCH(positions, i).w * FETCH(solve_vectors, i).xyz
+#define RESIDUAL_OF(i) (FETCH(positions, i).w * FETCH(solve_vectors, i).xyz)
 #define BLOCK_OF(i, part) block_of(i, part)
 #include "implicit/mean.glsl"
 

@@ -104,7 +104,9 @@ class OlderHost {
 /// Contacts that soon have too little room, with colliders that are told what they are given, and another method.
 std::vector<Subject> few_subjects() {
   std::vector<Subject> few = subjects();
-  std::erase_if(few, [](const Subject& subject) { return subject.name != std::string_view("contacts") && !subject.scene.solver.levels; });
+  std::erase_if(few, [](const Subject& subject) {
+    return subject.name != std::string_view("contacts") && subject.name != std::string_view("gauss_seidel on levels");
+  });
   EXPECT_EQ(few.size(), 2u);
   few.back().scene.reactions = true;
   return few;

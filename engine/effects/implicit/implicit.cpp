@@ -1,7 +1,6 @@
 #include "engine/effects/implicit/implicit.h"
 
 #include "compute/text.h"
-#include "engine/cook/cook_state.h"
 #include "engine/effects/effect.h"
 #include "engine/effects/implicit/levels.h"
 
@@ -66,8 +65,8 @@ constinit const Effect implicit{
     .reference = Reference::a_way_to,
     .figures = kFigures,
     .remark = remark,
-    .lay_out = [](cooking::CookState& state) { grip_levels(state.fabric()); },
-    .hold = [](cooking::CookState& state, std::span<const Mesh>) { grip_levels(state.fabric()); },   // free_cloths follow from the masses
+    .lay_out = grip_levels,
+    .hold = [](cooking::CookState& state, std::span<const Mesh>) { grip_levels(state); },   // free_cloths follow from the masses
 };
 
 }  // namespace weft::effects

@@ -64,7 +64,9 @@ void add_stiffness(const std::vector<ParticleSpring>& springs, const std::vector
 
 }  // namespace
 
-void grip_levels(CookedFabric& fabric) {
+void grip_levels(cooking::CookState& state) {
+  if (state.scene().solver.method != Method::implicit) return;
+  CookedFabric& fabric = state.fabric();
   const LevelLists& lists = fabric.own.of<LevelLists>();
   std::vector<float>& grips = fabric.own.of<ImplicitLevels>().grips;
   grips.assign(lists.nodes.size(), -1);

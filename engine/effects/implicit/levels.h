@@ -1,11 +1,11 @@
 // Coarse levels as a preconditioner of the method implicit. Internal.
 #pragma once
 
-#include "engine/fabric.h"
+#include "engine/cook/cook_state.h"
 
 namespace weft::effects {
 
-/// Makes ImplicitLevels of LevelLists and springs, of scenes that have both.
-void grip_levels(CookedFabric& fabric);
+/// Makes ImplicitLevels of LevelLists and springs, where the method is implicit.
+void grip_levels(cooking::CookState& state);
 
 }  // namespace weft::effects
