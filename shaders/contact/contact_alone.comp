@@ -47,7 +47,7 @@ SHARE(Detection, detection)
 #include "contact/limit.glsl"
 #include "contact/end_substep.glsl"
 
-#include "contact/wait.glsl"
+#include "wait.glsl"
 #include "contact/limit_rest.glsl"
 
 void list(uint kind, uint candidate) {

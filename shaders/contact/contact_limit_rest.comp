@@ -23,7 +23,7 @@ SHARE(Detection, detection)
 #include "reaction/touched_mesh.glsl"
 #include "contact/parting.glsl"
 #include "contact/limit.glsl"
-#include "contact/wait.glsl"
+#include "wait.glsl"
 #include "contact/limit_rest.glsl"
 
 void main() { limit_from(gl_LocalInvocationID.x, WEFT_WIDE_ROUNDS); }

@@ -32,7 +32,7 @@ SHARE(vec4, grid_entries)
 #define LATEST(name, i) name[i]
 #define LATEST_UINT(name, i) name[i]
 
-#include "contact/wait.glsl"
+#include "wait.glsl"
 
 #include "contact/groups.glsl"
 #include "contact/rare.glsl"

@@ -18,7 +18,7 @@ WRITE(vec4, grid_entries)
 #include "contact/cluster.glsl"
 #include "contact/scan.glsl"
 
-#include "contact/wait.glsl"
+#include "wait.glsl"
 
 #include "contact/fill.glsl"
 

@@ -1,5 +1,5 @@
 // limit_rest: rounds of contact_limit by one workgroup, until nothing changes. Needs contact/limit.glsl, contact/list_places.glsl,
-// contact/wait.glsl and LISTED(kind, place).
+// wait.glsl and LISTED(kind, place).
 
 // What a workgroup may do without its loops being ended: the same whether or not it has done all else before, which may take half of it.
 uint most_rounds(uint unsafe) {

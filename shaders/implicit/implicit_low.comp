@@ -18,11 +18,7 @@ SHARE_GATHER(level_changes)
 #define CHANGE(k) LOAD(level_changes, k).xyz
 #include "implicit/mean.glsl"
 #include "implicit/level_change.glsl"
-
-void wait() {
-  memoryBarrier();
-  barrier();
-}
+#include "wait.glsl"
 
 uint first_of(uint level) { return level == 0 ? 0 : level_ends[level - 1]; }
 

@@ -31,14 +31,4 @@ Block block_of(uint i, uint part) {
 #define RESIDUAL_OF(i) (FETCH(positions, i).w * FETCH(solve_vectors, i).xyz)
 #define BLOCK_OF(i, part) block_of(i, part)
 #include "implicit/mean.glsl"
-
-void main() {
-  if (gl_GlobalInvocationID.x >= push.count || linear[0].done != 0) return;
-  const uint k = push.first + gl_GlobalInvocationID.x;
-  level_residuals[k] = vec4(mean_residual(k), 0);
-  for (uint part = 0; part < kParts && push.iteration == 0; ++part) {
-    const Block block = mean_block(k, part);
-    level_blocks[4 * k + 2 * part] = vec4(block.diagonal, 0);
-    level_blocks[4 * k + 2 * part + 1] = vec4(block.below, 0);
-  }
-}
+#include "implicit/store_means.glsl"

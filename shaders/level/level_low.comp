@@ -22,11 +22,7 @@ const uint kAtOnce = 8, kLinksAtOnce = 4;
 #define CARRIED(k, node) LOAD(level_carried, k)
 #define PUT_OUT(k) level_supports[k]
 #include "level/level.glsl"
-
-void wait() {
-  memoryBarrier();
-  barrier();
-}
+#include "wait.glsl"
 
 void main() {
   const uint here = gl_LocalInvocationID.x;

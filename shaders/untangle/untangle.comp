@@ -41,7 +41,7 @@ const float kEager = 4;
 
 shared uint ended_early;
 
-#include "contact/wait.glsl"
+#include "wait.glsl"
 
 bool is_cut(uint edge) { return FETCH_UINT2(crossed_triangles, edge).y >> 31 != 0; }
 
