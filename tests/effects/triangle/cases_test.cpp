@@ -94,13 +94,19 @@ double deepest(const Simulation& simulation, const reference::Body& body, bool v
   constexpr int kParts = 10;
   const auto positions = must(simulation.read_positions());
   double most = -INFINITY;
-  for (const auto& [a, b, c] : simulation.fabric().triangles)
-    for (int i = 0; i <= kParts; i += vertices ? kParts : 1)
-      for (int j = 0; i + j <= kParts; j += vertices ? kParts : 1) {
+  const auto depth = [&](const Vector& p) { return -reference::signed_distance(body, p); };
+  for (const auto& corners : simulation.fabric().triangles) {
+    const Vector a = vector(positions[corners[0]]), b = vector(positions[corners[1]]), c = vector(positions[corners[2]]);
+    const double of_corners = std::max({depth(a), depth(b), depth(c)});
+    most = std::max(most, of_corners);
+    // All of it is nearer to a corner than its longest side, and depth changes by no more than place does.
+    if (vertices || of_corners < -std::sqrt(std::max({(a - b).squaredNorm(), (b - c).squaredNorm(), (c - a).squaredNorm()}))) continue;
+    for (int i = 0; i <= kParts; ++i)
+      for (int j = 0; i + j <= kParts; ++j) {
         const double u = double(i) / kParts, v = double(j) / kParts;
-        const Vector p = (1 - u - v) * vector(positions[a]) + u * vector(positions[b]) + v * vector(positions[c]);
-        most = std::max(most, -reference::signed_distance(body, p));
+        most = std::max(most, depth((1 - u - v) * a + u * b + v * c));
       }
+  }
   return most;
 }
 
