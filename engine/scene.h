@@ -417,6 +417,9 @@ bool tethers_hold(const Scene& scene);
 /// does, and the default unless tethers_hold.
 bool levels_of(const Scene& scene);
 
+/// Whether the scene has what moves whatever cloth does, and may push cloth along: anchors with keys, skins, mesh colliders, or pins.
+bool is_driven(const Scene& scene);
+
 /// The spectral radius that Chebyshev's iteration takes Jacobi's to have, with its default filled in.
 double rho_of(const SolverSettings& solver);
 

@@ -58,7 +58,8 @@
   X(38, bool, has_supports)     /* 1: what colliders hold weighs more against them in the solve (support/support.glsl) */ \
   X(39, bool, is_second_order)  /* 1: in time (bdf2/bdf2.glsl) */ \
   X(40, bool, meets_meshes)     /* 1: cloth meets mesh colliders (tether/tether.glsl) */ \
-  X(41, bool, idle_costs)       /* 1: threads that have nothing to do go through all of a shader, as on the software driver (contact/contact_alone.comp) */
+  X(41, bool, idle_costs)       /* 1: threads that have nothing to do go through all of a shader, as on the software driver (contact/contact_alone.comp) */ \
+  X(42, bool, is_driven)        /* 1: anchors or mesh colliders may drive cloth along (level/level.glsl) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u

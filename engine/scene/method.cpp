@@ -49,6 +49,13 @@ bool tethers_hold(const Scene& scene) {
   });
 }
 
+bool is_driven(const Scene& scene) {
+  const auto moves = [](const Anchor& anchor) { return !anchor.keys.empty(); };
+  return scene.pins > 0 || !mesh_colliders(scene).empty() || std::ranges::any_of(scene.cloths, [&](const Cloth& cloth) {
+           return cloth.skin.has_value() || std::ranges::any_of(cloth.anchors, moves);
+         });
+}
+
 bool levels_of(const Scene& scene) {
   const bool by_default = scene.solver.method == Method::by_default && !tethers_hold(scene);
   return scene.solver.levels.value_or(by_default || scene.solver.method == Method::strands);

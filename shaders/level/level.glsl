@@ -13,9 +13,14 @@ READ_WRITE(float, level_lambda)
 // goes. What is overdone flies back, at a relaxation of 2 as fast as it came, and more would gain energy.
 const float kEager = WEFT_EAGER_LEVELS;
 
-// Where contacts hold cloth against a level's pull, each undoes a little of the other in every substep; and cloth that something drives
-// along has to give way. So the links of nodes whose particles have candidates are a little slack, and leave to the threads what is left.
-float slack_of(float paired, float others_paired) { return has_contacts ? mix(1, WEFT_LEVEL_SLACK, clamp(max(paired, others_paired), 0, 1)) : 1; }
+// Where contacts hold cloth against a level's pull, each undoes a little of the other in every substep. So the links of nodes whose particles
+// have candidates are a little slack, and leave to the threads what is left. Where something may drive cloth along, all are: what is ahead of
+// that has to give way before it is met, or holds it up (ContactCase.a_held_sheet_carries_a_free_one_along_at_eight_metres_a_second: by
+// 1.8 mm in a substep, for less than 1).
+float slack_of(float paired, float others_paired) {
+  if (!has_contacts) return 1;
+  return is_driven ? WEFT_LEVEL_SLACK : mix(1, WEFT_LEVEL_SLACK, clamp(max(paired, others_paired), 0, 1));
+}
 
 // How far the next coarser level's, STEP, would carry node k, and what of their steps was held, over what put it out.
 vec4 carried_freely(uint k, LevelNode node) {
