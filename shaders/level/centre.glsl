@@ -17,7 +17,8 @@ struct LevelPlace {
 };
 
 LevelPlace place_of_point(uint i) {
-  return LevelPlace(CENTRE_OF(i).xyz, MIDDLE_OF(i).xyz, nodes_are_held ? PUT_OUT_OF(i).xyz : vec3(0), has_contacts && !is_driven ? PAIRED_OF(i) : 0);
+  return LevelPlace(CENTRE_OF(i).xyz, MIDDLE_OF(i).xyz, nodes_are_held ? PUT_OUT_OF(i).xyz : vec3(0),
+                    has_contacts && !is_driven ? PAIRED_OF(i) : 0);
 }
 
 LevelPlace place_of(uint k) {
