@@ -63,7 +63,7 @@ inline void slacken(Level& level, std::span<const double> paired, double slack) 
   for (Stretch& link : level.links) link.rest *= 1 + (slack - 1) * std::clamp(std::max(paired[link.a], paired[link.b]), 0.0, 1.0);
 }
 
-/// The same, of what of steps was held.
+/// What nodes' shares carry of what was held of their steps.
 inline double carried_held(const Share& share, std::span<const double> held) {
   double sum = 0;
   for (int k = 0; k < 3; ++k)

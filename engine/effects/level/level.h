@@ -35,7 +35,7 @@ inline constexpr Buffer level_node_shares = own<gpu::uvec4, &LevelLists::node_sh
 inline constexpr Buffer level_ends = own<gpu::uint, &LevelLists::ends>("level_ends");
 inline constexpr Buffer level_links = own<gpu::uvec4, &LevelLists::links>("level_links");
 inline constexpr Buffer level_shares = own<gpu::uvec4, &LevelLists::shares>("level_shares");
-/// The centre of mass of what each node carries (m).
+/// xyz: the centre of mass of what each node carries (m); w: beside contacts, the part of what is near it that has candidates.
 inline constexpr Buffer level_centres =
     scratch<gpu::vec4>("level_centres", [](const Cooked& s) { return std::uint64_t(s.fabric.own.of<LevelLists>().nodes.size()); });
 /// The mean of the nearest of it, between which lengths are measured (m).
