@@ -116,7 +116,7 @@ TEST_F(LevelCase, folds_are_not_flattened) {
   EXPECT_LT(farthest, 0.002) << "m";
 }
 
-// All coarse links were slack wherever a scene has contacts, and it strained by 1.4 %.
+// All coarse links were slack wherever a scene has contacts, and it strained by 0.9 %.
 TEST_F(LevelCase, what_hangs_where_nothing_is_near_strains_no_more_with_contacts) {
   Scene scene = without_contacts();
   scene.contacts.enabled = true;
