@@ -27,7 +27,6 @@ using Eigen::Vector3d;
 
 constexpr double kMostStretch = 0.3;
 constexpr double kSteepest = 0.005;   // of an edge: steeper, an imperfection would show in the shading of a fine mesh
-constexpr std::uint32_t kSeed = 1;   // of StartPose::scrambled and of imperfections: the same in every process
 
 struct Box {
   Vector3d centre, half;
@@ -98,7 +97,7 @@ void add_imperfection(const Cloth& cloth, const ClothRange& range, CookedFabric&
   if (cloth.start.imperfection == 0) return;
   const auto [normals, mean_edge] = surface_of(range, fabric);
   const double most = std::min(cloth.start.imperfection * cloth.fabric.thickness, kSteepest * mean_edge);
-  std::mt19937 words(kSeed);
+  std::mt19937 words(cloth.start.seed);
   for (std::uint32_t k = 0; k < range.particles; ++k) {
     gpu::vec4& p = fabric.positions[range.first_particle + k];
     const Vector3d off = most * random_part(words) * normals[k];
@@ -117,7 +116,7 @@ void take_start(const Cloth& cloth, const ClothRange& range, CookedFabric& fabri
   const Box box = box_of(positions);
   const int longest = box.axes[0];
   const double fold = height_of_fold(positions, box);
-  std::mt19937 words(kSeed);
+  std::mt19937 words(start.seed);
   for (std::size_t i = 0; i < positions.size(); ++i) {
     gpu::vec4 &p = positions[i], &v = velocities[i];
     Vector3d place = Vector3d(p.x, p.y, p.z) - box.centre;

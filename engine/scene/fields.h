@@ -10,6 +10,8 @@
 //   nobody)
 #pragma once
 
+#include <limits>
+
 #include "engine/effects/keys.h"   // made by CMake: of every effect in engine/effects/list.h
 #include "engine/effects/key_fields.h"
 
@@ -38,6 +40,7 @@ void fields(V& v, Start& start) {
   v.number("radius", start.radius, between(0, kFarthest, "m"));
   v.vector3("velocity", start.velocity, between(-1e3, 1e3, "m/s"));
   v.number("imperfection", start.imperfection, between(0, 1));
+  v.whole("seed", start.seed, between(0, std::numeric_limits<std::uint32_t>::max()));
 }
 
 template <class V>

@@ -128,6 +128,7 @@ struct HardenOptions {
   double band = 0.02;           // of the cloths' size: how far a perturbation may move their mean
   bool quick = false;
   std::string only;             // of the hard cases those whose name has this part
+  std::optional<std::uint32_t> seed;     // of all cloths' starts; none: the scene's
   std::filesystem::path readme; // whose table of hard cases is replaced; empty: none
   Farm farm;
   std::string device;

@@ -71,6 +71,12 @@ Row row_of(const Perturbation& perturbation, const PerturbedRun& seen, const Per
   return {{"report", report}, {"verdict", "held" + unjudged(perturbation)}};
 }
 
+// What is at random at the start is drawn anew.
+void draw(Scene& scene, const std::optional<std::uint32_t>& seed) {
+  if (!seed) return;
+  for (Cloth& cloth : scene.cloths) cloth.start.seed = *seed;
+}
+
 std::uint32_t frames_of(const Scene& scene, const HardenOptions& options) {
   return options.frames ? *options.frames : options.quick ? std::min(scene.frames, kQuickFrames) : scene.frames;
 }
@@ -151,6 +157,7 @@ Result<std::vector<Input>> find_inputs(const HardenOptions& options, bool suite,
   auto loaded = load_subject(options.file, options.assignments, options.buffer_files);
   if (!loaded) return loaded.take_error();
   scene = std::move(*loaded);
+  draw(scene, options.seed);
   return inputs_of(options.file, scene);
 }
 
@@ -169,8 +176,9 @@ Exit conclude_suite(const Rows& all, const std::filesystem::path& out, const std
 
 Exit harden_suite(const compute::Device& device, const HardenOptions& options) {
   std::printf("%zu hard cases on %s\n", hard_cases().size(), device.name().c_str());
-  const auto suite = suite_of(options.file, options.quick, options.only);
+  auto suite = suite_of(options.file, options.quick, options.only);
   if (!suite) return failed(suite.error());
+  for (SuiteItem& item : *suite) draw(item.scene, options.seed);
   if (suite->empty()) {
     complain("--only " + options.only + ": no hard case has this in its name");
     return kBadInput;

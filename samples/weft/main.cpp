@@ -223,6 +223,7 @@ Exit obey(int count, char** arguments) {
   harden_command->add_flag("--quick", harden_options.quick,
                            "Sixty frames and one or two perturbations of a kind; of the hard cases those that are small");
   harden_command->add_option("--only", harden_options.only, "Of the hard cases those whose name has this part");
+  harden_command->add_option("--seed", harden_options.seed, "Of all cloths' starts (start.seed): whether what holds holds by chance");
   CLI::Option* readme_option =
       harden_command->add_option("--readme", harden_options.readme, "A file whose table of hard cases is replaced")->type_name("FILE");
   add_farm(*harden_command, farm, shard)->excludes(readme_option);

@@ -132,6 +132,24 @@ TEST(Start, cloth_begins_off_its_plane_by_a_part_of_its_thickness) {
 }
 
 // Where edges are short, a fiftieth of the thickness would be steep: nothing may show in the shading.
+TEST(Start, what_is_at_random_is_drawn_by_its_seed) {
+  for (const StartPose pose : {StartPose::rest, StartPose::scrambled}) {
+    Scene scene = sheet(pose);
+    scene.cloths[0].start.imperfection = 0.1;
+    const auto drawn_by = [&](std::uint32_t seed) {
+      scene.cloths[0].start.seed = seed;
+      return cooked(scene).positions;
+    };
+    const auto first = drawn_by(0), again = drawn_by(0), last = drawn_by(4294967295u);
+    std::size_t alike = 0;
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      EXPECT_EQ(first[i].y, again[i].y);
+      alike += first[i].y == last[i].y;
+    }
+    EXPECT_LT(alike, first.size() / 4);
+  }
+}
+
 TEST(Start, fine_cloth_begins_no_steeper_than_coarse) {
   Scene scene = sheet(StartPose::rest);
   scene.cloths[0].grid = Grid{{0.02f, 0.01f}, 40, 20, Topology::diagonal, false};   // edges of 0.5 mm

@@ -358,6 +358,10 @@ TEST_F(CommandLine, harden_tells_what_held_and_fails_when_something_did_not) {
     EXPECT_EQ(row["pins_off_m"], 0) << row;
     EXPECT_NE(held.out.find(row["name"].get<std::string>()), std::string::npos) << row["name"];
   }
+  const Outcome again = weft({"harden", sheet, "--quick", "--frames", "20", "--seed", "2", "--out", out()});
+  EXPECT_EQ(again.exit, 0) << again.out << again.error;
+  const json drawn = json::parse(read(folder / "out/harden.json"), nullptr, false);
+  EXPECT_NE(drawn["rows"][0]["strain"], report["rows"][0]["strain"]) << "another start";
   const Outcome moved = weft({"harden", sheet, "--quick", "--frames", "20", "--band", "0", "--out", out()});
   EXPECT_EQ(moved.exit, 1);
   EXPECT_NE(moved.out.find("NOT HELD: sag"), std::string::npos) << moved.out;

@@ -47,6 +47,8 @@ TEST(Scene, every_key_arrives) {
   EXPECT_EQ(curtain.start.degrees, 120);
   EXPECT_EQ(curtain.start.radius, 0.25);
   EXPECT_EQ(curtain.start.velocity, (Vec3{0, -1, 2}));
+  EXPECT_EQ(curtain.start.imperfection, 0.5);
+  EXPECT_EQ(curtain.start.seed, 4294967295u);
   EXPECT_EQ(curtain.fabric, (Fabric{"denim", 0.3, std::numeric_limits<double>::infinity(), 5, 0, 0, 0.1, 0.004}));
   EXPECT_FALSE(curtain.bending);
   EXPECT_TRUE(curtain.tethers);

@@ -136,9 +136,8 @@ double drift(const compute::Device& device, const SolverSettings& solver) {
 
 TEST_F(Solvers, a_free_stretched_sheet_keeps_its_centre_of_mass) {
   EXPECT_LT(drift(device(), {.iterations = 1, .method = Method::gauss_seidel}), 1e-5);
-  // Every projection rounds a position, by 2^-24 of a metre times 0.29 (rms), and what is rounded in a substep is velocity times h: with 36
-  // of them, 289 particles and 600 substeps that adds up to 9e-5 m/s, and 5e-5 m in a second. Measured: 1.1e-5 m.
-  EXPECT_LT(drift(device(), {.iterations = 3, .method = Method::gauss_seidel}), 5e-5);
+  // Three times twelve links of each of 289 particles round: 5e-5 m. Measured: 1.1e-5 m, and 6e-5 from a start that is 2e-7 m off.
+  EXPECT_LT(drift(device(), {.iterations = 3, .method = Method::gauss_seidel}), 3 * rounding_drift(36, 289));
   // 10 of them, 240 substeps of four times that length: 1e-5 m is what is to be expected, and 1.1e-5 is measured.
   EXPECT_LT(drift(device(), {.substeps = 4, .iterations = 5, .method = Method::chebyshev}), 3e-5);
 }

@@ -43,7 +43,7 @@ inline constexpr const char* kFull = R"({
   "contacts": {"iterations": 2, "recover": 0.5, "kinematic_lag_limit": 3, "capacity": 4096, "cell": 0.03, "detection_margin": 0.002},
   "cloths": [
     {"name": "curtain", "mesh": "sheet.glb", "transform": {"translate": [1, 2, 3], "axis": [0, 0, 2], "degrees": 90, "scale": 0.5},
-     "start": {"pose": "folded", "degrees": 120, "radius": 0.25, "velocity": [0, -1, 2]},
+     "start": {"pose": "folded", "degrees": 120, "radius": 0.25, "velocity": [0, -1, 2], "imperfection": 0.5, "seed": 4294967295},
      "fabric": {"preset": "denim", "area_density": 0.3, "stretch": "rigid", "shear": 5, "bend": 0, "damping": 0,
                 "friction": 0.1, "thickness": 0.004},
      "bending": false, "tethers": {"per_vertex": 2, "slack": 0.1},

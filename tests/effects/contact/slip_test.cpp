@@ -70,11 +70,21 @@ Scene pulled_off_a_head(const test::Folder& folder, std::uint32_t cells, double 
 // into which the solve alone pulled cloth had no contact, and a step that they cut short loses what leads around, too (contact_prepare).
 // Then one size in ten did, those below among them, while tethers took twice as much of the displacement bound (tether.glsl). With 20 cells
 // its hem waited for a crease of the sheet that nobody pressed flat, up to the kinematic lag limit, and was driven through it (slide.glsl).
+// At 5 m/s it snaps off the ears and comes after its hem at 10: with ten substeps a third of all starts drive the hem through it.
 TEST_F(Slip, a_sheet_slips_off_a_head_with_ears_and_crosses_neither_it_nor_itself) {
   const test::Folder folder;
-  for (const auto& [cells, speed] : {std::pair(32u, 3.0), std::pair(37u, 3.0), std::pair(29u, 5.0), std::pair(20u, 3.0)}) {
-    SCOPED_TRACE(std::to_string(cells) + " cells, m/s: " + std::to_string(speed));
-    const auto simulation = must(Simulation::create(device(), pulled_off_a_head(folder, cells, speed)));
+  struct Pull {
+    std::uint32_t cells;
+    double speed;
+    std::uint32_t substeps, seed;
+  };
+  for (const auto& [cells, speed, substeps, seed] : {Pull{32, 3, 10, 1}, Pull{37, 3, 10, 1}, Pull{29, 5, 10, 1}, Pull{20, 3, 10, 1},
+                                                     Pull{32, 3, 10, 2}, Pull{29, 5, 20, 2}}) {
+    SCOPED_TRACE(std::to_string(cells) + " cells, m/s: " + std::to_string(speed) + ", seed " + std::to_string(seed));
+    Scene scene = pulled_off_a_head(folder, cells, speed);
+    scene.solver.substeps = substeps;
+    scene.cloths[0].start.seed = seed;
+    const auto simulation = must(Simulation::create(device(), scene));
     run(*simulation, 2.5);
     EXPECT_LT(strain_of(*simulation).mean, 0.02);
     float last = INFINITY;

@@ -88,10 +88,12 @@ TEST_F(LevelCase, momentum_of_a_free_closed_mesh_stays) {
       scene.gravity = {};
       scene.cloths.emplace_back().fabric.damping = 0;
       const auto simulation = must(Simulation::create(device(), scene, {globe(0.5, segments, rings)}));
-      const Point before = centre_of_mass(must(simulation->read_positions()));
+      const auto start = must(simulation->read_positions());
       run(*simulation, 1);
-      // Places are rounded alike in every substep, levels or none. A node that stood still drew 48 x 16 along by 27 mm.
-      EXPECT_LT(distance(before, centre_of_mass(must(simulation->read_positions()))), 5e-5) << "m in a second";
+      // Twelve links of a particle, and levels. The coarsest goes 4e-5 m, 2 to 8e-5 by the start. A node that stood still drew 48 x 16
+      // along by 27 mm.
+      const double farthest = 3 * rounding_drift(16, static_cast<double>(start.size()));
+      EXPECT_LT(distance(centre_of_mass(start), centre_of_mass(must(simulation->read_positions()))), farthest) << "m in a second";
     }
 }
 

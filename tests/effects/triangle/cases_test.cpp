@@ -220,16 +220,20 @@ TEST_F(TriangleCollision, are_looked_for_only_where_something_could_show_through
   EXPECT_TRUE(searches(over(box({0, 0, 0}, {1, 1, 1}), 50)));
 }
 
-// A cape's anchors lie in the shoulder that carries it.
+// A cape's anchors lie in the shoulder that carries it, above its middle: where it starts across that, half of it may go out below.
 TEST_F(TriangleCollision, anchors_inside_a_body_leave_the_cloth_around_them_calm) {
-  Scene scene = sheet(10);
-  scene.colliders = {capsule({0, 0, -0.45f}, 0.12, 1, {1, 0, 0})};
-  scene.cloths[0].fabric.damping = 4;
-  scene.cloths[0].anchors.emplace_back().box = Anchor::Box{{-1, -1, -0.51f}, {1, 1, -0.49f}};
-  const auto simulation = must(Simulation::create(device(), scene));
-  run(*simulation, 4);
-  EXPECT_LT(top_speed(*simulation), 0.05);
-  EXPECT_LT(strain_of(*simulation).max, 0.3);
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    SCOPED_TRACE(seed);
+    Scene scene = sheet(10);
+    scene.colliders = {capsule({0, -0.03f, -0.45f}, 0.12, 1, {1, 0, 0})};
+    scene.cloths[0].fabric.damping = 4;
+    scene.cloths[0].start.seed = seed;
+    scene.cloths[0].anchors.emplace_back().box = Anchor::Box{{-1, -1, -0.51f}, {1, 1, -0.49f}};
+    const auto simulation = must(Simulation::create(device(), scene));
+    run(*simulation, 4);
+    EXPECT_LT(top_speed(*simulation), 0.05);
+    EXPECT_LT(strain_of(*simulation).max, 0.05);
+  }
 }
 
 }  // namespace
