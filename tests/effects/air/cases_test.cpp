@@ -4,6 +4,7 @@
 #include <complex>
 #include <numbers>
 #include <numeric>
+#include <span>
 
 #include <Eigen/Core>
 #include <gtest/gtest.h>
@@ -224,9 +225,11 @@ Mesh made_at_random(const Grid& grid) {
   return must(weld_mesh(std::move(render)));
 }
 
-// f L / U: of the strongest frequency in how a flag of 1 m moves aside at its free end, over five seconds of a steady wind (m/s).
+// f L / U: of the strongest frequency in how a flag of 1 m moves aside at its free end, over five seconds of a steady wind (m/s). At 3 m/s
+// these are seven turns, no two alike: there the powers of three such windows, each half over the one before, are summed (Welch 1967).
 double flapping_of(const compute::Device& device, double wind, std::uint32_t cells, Made made) {
   constexpr double kFrame = 1.0 / 120, kTurn = 2 * std::numbers::pi;
+  constexpr std::size_t kWindow = 600;   // frames
   Scene scene = sheet(cells);
   Cloth& flag = scene.cloths[0];
   const Topology topology = made == Made::centred ? Topology::centre : Topology::diagonal;
@@ -242,19 +245,24 @@ double flapping_of(const compute::Device& device, double wind, std::uint32_t cel
   const auto off_end = [&](const gpu::vec4& x) { return std::hypot(x.x - 0.5f * along, x.y); };
   const auto tip = static_cast<std::size_t>(std::ranges::min_element(places, {}, off_end) - places.begin());
   run(*simulation, 3, kFrame);
-  std::vector<double> aside(600);
+  const std::size_t windows = wind < 5 ? 3 : 1;
+  std::vector<double> aside((windows + 1) * kWindow / 2);
   for (double& z : aside) {
     must(simulation->advance(kFrame));
     z = double(must(simulation->read_positions())[tip].z);
   }
-  const auto count = static_cast<double>(aside.size());
-  const double middle = std::accumulate(aside.begin(), aside.end(), 0.0) / count;
-  double strongest = 0, found = 0;
-  for (double f = 0.4; f < 40; f += 0.05) {   // with a window of Hann
+  const auto power = [&](std::span<const double> part, double f) {   // with a window of Hann
+    const double middle = std::accumulate(part.begin(), part.end(), 0.0) / kWindow;
     std::complex<double> sum = 0;
-    for (std::size_t k = 0; k < aside.size(); ++k)
-      sum += (aside[k] - middle) * (1 - std::cos(kTurn * double(k) / count)) * std::polar(1.0, -kTurn * f * kFrame * double(k));
-    if (std::norm(sum) > strongest) strongest = std::norm(sum), found = f;
+    for (std::size_t k = 0; k < kWindow; ++k)
+      sum += (part[k] - middle) * (1 - std::cos(kTurn * double(k) / kWindow)) * std::polar(1.0, -kTurn * f * kFrame * double(k));
+    return std::norm(sum);
+  };
+  double strongest = 0, found = 0;
+  for (double f = 0.4; f < 40; f += 0.05) {
+    double sum = 0;
+    for (std::size_t k = 0; k < windows; ++k) sum += power(std::span(aside).subspan(k * kWindow / 2, kWindow), f);
+    if (sum > strongest) strongest = sum, found = f;
   }
   return found / wind;
 }
@@ -266,7 +274,9 @@ void expect_flapping(const compute::Device& device, Made made, const std::string
   for (const double wind : {3.0, 8.0, 15.0})
     for (const std::uint32_t cells : {20u, 32u, 48u}) {
       if (made == Made::centred && cells == 48) continue;   // as many vertices as 68 cells have elsewhere
-      if ((made == Made::falling || made == Made::at_random) && cells == 32) continue;   // between the other two
+      // Two sizes are enough; where diagonals fall along a slow wind, 20 cells flap now faster, now slower, 1 to 2.8 Hz, by their start.
+      if (made == Made::falling && cells == (wind < 5 ? 20 : 32)) continue;
+      if (made == Made::at_random && cells == 32) continue;
       const double strouhal = flapping_of(device, wind, cells, made);
       testing::Test::RecordProperty("f_L_over_U_at_" + std::to_string(int(wind)) + "_with_" + std::to_string(cells) + "_" + name,
                                     std::to_string(strouhal));
