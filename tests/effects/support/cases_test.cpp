@@ -81,16 +81,18 @@ Scene over_a_ball(Method method) {
   return scene;
 }
 
-double farthest_apart(const Simulation& a, const Simulation& b) {
+double apart(const Simulation& a, const Simulation& b) {   // m, rms: the farthest, on a swinging corner, is chance
   const auto x = must(a.read_positions()), y = must(b.read_positions());
-  double most = 0;
-  for (std::size_t i = 0; i < x.size(); ++i)
-    most = std::max(most, std::hypot(double(x[i].x) - y[i].x, double(x[i].y) - y[i].y, double(x[i].z) - y[i].z));
-  return most;
+  double squares = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double off = std::hypot(double(x[i].x) - y[i].x, double(x[i].y) - y[i].y, double(x[i].z) - y[i].z);
+    squares += off * off;
+  }
+  return std::sqrt(squares / static_cast<double>(x.size()));
 }
 
 // The ball is taken away: the sheet swings down as another does that begins there and never had one, but for the few substeps until it is
-// let go: 2 to 3 cm in a fall of 20 (5 and 7, where supports lose only 3 % a substep).
+// let go: 6 to 9 mm in a fall of 20 cm, from eight starts (18 to 36, where supports lose only 3 % a substep).
 TEST_F(Supports, what_no_collider_meets_any_more_is_free) {
   for (const Method method : {Method::by_default, Method::strands}) {
     SCOPED_TRACE(method == Method::strands ? "strands" : "default");
@@ -103,7 +105,7 @@ TEST_F(Supports, what_no_collider_meets_any_more_is_free) {
     must(free->write_velocities(must(held->read_velocities())));
     must(held->place_collider(0, {.centre = {0, -50, 0}}));
     for (Simulation* simulation : {held.get(), free.get()}) run(*simulation, 0.2);
-    EXPECT_LT(farthest_apart(*held, *free), 0.04);
+    EXPECT_LT(apart(*held, *free), 0.012);
   }
 }
 
