@@ -122,8 +122,8 @@ struct Start {
   /// Of the fabric's thickness, 0 ... 1: by at most this, and by 1/200 of the mean edge, every free vertex is off its place, across the
   /// cloth, at random, and in every run alike. Without it cloth that is flat to the bit stays flat, since nothing ever pushes it aside.
   double imperfection = 0.02;
-  /// 0 ... 2^32 - 1, of what is at random here, the scrambled places and the imperfection: the same seed starts alike in every process. Where
-  /// cloth folds is chance; what is said of it should hold with every seed.
+  /// 0 ... 2^32 - 1, of what is at random here, the scrambled places and the imperfection: the same seed starts alike in every process.
+  /// Where cloth folds is chance; what is said of it should hold with every seed.
   std::uint32_t seed = 1;
 };
 
