@@ -72,7 +72,7 @@ Row row_of(const Perturbation& perturbation, const PerturbedRun& seen, const Per
 }
 
 // What is at random at the start is drawn anew.
-void draw(Scene& scene, const std::optional<std::uint32_t>& seed) {
+void reseed(Scene& scene, const std::optional<std::uint32_t>& seed) {
   if (!seed) return;
   for (Cloth& cloth : scene.cloths) cloth.start.seed = *seed;
 }
@@ -157,7 +157,7 @@ Result<std::vector<Input>> find_inputs(const HardenOptions& options, bool suite,
   auto loaded = load_subject(options.file, options.assignments, options.buffer_files);
   if (!loaded) return loaded.take_error();
   scene = std::move(*loaded);
-  draw(scene, options.seed);
+  reseed(scene, options.seed);
   return inputs_of(options.file, scene);
 }
 
@@ -178,7 +178,7 @@ Exit harden_suite(const compute::Device& device, const HardenOptions& options) {
   std::printf("%zu hard cases on %s\n", hard_cases().size(), device.name().c_str());
   auto suite = suite_of(options.file, options.quick, options.only);
   if (!suite) return failed(suite.error());
-  for (SuiteItem& item : *suite) draw(item.scene, options.seed);
+  for (SuiteItem& item : *suite) reseed(item.scene, options.seed);
   if (suite->empty()) {
     complain("--only " + options.only + ": no hard case has this in its name");
     return kBadInput;

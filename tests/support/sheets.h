@@ -78,6 +78,7 @@ inline Point centre_of_mass(const std::vector<gpu::vec4>& positions) {
   }
   return {sum.x / mass, sum.y / mass, sum.z / mass};
 }
+
 /// How far rounding carries the centre of mass of so many particles along an axis within a second, root mean square (m). Every projection
 /// of a particle rounds its position, of up to a metre, by 2^-24 m times 0.29; what is rounded in one of 600 substeps is velocity times h,
 /// so velocities walk at random, and the drift is their integral.

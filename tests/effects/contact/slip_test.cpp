@@ -70,7 +70,7 @@ Scene pulled_off_a_head(const test::Folder& folder, std::uint32_t cells, double 
 // into which the solve alone pulled cloth had no contact, and a step that they cut short loses what leads around, too (contact_prepare).
 // Then one size in ten did, those below among them, while tethers took twice as much of the displacement bound (tether.glsl). With 20 cells
 // its hem waited for a crease of the sheet that nobody pressed flat, up to the kinematic lag limit, and was driven through it (slide.glsl).
-// At 5 m/s it snaps off the ears and comes after its hem at 10: with ten substeps a third of all starts drive the hem through it.
+// At 5 m/s it snaps off the ears and comes after its hem at 10: with ten substeps it is chance whether the hem is driven through it.
 TEST_F(Slip, a_sheet_slips_off_a_head_with_ears_and_crosses_neither_it_nor_itself) {
   const test::Folder folder;
   struct Pull {
