@@ -3,7 +3,7 @@
 //
 // Forces between centres, handed on by those same shares, turn nothing: what a node gives its points has no moment about their centre.
 // Lengths are measured between middles (engine/effects/level/centres.cpp). Where what it carries is held (support.glsl), it is held by the
-// mean of what put that out. Beside contacts it is known, too, of how much of what it carries something is near (level.glsl).
+// mean of what put that out.
 //
 // A thread waits for memory once for kAtOnce of them. Measured on a GPU (H200): eight at once more than halve the time of the one workgroup of
 // level_low, which has nothing else to do meanwhile, and more than double that of level_centre, whose workgroups have each other.
@@ -13,19 +13,15 @@ GATHER_UINT2(level_gathers)
 
 struct LevelPlace {
   vec3 centre, middle, put_out;   // m
-  float paired;                   // part of what the node carries that has candidates
 };
 
-LevelPlace place_of_point(uint i) {
-  return LevelPlace(CENTRE_OF(i).xyz, MIDDLE_OF(i).xyz, nodes_are_held ? PUT_OUT_OF(i).xyz : vec3(0),
-                    has_contacts && !is_driven ? PAIRED_OF(i) : 0);
-}
+LevelPlace place_of_point(uint i) { return LevelPlace(CENTRE_OF(i).xyz, MIDDLE_OF(i).xyz, nodes_are_held ? PUT_OUT_OF(i).xyz : vec3(0)); }
 
 LevelPlace place_of(uint k) {
   const uint begin = unpack_level_node(FETCH(level_nodes, k)).first_gather, end = unpack_level_node(FETCH(level_nodes, k + 1)).first_gather;
   const uint first = FETCH_UINT2(level_gathers, begin).x;
   const LevelPlace from = place_of_point(first);
-  LevelPlace sum = LevelPlace(vec3(0), vec3(0), vec3(0), 0);
+  LevelPlace sum = LevelPlace(vec3(0), vec3(0), vec3(0));
   for (uint g = begin + 1; g < end; g += kAtOnce) {
     LevelGather gather[kAtOnce];
     LevelPlace at[kAtOnce];
@@ -36,8 +32,7 @@ LevelPlace place_of(uint k) {
       sum.centre += gather[j].in_centre * (at[j].centre - from.centre);
       sum.put_out += gather[j].in_centre * (at[j].put_out - from.put_out);
       sum.middle += gather[j].in_middle * (at[j].middle - from.middle);
-      sum.paired += gather[j].in_middle * (at[j].paired - from.paired);
     }
   }
-  return LevelPlace(from.centre + sum.centre, from.middle + sum.middle, from.put_out + sum.put_out, from.paired + sum.paired);
+  return LevelPlace(from.centre + sum.centre, from.middle + sum.middle, from.put_out + sum.put_out);
 }

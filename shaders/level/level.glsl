@@ -13,14 +13,11 @@ READ_WRITE(float, level_lambda)
 // goes. What is overdone flies back, at a relaxation of 2 as fast as it came, and more would gain energy.
 const float kEager = WEFT_EAGER_LEVELS;
 
-// Where contacts hold cloth against a level's pull, each undoes a little of the other in every substep. So the links of nodes whose particles
-// have candidates are a little slack, and leave to the threads what is left. Where something may drive cloth along, all are: what is ahead of
-// that has to give way before it is met, or holds it up (ContactCase.a_held_sheet_carries_a_free_one_along_at_eight_metres_a_second: by
-// 1.8 mm in a substep, for less than 1).
-float slack_of(float paired, float others_paired) {
-  if (!has_contacts) return 1;
-  return is_driven ? WEFT_LEVEL_SLACK : mix(1, WEFT_LEVEL_SLACK, clamp(max(paired, others_paired), 0, 1));
-}
+// Where contacts are and something may drive cloth along, links are a little slack: what is ahead of it has to give way before it is met, or
+// holds it up (ContactCase.a_held_sheet_carries_a_free_one_along_at_eight_metres_a_second: by 3.9 mm in a substep, for less than 1). Elsewhere
+// they are not. Slack where candidates were, folds that touch flapped for ever, by 0.7 mm a frame
+// (Rest.folds_of_a_tablecloth_swing_and_do_not_shiver).
+const float kSlack = has_contacts && is_driven ? WEFT_LEVEL_SLACK : 1;
 
 // How far the next coarser level's, STEP, would carry node k, and what of their steps was held, over what put it out.
 vec4 carried_freely(uint k, LevelNode node) {
@@ -41,31 +38,29 @@ vec4 step_of(uint k) {
   const LevelNode node = unpack_level_node(FETCH(level_nodes, k));
   if (node.inverse_mass == 0) return vec4(0);
   const vec4 carried = CARRIED(k, node);   // m, and inverse mass times links (1/kg)
-  const vec4 centre = CENTRE(k);   // w: part of what it carries that has candidates
-  const vec3 middle = MIDDLE(k).xyz;
+  const vec3 centre = CENTRE(k).xyz, middle = MIDDLE(k).xyz;
   const bool first = (push.flags & WEFT_FIRST_ITERATION) != 0;
   const float omega = min(kEager * motion.relaxation, is_second_order ? WEFT_MOST_EAGER_2 : WEFT_MOST_EAGER);
   vec3 sum = vec3(0);
   const uint end = node.first_link + node.links;
   for (uint begin = node.first_link; begin < end; begin += kLinksAtOnce) {   // as in centre.glsl
     LevelLink links[kLinksAtOnce];
-    vec4 centres[kLinksAtOnce];
-    vec3 middles[kLinksAtOnce];
+    vec3 centres[kLinksAtOnce], middles[kLinksAtOnce];
     vec4 others_carried[kLinksAtOnce];
     for (uint j = 0; j < kLinksAtOnce; ++j) links[j] = unpack_level_link(FETCH(level_links, min(begin + j, end - 1)));
     for (uint j = 0; j < kLinksAtOnce; ++j) {
       const uint other = links[j].other;
-      centres[j] = CENTRE(other);
+      centres[j] = CENTRE(other).xyz;
       middles[j] = MIDDLE(other).xyz;
       others_carried[j] = CARRIED(other, unpack_level_node(FETCH(level_nodes, other)));
     }
     for (uint j = 0; j < kLinksAtOnce; ++j) {
       const uint l = begin + j;
       if (l >= end) break;
-      const vec3 gone = carried.xyz - others_carried[j].xyz, d = middle - middles[j] + gone, pull = centre.xyz - centres[j].xyz + gone;
+      const vec3 gone = carried.xyz - others_carried[j].xyz, d = middle - middles[j] + gone, pull = centre - centres[j] + gone;
       const float len = sqrt(dot(d, d) + 1e-20), alpha = links[j].compliance * motion.inverse_h2;
       const float lambda = is_iterated && !first ? level_lambda[l] : 0, weight = carried.w + others_carried[j].w + omega * alpha;
-      const float change = min(omega * (slack_of(centre.w, centres[j].w) * links[j].rest - len - alpha * lambda) / max(weight, 1e-20), -lambda);
+      const float change = min(omega * (kSlack * links[j].rest - len - alpha * lambda) / max(weight, 1e-20), -lambda);
       if (is_iterated) level_lambda[l] = lambda + change;
       sum += change / sqrt(dot(pull, pull) + 1e-20) * pull;
     }

@@ -48,21 +48,6 @@ inline Points means(const Level& level, const Points& finer, double Gather::*wei
   return means;
 }
 
-/// Of each node, the part of what it carries that has candidates, of whose points that is `finer`.
-inline std::vector<double> paired_of(const Level& level, std::span<const double> finer) {
-  std::vector<double> paired;
-  for (const auto& gathers : level.gathers) {
-    double& sum = paired.emplace_back(0);
-    for (const Gather& gather : gathers) sum += gather.in_middle * finer[gather.point];
-  }
-  return paired;
-}
-
-/// Lengthens the links of nodes that carry what has candidates, by up to `slack` times.
-inline void slacken(Level& level, std::span<const double> paired, double slack) {
-  for (Stretch& link : level.links) link.rest *= 1 + (slack - 1) * std::clamp(std::max(paired[link.a], paired[link.b]), 0.0, 1.0);
-}
-
 /// What nodes' shares carry of what was held of their steps.
 inline double carried_held(const Share& share, std::span<const double> held) {
   double sum = 0;

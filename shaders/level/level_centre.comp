@@ -5,7 +5,6 @@
 
 GATHER(predicted)
 GATHER(supports)
-GATHER_UINT(displacement_bounds)
 WRITE(vec4, level_supports)
 WRITE(vec4, level_centres)
 WRITE(vec4, level_middles)
@@ -13,7 +12,6 @@ const uint kAtOnce = 1;
 #define CENTRE_OF(i) FETCH(predicted, i)
 #define MIDDLE_OF(i) FETCH(predicted, i)
 #define PUT_OUT_OF(i) FETCH(supports, i)
-#define PAIRED_OF(i) ((FETCH_UINT(displacement_bounds, i) & WEFT_PAIRED) != 0 ? 1.0 : 0.0)
 #include "support/support.glsl"
 #include "level/centre.glsl"
 
@@ -21,7 +19,7 @@ void main() {
   if (gl_GlobalInvocationID.x >= push.count) return;
   const uint k = push.first + gl_GlobalInvocationID.x;
   const LevelPlace place = place_of(k);
-  level_centres[k] = vec4(place.centre, place.paired);
+  level_centres[k].xyz = place.centre;
   level_middles[k].xyz = place.middle;
   if (nodes_are_held) level_supports[k].xyz = place.put_out;
 }

@@ -11,7 +11,6 @@ const uint kAtOnce = 1;
 #define CENTRE_OF(k) FETCH(level_centres, k)
 #define MIDDLE_OF(k) FETCH(level_middles, k)
 #define PUT_OUT_OF(k) FETCH(level_supports, k)
-#define PAIRED_OF(k) FETCH(level_centres, k).w
 #include "support/support.glsl"
 #include "level/centre.glsl"
 
@@ -19,7 +18,7 @@ void main() {
   if (gl_GlobalInvocationID.x >= push.count) return;
   const uint k = push.first + gl_GlobalInvocationID.x;
   const LevelPlace place = place_of(k);
-  level_centres[k] = vec4(place.centre, place.paired);
+  level_centres[k].xyz = place.centre;
   level_middles[k].xyz = place.middle;
   if (nodes_are_held) level_supports[k].xyz = place.put_out;
 }

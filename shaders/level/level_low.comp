@@ -14,7 +14,6 @@ const uint kAtOnce = 8, kLinksAtOnce = 4;
 #define CENTRE_OF(k) LOAD(level_centres, k)
 #define MIDDLE_OF(k) LOAD(level_middles, k)
 #define PUT_OUT_OF(k) level_supports[k]
-#define PAIRED_OF(k) LOAD(level_centres, k).w
 #include "support/support.glsl"
 #include "level/centre.glsl"
 #define CENTRE(k) LOAD(level_centres, k)
@@ -31,7 +30,7 @@ void main() {
   for (uint level = has_wide_levels ? push.count : push.count - 1; level-- > 0;) {
     for (uint k = (level == 0 ? 0 : level_ends[level - 1]) + here; k < level_ends[level]; k += workgroup) {
       const LevelPlace place = place_of(k);
-      STORE(level_centres, k, vec4(place.centre, place.paired))
+      STORE(level_centres, k, vec4(place.centre, 0))
       STORE(level_middles, k, vec4(place.middle, 0))
       if (nodes_are_held) level_supports[k].xyz = place.put_out;
     }
