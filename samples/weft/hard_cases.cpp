@@ -70,8 +70,8 @@ constexpr Check kCantilever[] = {{"tip against Euler and Bernoulli", 0.1, "", at
 constexpr Check kPendulum[] = {{"period", 1e-3, "", at_end, pendulum_error}, kPins, kFinite};
 constexpr Check kCusick[] = {{"drape over that of the next stiffer", 1, "", at_end, drape_order}, kPins, kFinite};
 constexpr Check kBelow[] = {{"depth", 1e-5, "m", at_end, deepest}, kFinite};
-// Positions of up to 0.5 m are rounded by 9e-9 m (rms) along each axis in a substep of 1/600 s, which is velocity: over 600 substeps and 752
-// particles 5e-6 m/s in the mean, 8.4e-6 along all three, of 0.2 m/s 4.2e-5 (from eight starts 1.9 to 5.9e-5, rms 3.9e-5); twice that.
+// Positions of up to 0.5 m are rounded by 9e-9 m (rms) along each axis in a substep of 1/600 s, which is velocity: over 600 substeps and
+// 752 particles 5e-6 m/s in the mean, 8.4e-6 along all three, of 0.2 m/s 4.2e-5 (from eight starts 1.9 to 5.9e-5, rms 3.9e-5); twice that.
 constexpr Check kFolded[] = {{"momentum, of all motion", 8.4e-5, "", always, momentum_change},
                              kApart, kMeanStrain, kStrain, kNoOverflow, kFinite};
 

@@ -13,9 +13,9 @@ READ_WRITE(float, level_lambda)
 // goes. What is overdone flies back, at a relaxation of 2 as fast as it came, and more would gain energy.
 const float kEager = WEFT_EAGER_LEVELS;
 
-// Where contacts are and something may drive cloth along, links are a little slack: what is ahead of it has to give way before it is met, or
-// holds it up (ContactCase.a_held_sheet_carries_a_free_one_along_at_eight_metres_a_second: by 3.9 mm in a substep, for less than 1). Elsewhere
-// they are not. Slack where candidates were, folds that touch flapped for ever, by 0.7 mm a frame
+// Where contacts are and something may drive cloth along, links are a little slack: what is ahead of it has to give way before it is met,
+// or holds it up (ContactCase.a_held_sheet_carries_a_free_one_along_at_eight_metres_a_second: by 3.9 mm in a substep, for less than 1).
+// Elsewhere they are not. Slack where candidates were, folds that touch flapped for ever, by 0.7 mm a frame
 // (Rest.folds_of_a_tablecloth_swing_and_do_not_shiver).
 const float kSlack = has_contacts && is_driven ? WEFT_LEVEL_SLACK : 1;
 

@@ -95,8 +95,9 @@ TEST_F(Rest, a_sheet_over_a_ball_is_at_rest_within_five_seconds) {
   }
 }
 
-// Folds that touch, of the scene tablecloth, after seven seconds. What swings at 25 rad/s changes its step by four tenths of it from frame to
-// frame; what flaps, by all of it. With coarse links that were slack where candidates were (level.glsl) 114 particles did, by up to 0.7 mm.
+// Folds that touch, of the scene tablecloth, after seven seconds. What swings at 25 rad/s changes its step by four tenths of it from frame
+// to frame; what flaps, by all of it. With coarse links that were slack where candidates were (level.glsl) 114 particles did, by up to
+// 0.7 mm.
 TEST_F(Rest, folds_of_a_tablecloth_swing_and_do_not_shiver) {
   const auto simulation = must(Simulation::create(device(), must(load_scene(WEFT_ASSETS "/scenes/tablecloth.json"))));
   run(*simulation, 7);
