@@ -58,8 +58,7 @@
   X(38, bool, has_supports)     /* 1: what colliders hold weighs more against them in the solve (support/support.glsl) */ \
   X(39, bool, is_second_order)  /* 1: in time (bdf2/bdf2.glsl) */ \
   X(40, bool, meets_meshes)     /* 1: cloth meets mesh colliders (tether/tether.glsl) */ \
-  X(41, bool, idle_costs)       /* 1: threads that have nothing to do go through all of a shader, as on the software driver (contact/contact_alone.comp) */ \
-  X(42, bool, is_driven)        /* 1: anchors or mesh colliders may drive cloth along (level/level.glsl) */
+  X(41, bool, idle_costs)       /* 1: threads that have nothing to do go through all of a shader, as on the software driver (contact/contact_alone.comp) */
 
 #define WEFT_LINEAR_CG 0u
 #define WEFT_LINEAR_JACOBI 1u
@@ -182,7 +181,7 @@ struct Patch {
 
 #define WEFT_STRAND_LINKS 16u   // of a strand, at most (strand.comp)
 #define WEFT_EAGER_LEVELS 1.4f   // relaxation of coarse levels over that of other passes (level.glsl)
-#define WEFT_LEVEL_SLACK 1.03f   // how much longer than at rest a coarse link may be beside contacts (level.glsl)
+#define WEFT_LEVEL_SLACK 1.03f   // how much longer than at rest a coarse link may be where something drives cloth (level.glsl)
 #define WEFT_MOST_EAGER 1.75f    // the most that it is
 #define WEFT_MOST_EAGER_2 1.2f   // in second order in time, in which a link that only pulls gains energy from 1.3 on
 #define WEFT_LEVEL_PART 0.4f   // of what each level alone would change, as levels overlap (implicit/mean.glsl)
@@ -521,6 +520,7 @@ struct Motion {
   float relaxation;   // over-relaxation of Jacobi and Gauss-Seidel; the weight of the damped Jacobi of the method implicit
   float substep;      // s
   float inverse_substep;   // 1/s
+  float level_slack;  // coarse links may be so many times as long as at rest (level/level.glsl)
 };
 
 struct ContactSettings {
@@ -582,7 +582,7 @@ static_assert(sizeof(Grab) == 44 && sizeof(Collider) == 112 && sizeof(BodySize) 
 static_assert(sizeof(SkinPoint) == 76 && sizeof(Joint) == 96 && sizeof(MotionLimits) == 8 && sizeof(Reaction) == 48);
 static_assert(sizeof(MorphDelta) == 16 && sizeof(Carried) == 48 && sizeof(FrameChange) == 96);
 static_assert(sizeof(Gas) == 32 && sizeof(GasPart) == 16 && sizeof(GasState) == 8 && sizeof(GasSum) == 24);
-static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 48);
+static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 52);
 static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 416 && sizeof(Acceleration) == 48);
 // As std430 and std140 have them.
 static_assert(offsetof(Collider, normal_from) == 32 && offsetof(Collider, rotation_from) == 80 && offsetof(Collider, half_size) == 96);

@@ -78,6 +78,7 @@ Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input)
   }
   clock.substeps += advance.substeps;
   move_scene(advance.simulated, input);
+  if (contacts_on(scene) && is_driven()) input.level_slack = WEFT_LEVEL_SLACK;
   if (input.anchors_move || !input.edits.empty() || !input.frame_changes.empty()) stir();
   input.kinematics_rest = kinematic.rest;
   return advance;
@@ -123,6 +124,11 @@ void Simulation::State::move_collider_meshes() {
         at[static_cast<std::ptrdiff_t>(k)].to = gpu_vector(collider_point(fabric, mesh, k, to.centre, to.rotation));
     at += mesh.particles;
   }
+}
+
+// Whether something may push cloth along, by the scene or by the host, whose anchors need no keys.
+bool Simulation::State::is_driven() const {
+  return weft::is_driven(scene) || std::ranges::find(kinematic.is_host_driven, true) != kinematic.is_host_driven.end();
 }
 
 void Simulation::State::move_anchors() {

@@ -222,6 +222,7 @@ struct Simulation::State {
   /// As vertices of cloth meet a collider: larger than it is where triangles between them would show it through.
   gpu::BodySize size_to_vertices(std::uint32_t collider) const;
   void move_scene(double seconds, FrameInput& input);
+  bool is_driven() const;
   void move_anchors();
   void move_grabs();
   std::size_t anchors_and_pins() const { return kinematic.pending.size(); }

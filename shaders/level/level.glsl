@@ -13,11 +13,10 @@ READ_WRITE(float, level_lambda)
 // goes. What is overdone flies back, at a relaxation of 2 as fast as it came, and more would gain energy.
 const float kEager = WEFT_EAGER_LEVELS;
 
-// Where contacts are and something may drive cloth along, links are a little slack: what is ahead of it has to give way before it is met,
-// or holds it up (ContactCase.a_held_sheet_carries_a_free_one_along_at_eight_metres_a_second: by 3.9 mm in a substep, for less than 1).
-// Elsewhere they are not. Slack where candidates were, folds that touch flapped for ever, by 0.7 mm a frame
+// Where contacts are and something may drive cloth along, links are a little slack (Motion::level_slack): what is ahead of it has to give
+// way before it is met, or holds it up (ContactCase.a_held_sheet_carries_a_free_one_along_at_eight_metres_a_second: by 3.9 mm in a substep,
+// for less than 1). Elsewhere they are not. Slack where candidates were, folds that touch flapped for ever, by 0.7 mm a frame
 // (Rest.folds_of_a_tablecloth_swing_and_do_not_shiver).
-const float kSlack = has_contacts && is_driven ? WEFT_LEVEL_SLACK : 1;
 
 // How far the next coarser level's, STEP, would carry node k, and what of their steps was held, over what put it out.
 vec4 carried_freely(uint k, LevelNode node) {
@@ -60,7 +59,7 @@ vec4 step_of(uint k) {
       const vec3 gone = carried.xyz - others_carried[j].xyz, d = middle - middles[j] + gone, pull = centre - centres[j] + gone;
       const float len = sqrt(dot(d, d) + 1e-20), alpha = links[j].compliance * motion.inverse_h2;
       const float lambda = is_iterated && !first ? level_lambda[l] : 0, weight = carried.w + others_carried[j].w + omega * alpha;
-      const float change = min(omega * (kSlack * links[j].rest - len - alpha * lambda) / max(weight, 1e-20), -lambda);
+      const float change = min(omega * (motion.level_slack * links[j].rest - len - alpha * lambda) / max(weight, 1e-20), -lambda);
       if (is_iterated) level_lambda[l] = lambda + change;
       sum += change / sqrt(dot(pull, pull) + 1e-20) * pull;
     }

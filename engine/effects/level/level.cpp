@@ -404,7 +404,6 @@ constinit const Effect level{
         [](const Cooked& s, Constants& constants) {
           const LevelLists& lists = s.fabric.own.of<LevelLists>();
           constants[gpu::constant::has_levels] = 1;
-          constants[gpu::constant::is_driven] = is_driven(s.scene);
           constants[gpu::constant::has_wide_levels] = lists.low < lists.ends.size();
         },
     .reference = Reference::a_way_to,

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <numbers>
 #include <string>
 
@@ -309,6 +310,22 @@ TEST_F(ContactCase, a_held_sheet_carries_a_free_one_along_at_eight_metres_a_seco
     RecordProperty("waits_m_" + std::to_string(free_cells) + "_" + std::to_string(held_cells), std::to_string(waits));
     EXPECT_LT(lowest_of_the_free_one(*simulation), -0.65) << "the free sheet is in front of the held one's edge";
   }
+}
+
+// Anchors that a host drives need no keys. Where it drives them from the first frame on as keys would, nothing differs.
+TEST_F(ContactCase, what_a_host_drives_does_what_keys_do) {
+  const Scene keyed = driven_into_a_free_one(24, 30, 8);
+  Scene bare = keyed;
+  bare.cloths[1].anchors[0].keys.clear();
+  const auto by_keys = must(Simulation::create(device(), keyed)), by_host = must(Simulation::create(device(), bare));
+  for (int frame = 1; frame <= 16; ++frame) {
+    must(by_host->move_anchors(0, anchor_targets(keyed, by_keys->fabric(), frame * kFrame)));
+    for (Simulation* simulation : {by_keys.get(), by_host.get()}) must(simulation->advance(kFrame));
+  }
+  EXPECT_LT(lowest_of_the_free_one(*by_host), -0.5);
+  EXPECT_LT(by_host->counts().tracking_error, 0.001);
+  const auto a = must(by_host->read_positions()), b = must(by_keys->read_positions());
+  EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(gpu::vec4)), 0);
 }
 
 // Strain runs a cell an iteration, so the free sheet is torn at what carries it along, but nothing crosses. At 28 cells it did, and at 40 the
