@@ -181,7 +181,9 @@ struct Patch {
 
 #define WEFT_STRAND_LINKS 16u   // of a strand, at most (strand.comp)
 #define WEFT_EAGER_LEVELS 1.4f   // relaxation of coarse levels over that of other passes (level.glsl)
-#define WEFT_LEVEL_SLACK 1.03f   // how much longer than at rest a coarse link may be where something drives cloth (level.glsl)
+#define WEFT_LEVEL_KEPT 0.98f   // of its length, what an iteration leaves of a coarse link at least where something drives cloth (level.glsl)
+#define WEFT_LEVEL_SLACK 0.03f    // Detection::slack where something is pushed
+#define WEFT_SLACK_LASTS 30      // substeps, in which it ends after that
 #define WEFT_MOST_EAGER 1.75f    // the most that it is
 #define WEFT_MOST_EAGER_2 1.2f   // in second order in time, in which a link that only pulls gains energy from 1.3 on
 #define WEFT_LEVEL_PART 0.4f   // of what each level alone would change, as levels overlap (implicit/mean.glsl)
@@ -483,6 +485,7 @@ struct Detection {
   uint crossings;     // pairs of an edge and a triangle that it goes through, which the last detection found; 0 where it did not look
   uint stirs;         // 1: a kinematic particle moves in this substep, or has a trajectory from when it did
   uint stirred;       // substeps in which one did
+  float slack;        // of coarse links, over their lengths at rest: where kinematic particles push, and for a while after (level/level.glsl)
   uint levels;        // a bit for each level that has boxes
   uint extents[WEFT_LEVELS];   // bits of the longest half side of a box (m) at each level
 };
@@ -520,7 +523,7 @@ struct Motion {
   float relaxation;   // over-relaxation of Jacobi and Gauss-Seidel; the weight of the damped Jacobi of the method implicit
   float substep;      // s
   float inverse_substep;   // 1/s
-  float level_slack;  // coarse links may be so many times as long as at rest (level/level.glsl)
+  float level_kept;   // of its length, what an iteration leaves of a coarse link at least (level/level.glsl)
 };
 
 struct ContactSettings {
@@ -583,7 +586,7 @@ static_assert(sizeof(SkinPoint) == 76 && sizeof(Joint) == 96 && sizeof(MotionLim
 static_assert(sizeof(MorphDelta) == 16 && sizeof(Carried) == 48 && sizeof(FrameChange) == 96);
 static_assert(sizeof(Gas) == 32 && sizeof(GasPart) == 16 && sizeof(GasState) == 8 && sizeof(GasSum) == 24);
 static_assert(sizeof(Material) == 16 && sizeof(Counters) == 56 && sizeof(Push) == 28 && sizeof(Motion) == 52);
-static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 416 && sizeof(Acceleration) == 48);
+static_assert(sizeof(Linear) == 32 && sizeof(FreeCloth) == 20 && sizeof(Detection) == 420 && sizeof(Acceleration) == 48);
 // As std430 and std140 have them.
 static_assert(offsetof(Collider, normal_from) == 32 && offsetof(Collider, rotation_from) == 80 && offsetof(Collider, half_size) == 96);
 static_assert(offsetof(Motion, origin) == 16 && offsetof(Motion, relaxation) == 36 && offsetof(Air, drag) == 16);

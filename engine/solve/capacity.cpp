@@ -85,14 +85,14 @@ Result<bool> Simulation::State::grow_capacity(std::uint64_t wanted) {
   }
 }
 
-Result<void> Simulation::State::detect_anew() {
-  stir();
+// Detection as it has to be before the next frame where candidates, or the pose that they are of, are no longer.
+Result<gpu::Detection> Simulation::State::detection_anew() const {
   gpu::Detection detection{};
   const auto bytes = std::as_writable_bytes(std::span(&detection, 1));
-  if (auto done = compute::read_back(*device, solver->buffer(buffers::detection), bytes); !done) return done;
+  if (auto done = compute::read_back(*device, solver->buffer(buffers::detection), bytes); !done) return done.take_error();
   detection.needs_detection = detection.may_cross = 1;   // who writes positions may have put cloth through cloth
   detection.lifetime = 0;                                // what trajectories were expected is no measure of them
-  return compute::upload(*device, solver->buffer(buffers::detection), bytes);
+  return detection;
 }
 
 Result<Simulation::State::Tracks> Simulation::State::tracks() {
@@ -230,8 +230,9 @@ Result<void> Simulation::State::run_to_the_end(FrameInput input) {
   const bool saves = contacts || (timed_on_cpu() && input.substeps > 0);
   if (auto done = put_frame_back(); !done) return done;
   input.is_still = contacts && input.kinematics_rest && is_still();
-  // Where trajectories have ended nothing counts substeps any more, either.
-  input.has_no_candidates = heard.detection.candidates == 0 && heard.detection.steps == WEFT_LONGEST_LIFETIME;
+  // Where trajectories and slack have ended nothing counts substeps any more, either.
+  input.has_no_candidates =
+      heard.detection.candidates == 0 && heard.detection.steps == WEFT_LONGEST_LIFETIME && heard.detection.slack == 0;
   rollback.candidates = contacts ? std::min(heard.detection.candidates, solver->contact_settings().capacity) : 0;
   for (;;) {
     if (saves)

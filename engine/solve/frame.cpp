@@ -78,7 +78,7 @@ Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input)
   }
   clock.substeps += advance.substeps;
   move_scene(advance.simulated, input);
-  if (contacts_on(scene) && is_driven()) input.level_slack = WEFT_LEVEL_SLACK;
+  input.is_driven = contacts_on(scene) && is_driven();
   if (input.anchors_move || !input.edits.empty() || !input.frame_changes.empty()) stir();
   input.kinematics_rest = kinematic.rest;
   return advance;

@@ -56,7 +56,7 @@ void Solver::record_input(compute::Recorder& recorder, const FrameInput& input) 
   const auto copy = [&](const compute::Buffer& to, std::span<const std::byte> bytes) { record_bytes(recorder, to, bytes); };
   record_edits(recorder, input.edits);
   motion_.gravity = {input.gravity.x, input.gravity.y, input.gravity.z};
-  motion_.level_slack = input.level_slack;
+  motion_.level_kept = input.is_driven ? WEFT_LEVEL_KEPT : 0;
   set_uniforms("motion", motion_);
   if (input.air) set_uniforms("air", input.air->air);
   if (!uniforms_.empty()) copy(arena_[arena_.size() - 1], uniforms_);

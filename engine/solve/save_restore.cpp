@@ -305,7 +305,10 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot, std::optional
   const bool contacts = solver->has(buffers::candidates);
   if (contacts && snapshot.capacity > solver->contact_settings().capacity) {
     // Growing discards the candidates; should anything fail from there on, they must be detected again.
-    if (auto done = detect_anew(); !done) return done;
+    stir();
+    const auto anew = detection_anew();
+    if (!anew) return anew.why();
+    if (auto done = compute::upload(*device, solver->buffer(buffers::detection), std::as_bytes(std::span(&*anew, 1))); !done) return done;
     if (auto grown = solver->grow(snapshot.capacity); !grown) return grown.take_error();
     if (auto done = create_saved(); !done) return done;
   }

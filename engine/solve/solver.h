@@ -52,7 +52,7 @@ struct FrameInput {
   std::uint32_t substeps = 0;
   std::uint64_t first_substep = 0;            // of all since the simulation's start
   Vec3 gravity;
-  float level_slack = 1;                      // of coarse links (Motion::level_slack)
+  bool is_driven = false;                     // something may drive cloth along among contacts (Motion::level_kept)
   std::optional<MovingAir> air;               // where the scene has any
   bool anchors_move = false;
   bool kinematics_rest = false;               // no kinematic particle can move, or have been driven through cloth, since a frame that is done

@@ -193,9 +193,6 @@ Result<void> Simulation::State::put(std::span<const gpu::vec4> positions) {
   }
   auto counted = counters_and_sanitized(static_cast<std::size_t>(std::count(sanitized.begin(), sanitized.end(), true)));
   if (!counted) return counted.take_error();
-  // First: predicted trajectories and displacement bounds must never be those of another pose.
-  if (solver->has(buffers::detection))
-    if (auto done = detect_anew(); !done) return done;
   const auto upload = [&](const Buffer& row, const std::vector<gpu::vec4>& values) {
     return compute::Upload{&solver->buffer(row), std::as_bytes(std::span(values))};
   };
@@ -203,7 +200,16 @@ Result<void> Simulation::State::put(std::span<const gpu::vec4> positions) {
                                           upload(buffers::next_iterate, iterate), upload(buffers::velocities, *velocities)};
   const std::vector<gpu::LastPull> none = no_pulls(scene);   // what was pulled is elsewhere now
   if (solver->has(buffers::last_pulls)) uploads.push_back({&solver->buffer(buffers::last_pulls), std::as_bytes(std::span(none))});
+  // With the pose, or not at all: displacement bounds must never be those of another, and a detection that was not due is another contact.
+  gpu::Detection detection{};
+  if (solver->has(buffers::detection)) {
+    const auto anew = detection_anew();
+    if (!anew) return anew.why();
+    detection = *anew;
+    uploads.push_back({&solver->buffer(buffers::detection), std::as_bytes(std::span(&detection, 1))});
+  }
   if (auto done = write(std::move(uploads), *counted); !done) return done;
+  stir();
   for (gpu::Anchor& anchor : kinematic.targets) {
     if (anchor.particle == WEFT_NONE) continue;
     anchor.particle &= ~(WEFT_STAYS | WEFT_FROM_HERE);

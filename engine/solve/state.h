@@ -310,7 +310,7 @@ struct Simulation::State {
   void stir();
   void hear_recorded();
   std::uint32_t lost_since_told() { return capacity.lost - std::exchange(capacity.told, capacity.lost); }
-  Result<void> detect_anew();
+  Result<gpu::Detection> detection_anew() const;
   /// What the next detection of contacts measures displacement bounds by (detect_track.comp); empty without contacts.
   struct Tracks {
     std::vector<gpu::vec4> at, trajectories;

@@ -94,4 +94,5 @@ void decide() {
   detection[0].fastest = 0;
   detection[0].stirred += detection[0].stirs;
   detection[0].stirs = 0;
+  detection[0].slack = max(detection[0].slack - WEFT_LEVEL_SLACK / WEFT_SLACK_LASTS, 0);
 }

@@ -94,6 +94,8 @@ void prepare(uint i) {
   const bool touches = half_gap < kFloor * length(origin);
   const bool is_active = is_pushed || dot(n, p * weights) < separation + spare || touches;
   contact_normals[i] = vec4(n, is_active ? separation : -height);
+  // Of pairs that would meet, so that it makes no difference which others are candidates.
+  if (is_pushed && dot(n, p * weights) < separation && detection[0].slack != WEFT_LEVEL_SLACK) detection[0].slack = WEFT_LEVEL_SLACK;
   if (!is_active) return;
   list(WEFT_ACTIVE, i);
   contact_weights[i] = vec4(touches ? 0 : height, weights.yzw);

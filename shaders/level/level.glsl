@@ -8,15 +8,20 @@
 GATHER_UINT4(level_node_shares)
 GATHER_UINT4(level_links)
 READ_WRITE(float, level_lambda)
+READ(Detection, detection)
 
 // Relaxation, over that of other passes. Links only pull, and of a node's, by whose number its mass is split, some are slack: so more than one
 // goes. What is overdone flies back, at a relaxation of 2 as fast as it came, and more would gain energy.
 const float kEager = WEFT_EAGER_LEVELS;
 
-// Where contacts are and something may drive cloth along, links are a little slack (Motion::level_slack): what is ahead of it has to give
-// way before it is met, or holds it up (ContactCase.a_held_sheet_carries_a_free_one_along_at_eight_metres_a_second: by 3.9 mm in a substep,
-// for less than 1). Elsewhere they are not. Slack where candidates were, folds that touch flapped for ever, by 0.7 mm a frame
-// (Rest.folds_of_a_tablecloth_swing_and_do_not_shiver).
+// Where a kinematic particle comes at cloth by more than a separation in a substep, and for a while after, links are a little slack
+// (Detection::slack): what is ahead of it has to give way before it is met, or holds it up
+// (ContactCase.a_held_sheet_carries_a_free_one_along_at_eight_metres_a_second: by up to 6.8 mm in a substep, for less than 1). Else they are
+// not: slack for good, what hangs strains by a percent, and folds that touch flapped for ever.
+//
+// Where contacts are and something may drive cloth along, an iteration leaves of a link's length at least a part (Motion::level_kept): what
+// anchors stretch for good, as a towel that is wrung, coarse links would crumple instead. Elsewhere they go all the way: cloth that falls on
+// a ball strains by a quarter more where they do not.
 
 // How far the next coarser level's, STEP, would carry node k, and what of their steps was held, over what put it out.
 vec4 carried_freely(uint k, LevelNode node) {
@@ -40,6 +45,7 @@ vec4 step_of(uint k) {
   const vec3 centre = CENTRE(k).xyz, middle = MIDDLE(k).xyz;
   const bool first = (push.flags & WEFT_FIRST_ITERATION) != 0;
   const float omega = min(kEager * motion.relaxation, is_second_order ? WEFT_MOST_EAGER_2 : WEFT_MOST_EAGER);
+  const float slack = has_contacts ? detection[0].slack : 0;
   vec3 sum = vec3(0);
   const uint end = node.first_link + node.links;
   for (uint begin = node.first_link; begin < end; begin += kLinksAtOnce) {   // as in centre.glsl
@@ -59,7 +65,8 @@ vec4 step_of(uint k) {
       const vec3 gone = carried.xyz - others_carried[j].xyz, d = middle - middles[j] + gone, pull = centre - centres[j] + gone;
       const float len = sqrt(dot(d, d) + 1e-20), alpha = links[j].compliance * motion.inverse_h2;
       const float lambda = is_iterated && !first ? level_lambda[l] : 0, weight = carried.w + others_carried[j].w + omega * alpha;
-      const float change = min(omega * (motion.level_slack * links[j].rest - len - alpha * lambda) / max(weight, 1e-20), -lambda);
+      const float at_most = slack > 0 ? (1 + slack) * links[j].rest : max(links[j].rest, motion.level_kept * len);
+      const float change = min(omega * (at_most - len - alpha * lambda) / max(weight, 1e-20), -lambda);
       if (is_iterated) level_lambda[l] = lambda + change;
       sum += change / sqrt(dot(pull, pull) + 1e-20) * pull;
     }

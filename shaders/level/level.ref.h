@@ -57,9 +57,9 @@ inline double carried_held(const Share& share, std::span<const double> held) {
 }
 
 /// How far the nodes of a level go, `coarser` being how far those of the next coarser level went. `lambda`: one a link, renewed.
-/// `supports`: of the nodes; `coarser_held`: Supports::held of the coarser level.
+/// `kept`: of its length, what this leaves of a link at least. `supports`: of the nodes; `coarser_held`: Supports::held of the coarser level.
 inline Points level_steps(const Level& level, const Points& centres, const Points& middles, const Points& coarser, std::span<double> lambda,
-                          double h, double omega, Supports* supports = nullptr, std::span<const double> coarser_held = {}) {
+                          double h, double omega, double kept, Supports* supports = nullptr, std::span<const double> coarser_held = {}) {
   const std::size_t nodes = level.inverse_masses.size();
   Points gone(nodes, Vector::Zero()), sums(nodes, Vector::Zero());
   for (std::size_t k = 0; k < nodes; ++k)
@@ -74,7 +74,8 @@ inline Points level_steps(const Level& level, const Points& centres, const Point
     const auto& [a, b, rest, compliance, only_pulls] = level.links[l];
     const Vector d = middles[a] + gone[a] - middles[b] - gone[b], pull = centres[a] + gone[a] - centres[b] - gone[b];
     const double alpha = compliance / (h * h);
-    const double change = std::min(omega * (rest - d.norm() - alpha * lambda[l]) / (split[a] + split[b] + omega * alpha), -lambda[l]);
+    const double too_long = d.norm() - std::max(rest, kept * d.norm());
+    const double change = std::min(-omega * (too_long + alpha * lambda[l]) / (split[a] + split[b] + omega * alpha), -lambda[l]);
     lambda[l] += change;
     sums[a] += change * pull.normalized();
     sums[b] -= change * pull.normalized();

@@ -19,7 +19,7 @@ TEST_F(Programs, hammock_swings_a_ball_which_comes_to_rest_and_weighs_on_it_what
   std::getline(lines, line);   // the heading
   while (std::getline(lines, line) && !line.starts_with("the ball weighs")) {
     std::istringstream(line) >> second >> height >> aside >> speed >> force;
-    fastest = std::max(fastest, speed);
+    if (second > 1) fastest = std::max(fastest, speed);   // it has fallen in the first
   }
   EXPECT_EQ(second, 8);
   EXPECT_GT(fastest, 0.5) << said();

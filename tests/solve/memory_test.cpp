@@ -190,7 +190,11 @@ TEST_F(ScarceMemoryOnDevice, leaves_a_simulation_whole_where_it_is_written_moved
   ColliderPose pose;
   pose.centre = {0, -2, 0};
   const Vec3 target{0, 3, 0};
-  const auto whole = [&](auto work) { expect_whole_or_not_at_all(40, *simulation, work); };
+  int call = 0;
+  const auto whole = [&](auto work) {
+    SCOPED_TRACE("call " + std::to_string(call++));
+    expect_whole_or_not_at_all(40, *simulation, work);
+  };
   whole([&](Simulation& s) { return s.write_positions(positions); });
   whole([&](Simulation& s) { return s.write_velocities(positions); });
   whole([&](Simulation& s) { return s.place_collider(0, pose); });

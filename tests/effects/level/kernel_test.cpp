@@ -18,8 +18,8 @@ reference::Share share_of(gpu::uvec4 packed, std::uint32_t first) {
   return {{share.node0 - first, share.node1 - first, share.node2 - first}, {share.part0, share.part1, share.part2}};
 }
 
-// Coarsest first, each with its own numbers of nodes; links `slack` times as long as at rest.
-std::vector<reference::Level> levels_of(const LevelLists& lists, double slack) {
+// Coarsest first, each with its own numbers of nodes.
+std::vector<reference::Level> levels_of(const LevelLists& lists) {
   std::vector<reference::Level> levels;
   std::uint32_t first = 0, first_of_coarser = 0;
   for (const std::uint32_t end : lists.ends) {
@@ -41,7 +41,7 @@ std::vector<reference::Level> levels_of(const LevelLists& lists, double slack) {
       if (lists.node_shares[k].x != WEFT_NONE) level.shares.push_back(share_of(lists.node_shares[k], first_of_coarser));
       for (std::uint32_t l = node.first_link; l < node.first_link + node.links; ++l) {
         const gpu::LevelLink link = gpu::unpack_level_link(lists.links[l]);
-        if (link.other > k) level.links.push_back({k - first, link.other - first, slack * link.rest, link.compliance, true});
+        if (link.other > k) level.links.push_back({k - first, link.other - first, link.rest, link.compliance, true});
       }
     }
     first_of_coarser = first;
@@ -78,20 +78,20 @@ TEST_F(KernelLevel, low_and_wide_levels_and_their_spreading_do_what_their_twin_d
   for (const std::uint32_t cells : {24u, 150u})
     for (const std::uint32_t iterations : {1u, 3u})
       for (const double stretch : {1e3, std::numeric_limits<double>::infinity()})
-        for (const auto& [storage, slack, supported] :
+        for (const auto& [storage, driven, supported] :
              {std::tuple(false, false, false), {true, false, false}, {false, true, false}, {false, false, true}, {true, false, true}}) {
           if (cells == 150 && iterations == 1 && storage) continue;   // every other way is tried there
           SCOPED_TRACE(std::to_string(cells) + " cells, " + std::to_string(iterations) + " iterations, " + std::to_string(stretch) + " N/m" +
-                       (slack ? ", slack" : "") + (supported ? ", supported" : ""));
+                       (driven ? ", driven" : "") + (supported ? ", supported" : ""));
           const Crumple c = crumple(cells, iterations, stretch, random, supported);
           const LevelLists& lists = c.fabric.own.of<LevelLists>();
-          const auto levels = levels_of(lists, slack ? WEFT_LEVEL_SLACK : 1);
+          const auto levels = levels_of(lists);
           ASSERT_GE(levels.size(), 2u);
           ASSERT_EQ(lists.low < lists.ends.size(), cells == 150) << "a level of more than " << WEFT_LOW_LEVEL << " nodes is wide";
           SinglePass passes(device(), c.scene, c.fabric, storage);
           passes.put_iterate(c.fabric.positions);
           FrameInput input = frame_of(1);
-          if (slack) input.level_slack = WEFT_LEVEL_SLACK;
+          input.is_driven = driven;
           passes.begin(input);
           reference::Supports supports;
           if (supported) supports = put_supports(passes, random, c.fabric);
@@ -121,6 +121,7 @@ TEST_F(KernelLevel, low_and_wide_levels_and_their_spreading_do_what_their_twin_d
             for (std::size_t k = 0; k < levels.size(); ++k) {
               steps = reference::level_steps(levels[k], centres[k], middles[k], steps, lambdas[k], c.fabric.h,
                                              std::min(WEFT_EAGER_LEVELS * c.scene.solver.relaxation, double(WEFT_MOST_EAGER)),
+                                             driven ? WEFT_LEVEL_KEPT : 0,
                                              supported ? &of_nodes[k] : nullptr, k > 0 ? of_nodes[k - 1].held : std::span<const double>());
               for (const reference::Vector& step : steps) moved = std::max(moved, step.norm());
             }
