@@ -330,6 +330,19 @@ std::uint32_t body_of(const CookedFabric& fabric, std::uint32_t particle) {
   return static_cast<std::uint32_t>(fabric.materials[std::bit_cast<std::uint32_t>(fabric.velocities[particle].w)].body);
 }
 
+std::vector<float> mean_links(const CookedFabric& fabric) {
+  std::vector<double> lengths(fabric.cloths.size()), counts(fabric.cloths.size());
+  for (const StretchLink& link : fabric.links) {
+    if (link.only_pulls) continue;
+    const std::uint32_t cloth = body_of(fabric, link.a);
+    lengths[cloth] += link.rest;
+    ++counts[cloth];
+  }
+  std::vector<float> means;
+  for (std::size_t k = 0; k < lengths.size(); ++k) means.push_back(static_cast<float>(lengths[k] / std::max(counts[k], 1.0)));
+  return means;
+}
+
 CookedFabric held_anew(const Scene& scene, std::span<const Mesh> meshes, const CookedFabric& fabric, const std::vector<bool>& held) {
   CookState state(scene, fabric);
   for (std::size_t i = 0; i < held.size(); ++i) state.fabric().positions[i].w = held[i] ? 0 : fabric.inverse_masses[i];

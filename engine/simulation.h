@@ -120,7 +120,7 @@ struct DispatchTime {
 
 struct PassUse {
   std::string name;
-  std::uint32_t dispatches_per_frame = 0;   // at the scene's rate
+  std::uint32_t dispatches_per_frame = 0;   // at the scene's rate; links' have up to five times as many where anchors are hasty
   std::uint32_t instructions = 0;           // SPIR-V of the specialised module's functions
 };
 

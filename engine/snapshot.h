@@ -94,6 +94,7 @@ struct Snapshot {
   std::uint64_t substeps = 0;    // so far: the clock
   double left_over = 0;          // s, less than a substep: for the next frame
   Vec3 gravity;                  // m/s^2
+  float haste = 0;               // of anchors, which sweeps of links follow
   Vec3 wind;                     // m/s
   std::vector<AirFieldState> air_fields;
   std::array<double, 3> wind_travelled{};   // m: its way since the start

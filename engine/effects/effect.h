@@ -102,6 +102,7 @@ struct Pass {
   bool only_towards_targets = false;             // skipped in frames in which no target moves; with contacts, where none is late either
   bool only_after_motion = false;                // skipped in frames in which no kinematic particle can move or has (FrameInput::kinematics_rest)
   std::uint32_t (*every)(const Cooked&) = nullptr;   // runs in each so many-th substep since the simulation's start; null: in all
+  std::uint32_t (*sweeps)(const Needs&, float haste) = nullptr;   // done so often, with its neighbours that have them (haste.h); null: once
   std::uint32_t rounds = 1;                      // dispatches one after another; the round is in push.flags
   std::vector<Range> (*ranges)(const Cooked&) = nullptr;   // instead: a dispatch for each
   bool thin = false;                             // workgroups of Needs::thin threads

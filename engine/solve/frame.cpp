@@ -78,6 +78,7 @@ Result<Advance> Simulation::State::plan_frame(double seconds, FrameInput& input)
   }
   clock.substeps += advance.substeps;
   move_scene(advance.simulated, input);
+  input.haste = haste_after(advance);
   input.is_driven = contacts_on(scene) && is_driven();
   if (input.anchors_move || !input.edits.empty() || !input.frame_changes.empty()) stir();
   input.kinematics_rest = kinematic.rest;
@@ -150,6 +151,22 @@ void Simulation::State::move_anchors() {
   }
 }
 
+// Tells how far an anchor goes in a frame.
+void Simulation::State::hasten(std::uint32_t particle, Vec3 from, Vec3 to) {
+  const std::uint32_t body = body_of(fabric, particle);
+  const float link = body < kinematic.links.size() ? kinematic.links[body] : 0;   // else of a mesh collider
+  if (link > 0) kinematic.way = std::max(kinematic.way, length(to - from) / link);
+}
+
+// What an anchor has set moving swings on when it stops: haste goes by half in half a second.
+float Simulation::State::haste_after(const Advance& advance) {
+  constexpr double kHalfLife = 0.5;   // s
+  kinematic.haste *= static_cast<float>(std::exp2(-advance.simulated / kHalfLife));
+  const float now = advance.substeps > 0 ? kinematic.way / static_cast<float>(advance.substeps) : 0;
+  kinematic.haste = std::max(kinematic.haste, std::min(now, 1.0f));
+  return kinematic.haste;
+}
+
 // Colliders with bones go where joints have them at the frame's end.
 void Simulation::State::move_carried(std::span<const Affine> pose) {
   for (const auto& [collider, joint] : fabric.own.of<SkinLists>().bones) {
@@ -172,6 +189,7 @@ void Simulation::State::move_scene(double seconds, FrameInput& input) {
   const std::vector<Affine> pose = next_pose();
   const std::vector<float> weights = next_weights();
   const std::vector<ColliderPose> before = pose.empty() ? std::vector<ColliderPose>() : bodies.poses;
+  kinematic.way = 0;
   input.anchors_move = kinematic.are_dirty || scene.pins > 0;   // pins always: the anchor pass tells their velocities
   move_anchors();
   move_carried(pose);
@@ -179,7 +197,13 @@ void Simulation::State::move_scene(double seconds, FrameInput& input) {
   move_frames(pose, seconds, input);
   move_skins(pose, weights, before, input);
   move_grabs();
-  for (const gpu::Anchor& anchor : kinematic.targets) input.anchors_move |= !same(anchor.from, anchor.to);
+  for (const gpu::Anchor& anchor : kinematic.targets) {
+    if (same(anchor.from, anchor.to)) continue;
+    input.anchors_move = true;
+    if (anchor.particle == WEFT_NONE) continue;
+    const gpu::vec3 &from = anchor.from, &to = anchor.to;
+    hasten(anchor.particle & ~(WEFT_STAYS | WEFT_FROM_HERE), {from.x, from.y, from.z}, {to.x, to.y, to.z});
+  }
   bodies.colliders.clear();
   bodies.from_sizes.clear();
   for (const std::uint32_t k : bodies.order) {

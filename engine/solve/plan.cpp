@@ -104,6 +104,7 @@ Result<PlannedPass> planned(const Part& part, const Needs& needs, compute::Speci
   PlannedPass made;
   made.pass = &pass;
   made.label = label_of(part, needs);
+  made.finalizes = part.finalizes || part.holds_tethers;
   const auto refuse = [&](const std::string& why) { return fail("pass ", made.label, ": ", why); };
   const auto module = shader(pass.name);
   if (module.empty()) return refuse("there is no shader of this name");

@@ -27,6 +27,7 @@ struct PlannedPass {
   };
 
   const Pass* pass = nullptr;
+  bool finalizes = false;                  // ends an iteration, or holds tethers at the end of one
   std::string label;                       // "bend+tether+finalize": all that the dispatch does
   std::vector<std::uint32_t> spirv;        // specialised: no constant is left open
   std::vector<Resource> resources;

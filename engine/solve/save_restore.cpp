@@ -128,6 +128,7 @@ Result<Snapshot> Simulation::save() const try {
   snapshot.substeps = s.clock.substeps;
   snapshot.left_over = s.clock.left_over;
   snapshot.gravity = s.gravity;
+  snapshot.haste = s.kinematic.haste;
   snapshot.wind = s.moving_air.wind;
   for (const Air::Field& field : s.moving_air.fields) snapshot.air_fields.push_back({field.centre, field.velocity});
   snapshot.wind_travelled = s.moving_air.travelled;
@@ -201,6 +202,7 @@ Result<std::optional<Simulation::State::Torn>> Simulation::State::check(const Sn
   const auto unfit = [&](const auto&... what) { return fail("the snapshot is damaged: ", what...); };
   if (!(snapshot.left_over >= 0 && snapshot.left_over <= fabric.h))
     return unfit("the ", snapshot.left_over, " s left over are not between 0 and a substep of ", fabric.h, " s");
+  if (!(snapshot.haste >= 0 && snapshot.haste <= 1)) return unfit("its anchors' haste is ", snapshot.haste, ", not between 0 and 1");
   if (!is_finite(snapshot.gravity)) return unfit("its gravity is not finite");
   if (!is_finite(snapshot.wind)) return unfit("its wind is not finite");
   if (snapshot.air_fields.size() != moving_air.fields.size())
@@ -350,6 +352,7 @@ Result<void> Simulation::State::put_back(const Snapshot& snapshot, std::optional
   clock.substeps = snapshot.substeps;
   clock.left_over = snapshot.left_over;
   gravity = snapshot.gravity;
+  kinematic.haste = snapshot.haste;
   moving_air.wind = snapshot.wind;
   for (std::size_t k = 0; k < moving_air.fields.size(); ++k) {
     moving_air.fields[k].centre = snapshot.air_fields[k].centre;

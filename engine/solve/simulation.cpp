@@ -161,6 +161,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   for (const AnchorTarget& anchor : state->fabric.anchors)
     state->kinematic.are_keyed |= !scene.cloths[anchor.cloth].anchors[anchor.entry].keys.empty();
   for (const ColliderMesh& mesh : state->fabric.collider_meshes) state->kinematic.are_keyed |= !scene.colliders[mesh.collider].keys.empty();
+  state->kinematic.links = mean_links(state->fabric);
   state->kinematic.pending.resize(state->fabric.anchors.size() + scene.pins);
   state->kinematic.is_host_driven.resize(state->fabric.anchors.size() + scene.pins);
   state->skins.pose = std::as_const(state->fabric.own).of<SkinLists>().first_pose;
@@ -300,7 +301,7 @@ double Simulation::State::dispatches_of(double substeps) const {
   for (std::size_t k = 0; k < solver->plan().passes.size(); ++k) {
     const Stage stage = solver->plan().passes[k].pass->stage;
     const double once = runs_of(stage, shape, 0), a_substep = runs_of(stage, shape, 1) - once;
-    sum += static_cast<double>(solver->rounds(k)) * (once + substeps * a_substep);
+    sum += static_cast<double>(solver->rounds(k)) * solver->sweeps(k, 1) * (once + substeps * a_substep);
   }
   return sum;
 }

@@ -105,7 +105,7 @@ void fields(Walk& walk, T& content) {
 
 template <class Walk, Is<Snapshot> T>
 void fields(Walk& walk, T& s) {
-  walk(s.digest), walk(s.substeps), walk(s.left_over), walk(s.gravity);
+  walk(s.digest), walk(s.substeps), walk(s.left_over), walk(s.gravity), walk(s.haste);
   walk(s.wind), walk(s.air_fields), walk(s.wind_travelled[0]), walk(s.wind_travelled[1]), walk(s.wind_travelled[2]);
   walk(s.skins), walk(s.motion_limits), walk(s.frames), walk(s.gas_amounts);
   walk(s.phase), walk(s.capacity);

@@ -383,26 +383,40 @@ bool Solver::is_recorded(Crowd crowd, const FrameInput& input) const {
   return true;
 }
 
+// What ends an iteration has an end.
+std::uint32_t Solver::sweeps(std::size_t pass, float haste) const {
+  const PlannedPass& planned = plan_.passes[pass];
+  return planned.pass->sweeps == nullptr || planned.finalizes ? 1 : planned.pass->sweeps(needs_, haste);
+}
+
 void Solver::list(Stage stage, const FrameInput& input, const gpu::Push& push, std::uint64_t substep) {
-  for (std::uint32_t k = 0; k < plan_.passes.size(); ++k) {
-    const Pass& pass = *plan_.passes[k].pass;
-    if (pass.stage != stage || !is_recorded(pass.crowd, input)) continue;
-    if (substep % runs_[k].every != 0) continue;
-    const bool at_targets = pass.only_towards_targets && !input.anchors_move;
-    // With contacts, an anchor that cloth held back may not have reached its target.
-    if (at_targets && (!has(buffers::detection) || input.kinematics_rest)) continue;
-    if (pass.only_after_motion && input.kinematics_rest) continue;
-    for (std::uint32_t round = 0; round < runs_[k].ranges.size(); ++round) {
-      gpu::Push own = push;
-      own.first = runs_[k].ranges[round].first;
-      own.count = runs_[k].ranges[round].count;
-      if (at_targets) own.fraction_from = own.fraction_to = 1;
-      if (pass.rounds > 1) own.flags |= round << WEFT_PASS_SHIFT;
-      if (pass.can_end_substep && ends_with_contacts(input) && (push.flags & WEFT_LAST_ITERATION) != 0) own.flags |= WEFT_ENDS_SUBSTEP;
-      steps_.push_back({k, parity_, own});
-    }
-    if (pass.changes == Changes::iterate) parity_ ^= 1;
+  for (std::uint32_t k = 0; k < plan_.passes.size();) {
+    const std::uint32_t first = k++, times = sweeps(first, input.haste);
+    while (times > 1 && k < plan_.passes.size() && sweeps(k, input.haste) == times) ++k;
+    for (std::uint32_t sweep = 0; sweep < times; ++sweep)
+      for (std::uint32_t pass = first; pass < k; ++pass) list(pass, stage, input, push, substep, sweep);
   }
+}
+
+void Solver::list(std::uint32_t k, Stage stage, const FrameInput& input, const gpu::Push& push, std::uint64_t substep, std::uint32_t sweep) {
+  const Pass& pass = *plan_.passes[k].pass;
+  if (pass.stage != stage || !is_recorded(pass.crowd, input)) return;
+  if (substep % runs_[k].every != 0) return;
+  const bool at_targets = pass.only_towards_targets && !input.anchors_move;
+  // With contacts, an anchor that cloth held back may not have reached its target.
+  if (at_targets && (!has(buffers::detection) || input.kinematics_rest)) return;
+  if (pass.only_after_motion && input.kinematics_rest) return;
+  for (std::uint32_t round = 0; round < runs_[k].ranges.size(); ++round) {
+    gpu::Push own = push;
+    if (sweep > 0) own.flags &= ~WEFT_FIRST_ITERATION;
+    own.first = runs_[k].ranges[round].first;
+    own.count = runs_[k].ranges[round].count;
+    if (at_targets) own.fraction_from = own.fraction_to = 1;
+    if (pass.rounds > 1) own.flags |= round << WEFT_PASS_SHIFT;
+    if (pass.can_end_substep && ends_with_contacts(input) && (push.flags & WEFT_LAST_ITERATION) != 0) own.flags |= WEFT_ENDS_SUBSTEP;
+    steps_.push_back({k, parity_, own});
+  }
+  if (pass.changes == Changes::iterate) parity_ ^= 1;
 }
 
 void Solver::set_uniform_bytes(std::string_view slice, std::span<const std::byte> bytes) {

@@ -52,6 +52,7 @@ struct FrameInput {
   std::uint32_t substeps = 0;
   std::uint64_t first_substep = 0;            // of all since the simulation's start
   Vec3 gravity;
+  float haste = 0;                            // the farthest that an anchor goes in a substep, or lately has, over the length of links
   bool is_driven = false;                     // something may drive cloth along among contacts (Motion::level_kept)
   std::optional<MovingAir> air;               // where the scene has any
   bool anchors_move = false;
@@ -120,6 +121,8 @@ class Solver {
   const Plan& plan() const { return plan_; }
   /// Dispatches of a pass where it is listed once.
   std::size_t rounds(std::size_t pass) const { return runs_[pass].ranges.size(); }
+  /// How often an iteration lists it, with the neighbours that have as many sweeps, where anchors have so much haste.
+  std::uint32_t sweeps(std::size_t pass, float haste) const;
   /// Must be a buffer of the plan. `predicted` and `next_iterate` by name, not by role.
   const compute::Buffer& buffer(const Buffer& row) const;
   /// What the passes use of it; its memory is rounded up.
@@ -163,6 +166,7 @@ class Solver {
   bool ends_with_contacts(const FrameInput& input) const;
   bool is_recorded(Crowd crowd, const FrameInput& input) const;
   void list(Stage stage, const FrameInput& input, const gpu::Push& push, std::uint64_t substep);
+  void list(std::uint32_t pass, Stage stage, const FrameInput& input, const gpu::Push& push, std::uint64_t substep, std::uint32_t sweep);
   /// From the next recorded frame on. `value` is the struct of the slice.
   template <class T>
   void set_uniforms(std::string_view slice, const T& value) {

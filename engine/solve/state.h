@@ -47,6 +47,9 @@ struct KinematicTargets {
   std::vector<gpu::Anchor> targets;            // from: at the frame's start; to: at its end (m)
   std::vector<std::optional<Vec3>> pending;    // targets that the host has set since the last frame (m)
   std::vector<bool> is_host_driven;            // from the host's first target on, instead of by keys
+  std::vector<float> links;                    // mean length of each cloth's links (m)
+  float way = 0;                               // the farthest that one goes in this frame, in links of its cloth
+  float haste = 0;                             // FrameInput::haste
   bool are_keyed = false;
   bool are_dirty = false;                      // the GPU's copy is not `targets`: a frame has failed, or positions were written
   std::uint64_t still_since = 1;               // the first submitted frame from which on no target has moved
@@ -217,7 +220,7 @@ struct Simulation::State {
 
   double now() const { return static_cast<double>(clock.substeps) * fabric.h; }
   bool timed_on_cpu() const;
-  double dispatches_of(double substeps) const;   // of a frame of so many substeps
+  double dispatches_of(double substeps) const;   // of a frame of so many substeps, at most
   Result<Advance> plan_frame(double seconds, FrameInput& input);
   /// As vertices of cloth meet a collider: larger than it is where triangles between them would show it through.
   gpu::BodySize size_to_vertices(std::uint32_t collider) const;
@@ -307,6 +310,8 @@ struct Simulation::State {
   void count_calm(const gpu::Counters& counters);
   bool is_still() const;
   bool contacts_may_leap() const;
+  void hasten(std::uint32_t particle, Vec3 from, Vec3 to);
+  float haste_after(const Advance& advance);
   void stir();
   void hear_recorded();
   std::uint32_t lost_since_told() { return capacity.lost - std::exchange(capacity.told, capacity.lost); }

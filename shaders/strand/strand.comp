@@ -2,7 +2,7 @@
 // after another, each with the result of the one before. Strands of a dispatch share no particle (engine/effects/strand/strands.cpp). A link
 // moves both of its ends by opposite impulses along itself, so that momentum is conserved.
 //
-// With coarse levels the first round also carries its particles along with them, as level_spread would.
+// With coarse levels the first round of the first sweep also carries its particles along with them, as level_spread would.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared.h"
@@ -32,7 +32,8 @@ Walker taken(uint i) {
   const vec4 support = has_supports ? FETCH(supports, i) : vec4(0);
   walker.support = support_from(support.xyz);
   walker.held = support.w;
-  if (has_levels && push.first == 0) walker.gone = spread(i, support.xyz, walker.support, walker.held);
+  const bool is_swept_again = !is_iterated && (push.flags & WEFT_FIRST_ITERATION) == 0;   // levels have been asked once
+  if (has_levels && push.first == 0 && !is_swept_again) walker.gone = spread(i, support.xyz, walker.support, walker.held);
   return walker;
 }
 

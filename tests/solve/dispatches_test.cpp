@@ -78,6 +78,31 @@ TEST_F(Dispatches, of_a_frame_are_as_many_as_these) {
   EXPECT_EQ(held.still, 22u);
 }
 
+// Links are swept through up to five times where anchors go by a good part of a link in a substep.
+TEST_F(Dispatches, of_links_are_more_where_anchors_are_hasty) {
+  const auto count_at = [&](Method method, float haste, std::uint32_t iterations = 1) {
+    Scene scene = sheet(24);
+    scene.solver.iterations = iterations;
+    scene.solver.method = method;
+    const CookedFabric fabric = must(cook(scene, must(make_meshes(scene))));
+    Solver solver = must(Solver::create(device(), {}, scene, fabric, {}));
+    std::size_t links = 0;
+    FrameInput input;
+    input.substeps = 10;
+    input.haste = haste;
+    for (const Solver::Step& step : solver.frame(input)) links += solver.plan().passes[step.pass].pass->sweeps != nullptr;
+    return links;
+  };
+  for (const auto& [method, once] : {std::pair(Method::jacobi, 10u), {Method::strands, 30u}}) {
+    EXPECT_EQ(count_at(method, 0), once);
+    EXPECT_EQ(count_at(method, 0.05f), once);
+    EXPECT_EQ(count_at(method, 0.06f), 2 * once);
+    EXPECT_EQ(count_at(method, 1), 5 * once);
+  }
+  EXPECT_EQ(count_at(Method::gauss_seidel, 1), 5 * count_at(Method::gauss_seidel, 0));
+  EXPECT_EQ(count_at(Method::jacobi, 1, 2), 20u) << "as many as are asked for";
+}
+
 // As shaders/README.md says: it is a matter of time; the software driver has no passes for it.
 TEST_F(Dispatches, one_workgroup_does_detections_of_sheets_up_to_a_size) {
   const auto can = [&](std::uint32_t cells, bool idle_costs = false) {

@@ -220,6 +220,8 @@ TEST_F(SimulationSnapshot, a_snapshot_that_does_not_fit_is_refused_and_changes_n
   refuse("anchors", [](Snapshot& s) { s.contents.back().bytes.resize(sizeof(gpu::Anchor)); });
   refuse("buffers instead of", [](Snapshot& s) { s.contents.pop_back(); });
   refuse("left over", [](Snapshot& s) { s.left_over = std::numeric_limits<double>::quiet_NaN(); });
+  refuse("haste", [](Snapshot& s) { s.haste = 2; });
+  refuse("haste", [](Snapshot& s) { s.haste = std::numeric_limits<float>::quiet_NaN(); });
   refuse("gravity", [&](Snapshot& s) { s.gravity.z = nan; });
   refuse("phase", [](Snapshot& s) { s.phase = 3; });
   refuse("drives anchor 2", [](Snapshot& s) { s.anchors[0].anchor = 2; });

@@ -23,6 +23,7 @@ Snapshot example() {
   s.substeps = 4711;
   s.left_over = 0.001;
   s.gravity = {1, -2, 3};
+  s.haste = 0.25f;
   s.phase = 2;
   s.capacity = 4096;
   s.anchors = {{7, true, {1, 2, 3}}, {9, false, {}}};
@@ -56,6 +57,7 @@ TEST(Snapshots, what_is_written_is_read_back) {
   EXPECT_EQ(read->substeps, s.substeps);
   EXPECT_EQ(read->left_over, s.left_over);
   EXPECT_EQ(read->gravity, s.gravity);
+  EXPECT_EQ(read->haste, s.haste);
   EXPECT_EQ(read->phase, s.phase);
   EXPECT_EQ(read->capacity, s.capacity);
   EXPECT_EQ(read->anchors.at(0).target, s.anchors[0].target);

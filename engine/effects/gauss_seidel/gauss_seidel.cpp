@@ -1,6 +1,7 @@
 #include "engine/effects/gauss_seidel/gauss_seidel.h"
 
 #include "engine/cook/cook_state.h"
+#include "engine/effects/haste.h"
 
 namespace weft::effects {
 namespace {
@@ -12,6 +13,7 @@ constexpr Pass kPasses[] = {
     {.name = "gauss_seidel",
      .stage = Stage::iteration,
      .threads = {[](const Cooked& s) { return std::uint64_t(s.fabric.own.of<PatchLists>().patches.size()); }},
+     .sweeps = sweeps_in_haste,
      .ranges = [](const Cooked& s) { return s.fabric.own.of<PatchLists>().rounds; },
      .a_workgroup_each = true},
 };

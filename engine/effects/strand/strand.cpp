@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/cook/cook_state.h"
+#include "engine/effects/haste.h"
 
 namespace weft::effects {
 namespace {
@@ -13,6 +14,7 @@ constexpr Pass kPasses[] = {
     {.name = "strand",
      .stage = Stage::iteration,
      .threads = {[](const Cooked& s) { return std::uint64_t(s.fabric.own.of<StrandLists>().starts.size()); }},
+     .sweeps = sweeps_in_haste,
      .ranges = [](const Cooked& s) { return s.fabric.own.of<StrandLists>().rounds; }},
 };
 

@@ -5,6 +5,7 @@
 
 #include "engine/cook/cook_state.h"
 #include "engine/effects/effect.h"
+#include "engine/effects/haste.h"
 #include "engine/effects/strand/strand.h"
 #include "engine/effects/tear/tear.h"
 
@@ -17,7 +18,12 @@ constexpr double kMostPadding = 0.15;
 constexpr const Buffer* kBuffers[] = {&buffers::stretch_rows, &buffers::stretch_links, &buffers::stretch_lambda};
 
 constexpr Pass kPasses[] = {
-    {.name = "stretch", .stage = Stage::iteration, .threads = threads::particles, .changes = Changes::iterate, .can_finalize = true},
+    {.name = "stretch",
+     .stage = Stage::iteration,
+     .threads = threads::particles,
+     .changes = Changes::iterate,
+     .can_finalize = true,
+     .sweeps = sweeps_in_haste},
 };
 
 // The strands of a cloth whose links begin at `first`, in the order of `springs`.
