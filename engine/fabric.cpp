@@ -333,7 +333,8 @@ std::uint32_t body_of(const CookedFabric& fabric, std::uint32_t particle) {
 std::vector<float> mean_links(const CookedFabric& fabric) {
   std::vector<double> lengths(fabric.cloths.size()), counts(fabric.cloths.size());
   for (const StretchLink& link : fabric.links) {
-    if (link.only_pulls) continue;
+    const bool moves = fabric.positions[link.a].w > 0 || fabric.positions[link.b].w > 0 || !fabric.inverse_masses.empty();
+    if (link.only_pulls || !moves) continue;
     const std::uint32_t cloth = body_of(fabric, link.a);
     lengths[cloth] += link.rest;
     ++counts[cloth];

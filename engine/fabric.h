@@ -181,7 +181,7 @@ Vec3 collider_point(const CookedFabric& fabric, const ColliderMesh& mesh, std::u
 /// The body to which a particle belongs: its cloth, or cloths + mesh collider.
 std::uint32_t body_of(const CookedFabric& fabric, std::uint32_t particle);
 
-/// Of each cloth, the mean length at rest of the links that push, too (m); 0 where it has none.
+/// Of each cloth, the mean length at rest of the links that push, too, and may move (m); 0 where it has none.
 std::vector<float> mean_links(const CookedFabric& fabric);
 
 /// The number of kinematic particles: all anchors, then those of mesh colliders.

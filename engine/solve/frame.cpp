@@ -200,9 +200,9 @@ void Simulation::State::move_scene(double seconds, FrameInput& input) {
   for (const gpu::Anchor& anchor : kinematic.targets) {
     if (same(anchor.from, anchor.to)) continue;
     input.anchors_move = true;
-    if (anchor.particle == WEFT_NONE) continue;
+    if ((anchor.particle & (WEFT_STAYS | WEFT_FROM_HERE)) != 0) continue;   // nobody, or from where only the GPU knows
     const gpu::vec3 &from = anchor.from, &to = anchor.to;
-    hasten(anchor.particle & ~(WEFT_STAYS | WEFT_FROM_HERE), {from.x, from.y, from.z}, {to.x, to.y, to.z});
+    hasten(anchor.particle, {from.x, from.y, from.z}, {to.x, to.y, to.z});
   }
   bodies.colliders.clear();
   bodies.from_sizes.clear();

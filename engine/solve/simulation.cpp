@@ -162,6 +162,8 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
     state->kinematic.are_keyed |= !scene.cloths[anchor.cloth].anchors[anchor.entry].keys.empty();
   for (const ColliderMesh& mesh : state->fabric.collider_meshes) state->kinematic.are_keyed |= !scene.colliders[mesh.collider].keys.empty();
   state->kinematic.links = mean_links(state->fabric);
+  for (std::size_t k = 0; k < scene.cloths.size(); ++k)
+    if (scene.cloths[k].inertia) state->kinematic.links[k] = 0;   // a frame carries it along with its anchors
   state->kinematic.pending.resize(state->fabric.anchors.size() + scene.pins);
   state->kinematic.is_host_driven.resize(state->fabric.anchors.size() + scene.pins);
   state->skins.pose = std::as_const(state->fabric.own).of<SkinLists>().first_pose;
