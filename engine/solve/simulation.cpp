@@ -163,7 +163,10 @@ Result<std::unique_ptr<Simulation>> Simulation::create_at(const compute::Device&
   for (const ColliderMesh& mesh : state->fabric.collider_meshes) state->kinematic.are_keyed |= !scene.colliders[mesh.collider].keys.empty();
   state->kinematic.links = mean_links(state->fabric);
   for (std::size_t k = 0; k < scene.cloths.size(); ++k)
-    if (scene.cloths[k].inertia) state->kinematic.links[k] = 0;   // a frame carries it along with its anchors
+    if (const auto& inertia = scene.cloths[k].inertia) {   // what is not felt of their motion its frame carries along with them
+      const double felt = std::min({inertia->linear, inertia->angular, inertia->centrifugal});
+      state->kinematic.links[k] = felt > 0 ? static_cast<float>(state->kinematic.links[k] / felt) : 0;
+    }
   state->kinematic.pending.resize(state->fabric.anchors.size() + scene.pins);
   state->kinematic.is_host_driven.resize(state->fabric.anchors.size() + scene.pins);
   state->skins.pose = std::as_const(state->fabric.own).of<SkinLists>().first_pose;
