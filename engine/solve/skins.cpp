@@ -159,8 +159,10 @@ void Simulation::State::move_skins(std::span<const Affine> pose, std::span<const
     input.anchors_move |= skins.weights[k] != weights[k];
   }
   const auto& lists = fabric.own.of<SkinLists>();
-  for (const gpu::SkinPoint& point : lists.points)   // where hosts may tell targets, which only the GPU sees, poses do the same as these
-    if (point.anchor != WEFT_NONE && lists.targets == 0) hasten(point.particle, skinned_point(point, skins.pose), skinned_point(point, pose));
+  // Where a host may tell targets instead, which only the GPU sees, a pose does to the bit what they do.
+  if (lists.targets == 0 && !std::ranges::equal(pose, skins.pose))
+    for (const gpu::SkinPoint& point : lists.points)
+      if (point.anchor != WEFT_NONE) hasten(point.particle, skinned_point(point, skins.pose), skinned_point(point, pose));
   std::ranges::copy(pose, skins.pose.begin());
   std::ranges::copy(weights, skins.weights.begin());
   input.morph_weights = skins.morph_weights;
