@@ -17,8 +17,8 @@ uint add_candidate(uvec4 particle, float separation, bool edges) {
     const uint workgroup = contact_settings.workgroup;
     if (index % workgroup == 0) atomicMax(detection[0].contacts.x, index / workgroup + 1);
     if (index == 0) {
-      detection[0].paired = groups_of(contact_settings.particles);
-      detection[0].alone = Groups(1, 1, 1);
+      detection[0].paired.x = groups_of(contact_settings.particles).x;   // one row each: begin_detection
+      detection[0].alone.x = 1;
     }
   }
   for (uint k = 0; k < 4; ++k) {

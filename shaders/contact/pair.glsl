@@ -25,9 +25,10 @@ bool moves(uvec4 particle) {
   return inverse_mass(particle.x) > 0 || inverse_mass(particle.y) > 0 || inverse_mass(particle.z) > 0 || inverse_mass(particle.w) > 0;
 }
 
-// A lower bound of the gap along n until the next detection (m). x: positions at the detection, relative to one of them; q: trajectories.
-float least_gap(vec3 n, mat4x3 x, mat4x3 q, bool edges) {
-  const vec4 start = signs(edges) * (n * x), way = signs(edges) * (n * q), step = per_substep() * way;
+// A lower bound of the gap along n until the next detection (m). x: positions at the detection, relative to one of them; q: trajectories;
+// `part`: of them, what a substep goes.
+float least_gap(vec3 n, mat4x3 x, mat4x3 q, float part, bool edges) {
+  const vec4 start = signs(edges) * (n * x), way = signs(edges) * (n * q), step = part * way;
   const vec2 first = least_of_sides(start, edges), second = least_of_sides(start + step, edges);
   const vec2 last = least_of_sides(start + way, edges), before = least_of_sides(start + way - step, edges);
   const float at_start = min(first.x + min(first.y, second.y), second.x + first.y);
@@ -40,20 +41,23 @@ vec4 closest(mat4x3 x, bool edges) {
 
 vec3 shortest(mat4x3 x, bool edges) { return offset(closest(x, edges), x[0], x[1], x[2], x[3]); }
 
-float least_gap_along(vec3 d, mat4x3 x, mat4x3 q, bool edges) { return least_gap(d / max(length(d), 1e-30), x, q, edges); }
+float least_gap_along(vec3 d, mat4x3 x, mat4x3 q, float part, bool edges) {
+  return least_gap(d / max(length(d), 1e-30), x, q, part, edges);
+}
 
 // Whether two sides can come within their separation before the next detection.
 bool may_meet(Track a, Track b, Track c, Track d, bool edges, float separation) {
+  const float part = per_substep();
   const mat4x3 x = mat4x3(vec3(0), b.at - a.at, c.at - a.at, d.at - a.at);
   const mat4x3 q = mat4x3(a.trajectory, b.trajectory, c.trajectory, d.trajectory);
   const mat4x3 end = x + mat4x3(vec3(0), q[1] - q[0], q[2] - q[0], q[3] - q[0]);
   const vec3 middles = edges ? x[0] + x[1] - x[2] - x[3] + end[0] + end[1] - end[2] - end[3] : vec3(0);
-  float gap = max(least_gap_along(shortest(x, edges), x, q, edges), least_gap_along(shortest(end, edges), x, q, edges));
-  gap = max(gap, least_gap_along(middles, x, q, edges));
+  float gap = max(least_gap_along(shortest(x, edges), x, q, part, edges), least_gap_along(shortest(end, edges), x, q, part, edges));
+  gap = max(gap, least_gap_along(middles, x, q, part, edges));
   for (int k = 0; k < 3; ++k) {
     vec3 axis = vec3(0);
     axis[k] = 1;
-    gap = max(gap, max(least_gap(axis, x, q, edges), least_gap(-axis, x, q, edges)));
+    gap = max(gap, max(least_gap(axis, x, q, part, edges), least_gap(-axis, x, q, part, edges)));
   }
   return gap < separation;
 }

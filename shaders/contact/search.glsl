@@ -32,8 +32,10 @@ Outline outline_at(uint primitive) {
 
 Box box_at(uint cluster) { return Box(FETCH(cluster_boxes, 2 * cluster).xyz, FETCH(cluster_boxes, 2 * cluster + 1).xyz); }
 
-// The thread's own.
+// The thread's own, and per_substep(): looked up for each pair, it was a tenth of the search on the software driver, which has no vectors for
+// what a buffer that is written to holds.
 Outline own;
+float part_of_lifetime;
 
 // Whether it may meet `other`, from whose middle m leads to it, half a lifetime after the detection. `relative`: half the difference of
 // their trajectories; `step`: the longer step of the two along each axis (m).

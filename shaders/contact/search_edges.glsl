@@ -7,7 +7,7 @@ uvec2 ends;
 // edges, which boxes do not.
 bool edge_may_meet(Outline other, vec3 m, vec3 relative, float reach) {
   const float squared = dot(m, m);
-  const float stopped = max(abs(dot(m, own.trajectory)), abs(dot(m, other.trajectory))) * per_substep();
+  const float stopped = max(abs(dot(m, own.trajectory)), abs(dot(m, other.trajectory))) * part_of_lifetime;
   const float halves = abs(dot(m, own.half_sides)) + abs(dot(m, other.half_sides));
   return squared * (1 - 4 * rounding) <= halves + abs(dot(m, relative)) + stopped + sqrt(squared) * reach;
 }
@@ -33,4 +33,5 @@ void searching_edge(uint i) {
   ends = e.xy;
   own_cluster = e.z;
   own = outline_at(number_of_edge(edge));
+  part_of_lifetime = per_substep();
 }

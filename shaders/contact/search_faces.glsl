@@ -3,7 +3,7 @@
 uint vertex;
 
 bool face_may_meet(Outline other, vec3 m, vec3 relative, float reach) {
-  const vec3 stopped = max(abs(own.trajectory), abs(other.trajectory)) * per_substep();
+  const vec3 stopped = max(abs(own.trajectory), abs(other.trajectory)) * part_of_lifetime;
   return all(lessThanEqual(abs(m) * (1 - 4 * rounding), other.half_sides + abs(relative) + stopped + reach));
 }
 
@@ -24,5 +24,6 @@ uint searching_particle(uint i) {
   const Track track = track_of(vertex);
   const float thickness = FETCH(rest, vertex).w;
   own = Outline(track.at, vec3(0), track.trajectory, reach_of(0, sweep_of(track, thickness), thickness));
+  part_of_lifetime = per_substep();
   return searcher.y;
 }
