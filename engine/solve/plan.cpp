@@ -91,6 +91,7 @@ Result<PlannedPass::Resource> resource_of(const compute::Binding& binding, Plan&
     return fail("its elements of ", row->name, " have ", binding.element_bytes, " bytes, not ", row->element_bytes);
   if (texels && row->texel == Texel::none) return fail(row->name, " has elements that no texel buffer holds");
   const Buffer& memory = row->lies_in != nullptr ? *row->lies_in : *row;
+  if (texels && row->texel != memory.texel) return fail(row->name, " lies in ", memory.name, ", whose texels are others");
   const std::size_t number = number_of(memory);
   auto at =
       std::find_if(plan.buffers.begin(), plan.buffers.end(), [&](const Plan::PlannedBuffer& b) { return number_of(*b.row) >= number; });

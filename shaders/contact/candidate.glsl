@@ -23,7 +23,8 @@ uint add_candidate(uvec4 particle, float separation, bool edges) {
   }
   for (uint k = 0; k < 4; ++k) {
     if (overflows) atomicAnd(displacement_bounds[particle[k]], WEFT_PAIRED);
-    else if ((displacement_bounds[particle[k]] & WEFT_PAIRED) == 0) atomicOr(displacement_bounds[particle[k]], WEFT_PAIRED);
+    else if ((FETCH_UINT(displacement_bounds, particle[k]) & WEFT_PAIRED) == 0)   // of before or of now: once more does no harm
+      atomicOr(displacement_bounds[particle[k]], WEFT_PAIRED);
   }
   return overflows ? WEFT_NONE : index;
 }

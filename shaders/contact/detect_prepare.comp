@@ -9,7 +9,7 @@
 
 READ_WRITE(Detection, detection)
 READ_WRITE(Counters, counters)
-READ_WRITE(uint, displacement_bounds)
+GATHER_WRITE_UINT(displacement_bounds)
 GATHER_UINT2(cluster_searchers)
 GATHER_UINT4(cluster_faces)
 GATHER_UINT4(cluster_edges)

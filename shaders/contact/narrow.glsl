@@ -8,7 +8,7 @@ GATHER(materials)
 #include "motion/body.glsl"
 
 WRITE(uvec4, candidates)
-READ_WRITE(uint, displacement_bounds)
+GATHER_WRITE_UINT(displacement_bounds)
 READ_WRITE(Counters, counters)
 #include "contact/candidate.glsl"
 

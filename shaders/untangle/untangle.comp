@@ -27,7 +27,7 @@ SHARE(uint, region_sizes)
 SHARE(Detection, detection)
 
 WRITE(uvec4, candidates)
-READ_WRITE(uint, displacement_bounds)
+GATHER_WRITE_UINT(displacement_bounds)
 READ_WRITE(Counters, counters)
 #include "contact/candidate.glsl"
 WRITE(uint, contact_list)
