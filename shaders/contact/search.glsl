@@ -32,8 +32,8 @@ Outline outline_at(uint primitive) {
 
 Box box_at(uint cluster) { return Box(FETCH(cluster_boxes, 2 * cluster).xyz, FETCH(cluster_boxes, 2 * cluster + 1).xyz); }
 
-// The thread's own; and per_substep(), which for each pair was a tenth of the search on the software driver: it reads buffers that are written
-// to lane by lane.
+// The thread's own; and per_substep(), which for each pair was a tenth of the search on the software driver, as that reads
+// buffers that are written lane by lane.
 Outline own;
 float part_of_lifetime;
 
