@@ -32,13 +32,13 @@ Outline outline_at(uint primitive) {
 
 Box box_at(uint cluster) { return Box(FETCH(cluster_boxes, 2 * cluster).xyz, FETCH(cluster_boxes, 2 * cluster + 1).xyz); }
 
-// The thread's own; and per_substep(), which for each pair was a tenth of the search on the software driver, as that reads
-// buffers that are written lane by lane.
+// The thread's own.
 Outline own;
+// per_substep(). Looked up for each pair it was a tenth of the search: the software driver reads buffers that are written lane by lane.
 float part_of_lifetime;
 
 // Whether it may meet `other`, from whose middle m leads to it, half a lifetime after the detection. `relative`: half the difference of
-// their trajectories; `step`: the longer step of the two along each axis (m).
+// their trajectories; `reach`: how far both may be from there (m).
 bool may_meet(Outline other, vec3 m, vec3 relative, float reach);
 
 // The primitives of a cluster to test, first and one past the last.
