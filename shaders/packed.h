@@ -55,6 +55,27 @@ WEFT_INLINE PatchLink unpack_patch_link(uvec2 packed) {
   return link;
 }
 
+// A link whose rest length is shifted (shift/shift.glsl), in 16 bytes: both ends as particles of 24 bits, in the top byte of the first the
+// lowest one of the link's second word, its rest length, and in units of 1/65535 what of its error a frame adds to the shift and what of the
+// shift a frame keeps.
+struct ShiftedLink {
+  uint a, b;
+  uint low;     // of the words above, what is no rest length
+  float rest;   // m; 0 marks padding
+  float gain, kept;
+};
+
+WEFT_INLINE ShiftedLink unpack_shifted_link(uvec4 packed) {
+  ShiftedLink link;
+  link.a = packed.x & 0xffffffu;
+  link.low = packed.x >> 24;
+  link.b = packed.y;
+  link.rest = WEFT_FLOAT(packed.z);
+  link.gain = float(packed.w & 0xffffu) / 65535.0f;
+  link.kept = float(packed.w >> 16) / 65535.0f;
+  return link;
+}
+
 // What three nodes of a level have in a displacement, in 16 bytes; their parts, from -2 to 2, sum to one. Those of the second and third are
 // told, in units of 1/16384.
 struct LevelShare {
@@ -152,6 +173,11 @@ WEFT_INLINE uvec4 pack_candidate(uint a, uint b, uint c, uint d, float separatio
 /// Rest length and compliance are those of an unpacked Link.
 inline uvec2 pack_patch_link(const PatchLink& link) {
   return {link.a | link.b << 8 | (WEFT_BITS(link.compliance) & 0xffff0000u), (WEFT_BITS(link.rest) & 0xfffffffeu) | (link.only_pulls ? 1u : 0u)};
+}
+
+inline uvec4 pack_shifted_link(const ShiftedLink& link) {
+  const auto whole = [](float part) { return static_cast<uint>((part < 0 ? 0 : part < 1 ? part : 1) * 65535 + 0.5f); };
+  return {link.a | link.low << 24, link.b, WEFT_BITS(link.rest), whole(link.gain) | whole(link.kept) << 16};
 }
 
 inline uvec4 pack_level_node(const LevelNode& node) { return {node.first_gather, WEFT_BITS(node.inverse_mass), node.first_link, node.links}; }

@@ -18,6 +18,7 @@
 #include "engine/effects/pressure/pressure.h"
 #include "engine/effects/skin/skin.h"
 #include "engine/effects/reaction/reaction.h"
+#include "engine/effects/shift/shift.h"
 #include "engine/effects/render_mesh/render_mesh.h"
 #include "engine/effects/spring/spring.h"
 #include "engine/effects/strand/strand.h"

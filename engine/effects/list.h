@@ -11,6 +11,7 @@
   EFFECT(strand) \
   EFFECT(stretch) \
   EFFECT(gauss_seidel) \
+  EFFECT(shift) \
   EFFECT(bend) \
   EFFECT(dihedral) \
   EFFECT(spring) \

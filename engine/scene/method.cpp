@@ -61,6 +61,16 @@ bool levels_of(const Scene& scene) {
   return scene.solver.levels.value_or(by_default || scene.solver.method == Method::strands);
 }
 
+namespace {
+bool may_shift(const Scene& scene) {
+  const Method method = method_of(scene);
+  return (method == Method::strands || method == Method::gauss_seidel) && levels_of(scene) && scene.solver.iterations == 1 &&
+         std::ranges::none_of(scene.cloths, [](const Cloth& cloth) { return cloth.tear.has_value(); });
+}
+}  // namespace
+
+bool shifts_of(const Scene& scene) { return scene.solver.shifts.value_or(true) && may_shift(scene); }
+
 // In second order Jacobi, which corrects as much along a as along b what a and b share: what a pass leaves of a mode is a real part of it. A
 // sweep through links, one after another, leaves a part that is not, and in second order, which takes no energy, that grows (a sheet that
 // turns had 1.2 times its energy after five seconds by gauss_seidel on levels, and 12 times by strands).
@@ -124,6 +134,9 @@ std::string method_fault(const Scene& scene) {
   if (levels_of(scene) && !may_have_levels)
     return named + " has no levels, and solver.levels is true: \"jacobi\", \"strands\", \"gauss_seidel\" and, with linear \"cg\", "
                    "\"implicit\" may have them";
+  if (scene.solver.shifts.value_or(false) && !may_shift(scene))
+    return named + " has no shifts here, and solver.shifts is true: one iteration of \"strands\" or \"gauss_seidel\" on levels may have "
+                   "them, of cloth that does not tear";
   for (std::size_t i = 0; i < scene.cloths.size(); ++i) {
     const Cloth& cloth = scene.cloths[i];
     const std::string path = "cloths[" + std::to_string(i) + "].";

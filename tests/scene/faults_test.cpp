@@ -72,6 +72,7 @@ TEST(BrokenScene, wrong_keys_types_and_figures_are_told_with_path_value_and_limi
       Broken{R"({"solver": {"relaxation": 1.6, "iterations": 2}})",
              "solver.relaxation: 1.6 is not below 1.57735, up to which 2 iterations a substep"},
       Broken{R"({"solver": {"relaxation": 2}})", "solver.relaxation: 2 is not below 2"},
+      Broken{R"({"solver": {"method": "jacobi", "shifts": true}})", "solver.method: \"jacobi\" has no shifts here, and solver.shifts is true"},
       Broken{R"({"solver": {"method": "chebyshev"}})", "solver.method: \"chebyshev\" accelerates iterations, and solver.iterations is 1"},
       Broken{R"({"solver": {"method": "chebyshev", "iterations": 2}, "contacts": true})",
              "solver.method: \"chebyshev\" does not go with contacts"},

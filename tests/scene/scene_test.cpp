@@ -32,6 +32,7 @@ TEST(Scene, every_key_arrives) {
   EXPECT_EQ(scene.solver.iterations, 2u);
   EXPECT_EQ(scene.solver.averaging, Averaging::count);
   EXPECT_EQ(scene.solver.relaxation, 1);
+  EXPECT_EQ(scene.solver.shifts, false);
   EXPECT_EQ(scene.solver.longest_advance, 0.05);
   EXPECT_EQ(scene.contacts, (Contacts{true, 0.5, 4096, 0.03, 0.002, 2, 3}));
 

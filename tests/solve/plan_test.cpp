@@ -216,6 +216,8 @@ TEST(Plan, every_buffer_of_an_effect_is_there_with_it_and_absent_without) {
     expect(strands && calls.iterated, {&b::strand_lambda});
     expect(patches, {&b::patches, &b::patch_members, &b::patch_colour_ends, &b::patch_links});
     expect(patches && calls.iterated, {&b::patch_lambda});
+    expect(patches && calls.has(Id::shift), {&b::patch_shifted, &b::patch_shifts});
+    expect(strands && calls.has(Id::shift), {&b::strand_shifted, &b::strand_shifts, &b::stretch_shifted, &b::stretch_shifts});
     expect(accelerated, {&b::stretch_steps, &b::chebyshev_iterates, &b::acceleration});
     expect(accelerated && bending, {&b::bend_steps});
     expect(bending && !calls.iterated, {&b::bend_rows, &b::bend_entries});
@@ -290,6 +292,9 @@ TEST(Plan, labels_name_what_a_dispatch_does) {
             (Labels{"predict", "level_centre", "level_centre_wide", "level_low", "level_wide", "strand", "stretch", "bend+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::gauss_seidel, Id::level}}),
             (Labels{"predict", "level_centre", "level_centre_wide", "level_low", "level_wide", "level_spread", "gauss_seidel", "finalize", "surface"}));
+  EXPECT_EQ(labels({{Id::gauss_seidel, Id::shift}}), (Labels{"shift_patches", "predict", "gauss_seidel", "finalize", "surface"}));
+  EXPECT_EQ(labels({{Id::stretch, Id::strand, Id::shift}}),
+            (Labels{"shift_strands", "shift_stretch", "predict", "strand", "stretch+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::gauss_seidel, Id::bend}}), (Labels{"predict", "gauss_seidel", "bend+finalize", "surface"}));
   EXPECT_EQ(labels({{Id::stretch, Id::dihedral, Id::tether}}),
             (Labels{"predict", "stretch", "dihedral", "dihedral_gather+tether+finalize", "surface"}));

@@ -98,6 +98,7 @@ inline std::vector<Calls> combinations() {
     }
     found.push_back(with(calls, {Id::gauss_seidel}));
     found.push_back(with(calls, {Id::gauss_seidel, Id::level}));
+    if (!calls.iterated) found.push_back(with(calls, {Id::gauss_seidel, Id::level, Id::shift}));
     found.push_back(with(calls, {Id::stretch, Id::level}));
     if (!calls.has(Id::contact) && !(calls.iterated && calls.has(Id::collide))) {
       if (calls.has(Id::tether)) found.push_back(with(calls, {Id::stretch, Id::bdf2}));
@@ -105,6 +106,7 @@ inline std::vector<Calls> combinations() {
     }
     found.push_back(with(calls, {Id::stretch, Id::strand}));
     found.push_back(with(calls, {Id::stretch, Id::strand, Id::level}));
+    if (!calls.iterated) found.push_back(with(calls, {Id::stretch, Id::strand, Id::level, Id::shift}));
     found.push_back(with(calls, {Id::stretch, Id::dihedral}));
     found.push_back(with(calls, {Id::gauss_seidel, Id::dihedral}));
     if (calls.iterated && !calls.has(Id::contact) && !calls.has(Id::tether)) found.push_back(with(calls, {Id::stretch, Id::chebyshev}));
@@ -129,7 +131,7 @@ inline std::vector<Calls> combinations() {
 inline std::vector<Id> others() {
   constexpr Id kKnown[] = {Id::anchor,   Id::level,     Id::strand, Id::stretch, Id::gauss_seidel, Id::bend,   Id::dihedral, Id::spring,
                            Id::implicit, Id::chebyshev, Id::tether, Id::collide, Id::triangle,     Id::motion, Id::contact,  Id::surface,
-                           Id::untangle, Id::skin,      Id::motion_constraint, Id::reaction, Id::support, Id::bdf2};
+                           Id::untangle, Id::skin,      Id::motion_constraint, Id::reaction, Id::support, Id::bdf2,  Id::shift};
   std::vector<Id> found;
   for (std::size_t k = 0; k < kEffects; ++k)
     if (std::find(std::begin(kKnown), std::end(kKnown), Id(k)) == std::end(kKnown)) found.push_back(Id(k));

@@ -39,7 +39,7 @@ inline constexpr const char* kGrid = R"({"cloths": [{"grid": {}}]})";
 inline constexpr const char* kFull = R"({
   "$schema": "../scene.schema.json", "name": "full", "description": "all keys", "frames": 12, "gravity": [0, -1.5, 0.25],
   "solver": {"rate": 50, "substeps": 7, "iterations": 2, "bend_steps": 3, "averaging": "count", "relaxation": 1,
-             "linear": "jacobi", "longest_advance": 0.05},
+             "linear": "jacobi", "shifts": false, "longest_advance": 0.05},
   "contacts": {"iterations": 2, "recover": 0.5, "kinematic_lag_limit": 3, "capacity": 4096, "cell": 0.03, "detection_margin": 0.002},
   "cloths": [
     {"name": "curtain", "mesh": "sheet.glb", "transform": {"translate": [1, 2, 3], "axis": [0, 0, 2], "degrees": 90, "scale": 0.5},

@@ -1,0 +1,1 @@
+weft_passes(shift_patches shift_strands shift_stretch)
