@@ -14,9 +14,11 @@ struct Shift {
   double gives_way;
   bool only_pulls;
 
-  double renewed(double before, const Vector& a, const Vector& b, double dt, double follows, double forgets) const {
+  /// `speed`: of the faster end (m/s).
+  double renewed(double before, const Vector& a, const Vector& b, double speed, double dt, double follows, double forgets) const {
     const double c = (a - b).norm() - rest, error = (1 - gives_way) * c - gives_way * before, most = 0.1 * rest;
-    return std::clamp(before + dt * (follows * error - forgets * before), only_pulls ? 0 : -most, most);
+    const double after = std::clamp(before + dt * (follows * error - forgets * before), only_pulls ? 0 : -most, most);
+    return before + std::min(1.0, speed * speed / (0.03 * 0.03)) * (after - before);
   }
 };
 

@@ -4,6 +4,7 @@
 #include "shared.h"
 
 GATHER(positions)
+GATHER(velocities)
 GATHER_UINT4(patch_shifted)
 GATHER_WRITE_UINT(patch_shifts)
 WRITE(uvec2, patch_links)

@@ -4,6 +4,7 @@
 #include "shared.h"
 
 GATHER(positions)
+GATHER(velocities)
 GATHER_UINT4(strand_shifted)
 GATHER_WRITE_UINT(strand_shifts)
 WRITE(uvec2, strand_links)

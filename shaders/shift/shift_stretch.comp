@@ -5,6 +5,7 @@
 #include "shared.h"
 
 GATHER(positions)
+GATHER(velocities)
 GATHER_UINT4(stretch_shifted)
 GATHER_WRITE_UINT(stretch_shifts)
 WRITE(uvec4, stretch_links)

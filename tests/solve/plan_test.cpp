@@ -65,7 +65,8 @@ TEST(Plan, stages_come_in_their_order) {
   for_every_plan([](const Plan& plan, const Calls& calls, bool) {
     EXPECT_TRUE(std::is_sorted(plan.passes.begin(), plan.passes.end(),
                                [](const PlannedPass& a, const PlannedPass& b) { return a.pass->stage < b.pass->stage; }));
-    EXPECT_EQ(plan.passes.front().label, calls.has(Id::inertia) ? "inertia" : calls.has(Id::contact) ? "predict+watch" : "predict");
+    EXPECT_EQ(plan.passes.front().label, calls.has(Id::shift)     ? (calls.has(Id::strand) ? "shift_strands" : "shift_patches")
+                                         : calls.has(Id::inertia) ? "inertia" : calls.has(Id::contact) ? "predict+watch" : "predict");
     EXPECT_EQ(plan.passes.back().label, calls.has(Id::render_mesh) ? "render_mesh" : "surface");
   });
 }

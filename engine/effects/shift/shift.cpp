@@ -10,8 +10,8 @@
 namespace weft::effects {
 namespace {
 
-// 1/s: how fast a shift follows the error, and how fast it is forgotten. At rest links keep a quarter of their strain.
-constexpr double kFollows = 6, kForgets = 2;
+// 1/s: how fast a shift follows the error, and how fast it is forgotten. Under a steady load links keep a quarter of their strain.
+constexpr double kFollows = 2, kForgets = 0.7;
 // s: in a longer frame a shift goes no farther than in one of these.
 constexpr double kLongest = 0.02;
 

@@ -15,7 +15,7 @@ namespace {
 
 using KernelShift = GpuTest;
 
-constexpr double kRate = 60, kFollows = 6, kForgets = 2;   // Hz, 1/s
+constexpr double kRate = 60, kFollows = 2, kForgets = 0.7;   // Hz, 1/s
 
 struct Shifted {
   const Buffer* links;
@@ -66,13 +66,16 @@ void expect_twin(const compute::Device& device, const Shifted& kind, Method meth
   std::vector<double> twin(count);
   Random random(71);
   std::size_t at_most = 0, links = 0;
-  for (int frame = 0; frame < 40; ++frame) {
+  for (int frame = 0; frame < 60; ++frame) {
     auto places = fabric.positions;
     for (gpu::vec4& x : places) {
       const gpu::vec4 d = anywhere(random, frame < 30 ? 0.01 : 0.1, 0);
       x = {1.02f * x.x + d.x, x.y + d.y, x.z + d.z, x.w};
     }
+    std::vector<gpu::vec4> velocities;
+    for (std::size_t i = 0; i < places.size(); ++i) velocities.push_back(anywhere(random, i % 3 == 0 ? 0.02 : 1, 0));
     passes.put(buffers::positions, places);
+    passes.put(buffers::velocities, velocities);
     passes.begin(frame_of(1));
     passes.run(kind.pass);
     const auto shifts = passes.get<std::uint32_t>(*kind.shifts, count);
@@ -87,8 +90,9 @@ void expect_twin(const compute::Device& device, const Shifted& kind, Method meth
         continue;
       }
       ASSERT_EQ(link.rest, was.rest);
+      const double speed = std::max(vector(velocities[link.a]).norm(), vector(velocities[link.b]).norm());
       const reference::Shift shift{link.rest, gives_way(link), was.only_pulls};
-      twin[k] = shift.renewed(twin[k], vector(places[link.a]), vector(places[link.b]), 1 / kRate, kFollows, kForgets);
+      twin[k] = shift.renewed(twin[k], vector(places[link.a]), vector(places[link.b]), speed, 1 / kRate, kFollows, kForgets);
       // Lengths up to 0.5 m, and parts in units of 1/65535, half of one off, over the last frames that a shift remembers.
       ASSERT_NEAR(std::bit_cast<float>(shifts[k]), twin[k], 30 * (8 * kRounding + 0.5 / 65535) * link.rest) << "frame " << frame;
       ASSERT_NEAR(is.rest, link.rest - std::bit_cast<float>(shifts[k]), 0x1p-18 * link.rest);
