@@ -71,7 +71,7 @@ Sheet sheet_for(const Calls& calls) {
                              : calls.has(Id::strand)       ? Method::strands
                                                            : Method::jacobi;
   made.scene.solver.levels = calls.has(Id::level);
-  if (!calls.has(Id::shift)) made.scene.solver.shifts = false;
+  made.scene.solver.shifts = calls.has(Id::shift);
   made.scene.solver.order = calls.has(Id::bdf2) ? 2 : 1;
   const auto meshes = make_meshes(made.scene);
   auto fabric = cook(made.scene, *meshes);

@@ -51,7 +51,7 @@ double gives_way(const gpu::ShiftedLink& link) { return 1 - link.gain / (kFollow
 void expect_twin(const compute::Device& device, const Shifted& kind, Method method, double stretch, bool storage) {
   SCOPED_TRACE(std::string(kind.pass) + (storage ? ", storage buffers" : ", texels") + ", " + std::to_string(stretch) + " N/m");
   Scene scene = without_contacts();
-  scene.solver = {.rate = kRate, .method = method, .levels = true};
+  scene.solver = {.rate = kRate, .method = method, .levels = true, .shifts = true};
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{.size = {1, 1}, .cells_x = 20, .cells_y = 13};
   cloth.tethers = false;
@@ -114,7 +114,7 @@ TEST_F(KernelShift, shifts_follow_what_is_left_as_their_twin_says) {
 
 TEST_F(KernelShift, what_gives_way_by_itself_is_shifted_the_less) {
   Scene scene = without_contacts();
-  scene.solver = {.method = Method::gauss_seidel, .levels = true};
+  scene.solver = {.method = Method::gauss_seidel, .levels = true, .shifts = true};
   Cloth& cloth = scene.cloths.emplace_back();
   cloth.grid = Grid{.size = {1, 1}, .cells_x = 20, .cells_y = 20};
   cloth.fabric.stretch = 1e4;

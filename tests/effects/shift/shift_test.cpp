@@ -11,7 +11,7 @@ namespace {
 using ShiftCase = GpuTest;
 
 Strain after(const compute::Device& device, Scene scene, double seconds, bool shifts) {
-  if (!shifts) scene.solver.shifts = false;
+  scene.solver.shifts = shifts;
   const auto simulation = must(Simulation::create(device, scene));
   run(*simulation, seconds);
   EXPECT_EQ(simulation->counts().non_finite, 0u);
@@ -109,7 +109,7 @@ TEST_F(ShiftCase, a_sheet_that_was_stretched_and_let_go_stays_where_it_is) {
     scene.gravity = {0, 0, 0};
     scene.solver.method = Method::gauss_seidel;
     scene.solver.levels = true;
-    if (!shifts) scene.solver.shifts = false;
+    scene.solver.shifts = shifts;
     const auto simulation = must(Simulation::create(device(), scene));
     auto positions = must(simulation->read_positions());
     const Point begin = centre_of_mass(positions);
