@@ -422,7 +422,7 @@ bool tethers_hold(const Scene& scene);
 bool levels_of(const Scene& scene);
 
 /// Whether links are shifted by the strain that they are left with, as only one iteration of strands or gauss_seidel on levels may, of cloth
-/// that does not tear: unless told otherwise in scenes with colliders, without reactions.
+/// that does not tear; where the scene asks for it.
 bool shifts_of(const Scene& scene);
 
 /// Whether the scene has what moves whatever cloth does, and may push cloth along: anchors with keys, skins, mesh colliders, or pins.
