@@ -69,8 +69,8 @@ bool may_shift(const Scene& scene) {
 }
 }  // namespace
 
-// Not by default. What hangs, flies or swings levels carry already, and an integral of strain pumps it: a pendulum's period is off by 0.35 %
-// for less than 0.1. So does a body that a host moves by what cloth gives it: a ball rolled out of its hammock.
+// Not by default. What hangs, flies or swings levels carry already, and an integral of strain pumps it: a pendulum's period is off. A
+// body that a host moves by what cloth gives it is moved by what the cloth remembers, too: a ball rolled out of its hammock.
 bool shifts_of(const Scene& scene) { return scene.solver.shifts.value_or(false) && may_shift(scene); }
 
 // In second order Jacobi, which corrects as much along a as along b what a and b share: what a pass leaves of a mode is a real part of it. A

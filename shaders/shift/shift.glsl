@@ -10,7 +10,7 @@
 //
 // s follows slowly, once a frame: an integral of the error lags behind, and lets what swings grow where a mode's own decay, 1 - b in a
 // substep, is less than r (Routh's criterion for s' = r c - l s beside c'' = -(1 - b) (c + s + c')). It pumps a fold that swings, too, as one
-// who stands on a swing does: shorter while the pull is large. At r = 6/s folds over a ball swung on for ever, by a millimetre.
+// who stands on a swing does: shorter while the pull is large. At three times the r that there is folds over a ball swung on for ever.
 //
 // What rests has its shift as it is. Under friction an integral hunts: it grows while links stick, and too far.
 //

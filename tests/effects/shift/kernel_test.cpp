@@ -45,7 +45,7 @@ Read read(const Shifted& kind, gpu::uvec2 packed) {
   return {link.rest, link.only_pulls, packed.x, packed.y & 0xffu};
 }
 
-// How far off the twin's compliance is that the cooked words tell: what gives way, from gain and kept.
+// q of shift.glsl, as the cooked gain tells.
 double gives_way(const gpu::ShiftedLink& link) { return 1 - link.gain / (kFollows / kRate); }
 
 void expect_twin(const compute::Device& device, const Shifted& kind, Method method, double stretch, bool storage) {

@@ -97,7 +97,6 @@ TEST_F(Supports, what_no_collider_meets_any_more_is_free) {
   for (const Method method : {Method::by_default, Method::strands}) {
     SCOPED_TRACE(method == Method::strands ? "strands" : "default");
     Scene scene = over_a_ball(method);
-    scene.solver.shifts = false;   // which remember, too
     const auto held = must(Simulation::create(device(), scene));
     run(*held, 1);
     scene.colliders[0].centre.y = -50;
