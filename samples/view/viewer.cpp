@@ -285,7 +285,7 @@ std::vector<Segments> Viewer::lines() {
     complain(bounds.error());
     return over;
   }
-  const auto& [low, high] = *bounds;
+  const Vec3 &low = bounds->first, &high = bounds->second;
   Segments box{{0.3f, 0.9f, 0.3f}, {}};
   const auto corner = [&](unsigned k) { return Vec3{k & 1 ? high.x : low.x, k & 2 ? high.y : low.y, k & 4 ? high.z : low.z}; };
   for (unsigned k = 0; k < 8; ++k)

@@ -59,7 +59,7 @@ SweepPlan plan_of(const Scene& scene, const AccuracyOptions& options) {
     plan.cells.push_back(own);
   }
   std::ranges::sort(plan.cells);
-  plan.cells.erase(std::ranges::unique(plan.cells).begin(), plan.cells.end());
+  plan.cells.erase(std::unique(plan.cells.begin(), plan.cells.end()), plan.cells.end());
   plan.most_particle_passes = options.quick ? 0.5e6 : 3.3e6;
   if (!options.sides.empty()) plan.free_passes = 20;   // twice the default's, at every size that was asked for
   plan.tethers = {tethered};

@@ -58,7 +58,7 @@ struct Motion {
   }
 };
 
-constexpr CacheOptions kWanted{.frames = kFrames, .rate = 24, .name = "a sheet", .resumable = true};
+const CacheOptions kWanted{.frames = kFrames, .rate = 24, .name = "a sheet", .resumable = true};
 
 std::unique_ptr<CacheWriter> begun(const std::filesystem::path& file, const Motion& motion, std::uint32_t frames) {
   auto cache = must(CacheWriter::create(file, motion.mesh, kWanted));

@@ -120,7 +120,7 @@ TEST(Fabric, both_ends_of_a_link_list_it_and_odd_lists_are_padded_with_their_own
   EXPECT_EQ(entries, 2 * fabric.links.size());
   for (const StretchLink& link : fabric.links)
     for (const auto& [own, other] : {std::pair(link.a, link.b), std::pair(link.b, link.a)})
-      EXPECT_EQ(std::count_if(lists[own].begin(), lists[own].end(), [&](gpu::uvec2 e) {
+      EXPECT_EQ(std::count_if(lists[own].begin(), lists[own].end(), [&, other = other](gpu::uvec2 e) {
         const gpu::Link found = gpu::unpack_link(e.x, e.y);
         return found.other == other && found.rest == link.rest && found.response == link.gain && found.only_pulls == link.only_pulls;
       }), 1);

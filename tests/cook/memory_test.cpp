@@ -14,7 +14,7 @@
 #include "tests/support/scene_texts.h"
 #include "tests/support/without_contacts.h"
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef WEFT_SANITIZED
 #include <sanitizer/lsan_interface.h>
 #endif
 
@@ -164,7 +164,7 @@ TEST(Memory, that_runs_out_while_passes_are_planned_and_specialised_is_a_sentenc
   scene.cloths.emplace_back().grid = Grid{{1, 1}, 2, 2};
   const CookedFabric fabric = cooked(scene);
   const Cooked subject = cooked_of(scene, fabric);
-#ifdef __SANITIZE_ADDRESS__
+#ifdef WEFT_SANITIZED
   const __lsan::ScopedDisabler optimizer_s_leaks;   // SPIRV-Tools is built without exceptions
 #endif
   expect_sentence(30, [&]() -> Result<void> {

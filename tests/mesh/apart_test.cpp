@@ -45,7 +45,7 @@ TEST(Apart, a_crash_an_endless_loop_and_greed_are_sentences) {
   EXPECT_EQ(ends([] { _exit(3); }), "a reader crashed on it");
   EXPECT_EQ(ends([] { throw std::bad_alloc(); }), "a reader needs more than 64 MiB of memory for it");
   EXPECT_EQ(ends([] { for (volatile bool runs = true; runs;) {} }), "a reader did not come to an end in 1 s");
-#ifndef __SANITIZE_ADDRESS__
+#ifndef WEFT_SANITIZED
   EXPECT_EQ(ends([] { std::vector<char> much(std::size_t{1} << 30); }), "a reader needs more than 64 MiB of memory for it");
 #endif
 }
@@ -57,7 +57,7 @@ TEST(Apart, it_changes_nothing_here_and_opens_no_file) {
     return std::string(std::ifstream(__FILE__) || std::ifstream("/proc/self/statm") ? "open" : "closed");
   });
   ASSERT_TRUE(done) << done.error();
-#ifndef __SANITIZE_ADDRESS__   // the sanitizers open pipes
+#ifndef WEFT_SANITIZED   // the sanitizers open pipes
   EXPECT_EQ(*done, "closed");
 #endif
   EXPECT_EQ(number, 1);

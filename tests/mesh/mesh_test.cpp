@@ -68,8 +68,8 @@ void expect_consistent_edges(const Mesh& mesh) {
       }
       Triangle wanted = side == 0 ? Triangle{edge.a, edge.b, edge.across[0]} : Triangle{edge.b, edge.a, edge.across[1]};
       Triangle found = mesh.triangles[edge.triangle[side]];
-      std::ranges::rotate(wanted, std::ranges::min_element(wanted));   // the same cycle, whichever corner comes first
-      std::ranges::rotate(found, std::ranges::min_element(found));
+      for (Triangle* cycle : {&wanted, &found})   // the same cycle, whichever corner comes first
+        std::rotate(cycle->begin(), std::ranges::min_element(*cycle), cycle->end());
       EXPECT_EQ(wanted, found);
       ++sides;
     }

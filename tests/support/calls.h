@@ -158,7 +158,7 @@ inline std::vector<Calls> fewer(const std::vector<Calls>& combinations) {
 // Every combination without and with all of these.
 inline std::vector<Calls> all_combinations() {
   std::vector<Calls> found = combinations();
-#ifdef __SANITIZE_ADDRESS__
+#ifdef WEFT_SANITIZED
   found = fewer(found);
 #endif
   const std::vector<Id> more = others();

@@ -196,7 +196,7 @@ inline void Checker::order(const VkMemoryBarrier2& barrier) {
 // The host is taken to read then all memory that it has mapped. What is submitted after that comes after all that it has waited for.
 inline void Checker::host_waits(const Event& event, std::size_t at) {
   for (auto& [buffer, pasts] : pasts_) {
-    std::erase_if(pasts, [&](const Past& past) {
+    std::erase_if(pasts, [&, buffer = buffer](const Past& past) {
       if (!past.tells_of(event.semaphore, event.value)) return false;
       const Access read{buffer, past.access.begin, past.access.end, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT};
       if (stream_->buffers[buffer].mapped && past.writes() && !past.is_visible(read.stage, read.access))
