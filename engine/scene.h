@@ -273,7 +273,7 @@ struct SolverSettings {
   double rho = 0;               // Chebyshev only: the spectral radius it takes Jacobi's iteration to have, below 1; 0: rho_of
   std::uint32_t order = 1;      // 1 or 2: of the error in time, by implicit Euler or by BDF2 (shaders/bdf2/bdf2.glsl)
   std::optional<bool> levels = {};   // coarse levels before each iteration, or in the preconditioner of implicit; not set: levels_of
-  std::optional<bool> shifts = {};   // links ask for what sweeps before left them short of (shaders/shift/shift.glsl); not set: shifts_of
+  bool shifts = false;          // links ask for what sweeps before left them short of (shaders/shift/shift.glsl)
   double longest_advance = 0.1; // s: a longer advance() is clamped to this, and the surplus reported
 };
 
@@ -420,10 +420,6 @@ bool tethers_hold(const Scene& scene);
 /// Whether it has coarse levels. Methods jacobi, strands and gauss_seidel may, and implicit with linear cg; unless told otherwise strands
 /// does, and the default unless tethers_hold.
 bool levels_of(const Scene& scene);
-
-/// Whether links are shifted by the strain that they are left with, as only one iteration of strands or gauss_seidel on levels may, of cloth
-/// that does not tear; where the scene asks for it.
-bool shifts_of(const Scene& scene);
 
 /// Whether the scene has what moves whatever cloth does, and may push cloth along: anchors with keys, skins, mesh colliders, or pins.
 bool is_driven(const Scene& scene);

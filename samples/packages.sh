@@ -1,16 +1,14 @@
 # What Weft needs from Debian 12, and how to get it; sourced by samples/run.sh and tests/run.sh.
 
-# clang: compiles all of this in half of GCC's time. libclang-rt-dev: its sanitizers.
 # libglfw3-dev, libimgui-dev: for `weft view` alone; without them everything else is built.
 # libbullet-dev: for the samples hammock and tow alone; without it everything else is built.
 # libdraco-dev, libmeshoptimizer-dev: for glTFs that they have compressed; without them such a file is refused, and everything else is built.
 # zlib1g-dev: for PNGs; and Debian's libassimp-dev links to it without depending on it.
-packages_to_run=(build-essential clang cmake ninja-build libvulkan-dev mesa-vulkan-drivers glslang-tools spirv-tools
+packages_to_run=(build-essential cmake ninja-build libvulkan-dev mesa-vulkan-drivers glslang-tools spirv-tools
   libeigen3-dev libassimp-dev zlib1g-dev nlohmann-json3-dev libcli11-dev libstb-dev python3
   libglfw3-dev libimgui-dev libbullet-dev libdraco-dev libmeshoptimizer-dev)
 # xvfb, xdotool, x11-apps, libx11-dev: a screen that nobody sees, for the viewer's window.
-packages_to_test=(libclang-rt-dev libgtest-dev libbenchmark-dev vulkan-validationlayers pkg-config python3-numpy
-  xvfb xdotool x11-apps libx11-dev)
+packages_to_test=(libgtest-dev libbenchmark-dev vulkan-validationlayers pkg-config python3-numpy xvfb xdotool x11-apps libx11-dev)
 # tests/run.sh --interop NAME alone
 packages_for_blender=(blender)
 packages_for_formats=(nodejs npm)
@@ -46,10 +44,9 @@ install_missing() {
   return 1
 }
 
-# build ROOT PRESET [TARGET...]: configures and builds into ROOT/build/PRESET; what is up to date is left alone. By CC and CXX where they
-# are set, else by clang where there is one; a folder that is configured already keeps its compiler.
+# build ROOT PRESET [TARGET...]: configures and builds into ROOT/build/PRESET; what is up to date is left alone.
 build() {
-  local root=$1 preset=$2 launcher=() targets=() compilers=()
+  local root=$1 preset=$2 launcher=() targets=()
   shift 2
   (( $# == 0 )) || targets=(--target "$@")
   if command -v ccache >/dev/null; then
@@ -57,8 +54,7 @@ build() {
     # knows files by their times, which differ there.
     launcher=(-DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON)
   fi
-  if [[ -z ${CC:-}${CXX:-} ]] && command -v clang++ >/dev/null; then compilers=(CC=clang CXX=clang++); fi
   echo "Building $preset into $root/build/$preset"
-  (cd "$root" && env "${compilers[@]}" cmake --log-level=WARNING --preset "$preset" "${launcher[@]}") >/dev/null || return
+  (cd "$root" && cmake --log-level=WARNING --preset "$preset" "${launcher[@]}") >/dev/null || return
   cmake --build "$root/build/$preset" "${targets[@]}"
 }

@@ -105,7 +105,7 @@ void fields(V& v, SolverSettings& solver) {
   v.number("rho", solver.rho, below(0, 1));
   v.whole("order", solver.order, between(1, 2));
   v.optional_flag("levels", solver.levels);
-  v.optional_flag("shifts", solver.shifts);
+  v.flag("shifts", solver.shifts);
   v.number("longest_advance", solver.longest_advance, above(0, 10, "s"));
 }
 

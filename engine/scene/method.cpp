@@ -69,10 +69,6 @@ bool may_shift(const Scene& scene) {
 }
 }  // namespace
 
-// Not by default. What hangs, flies or swings levels carry already, and an integral of strain pumps it: a pendulum's period is off. A
-// body that a host moves by what cloth gives it is moved by what the cloth remembers, too: a ball rolled out of its hammock.
-bool shifts_of(const Scene& scene) { return scene.solver.shifts.value_or(false) && may_shift(scene); }
-
 // In second order Jacobi, which corrects as much along a as along b what a and b share: what a pass leaves of a mode is a real part of it. A
 // sweep through links, one after another, leaves a part that is not, and in second order, which takes no energy, that grows (a sheet that
 // turns had 1.2 times its energy after five seconds by gauss_seidel on levels, and 12 times by strands).
@@ -136,7 +132,7 @@ std::string method_fault(const Scene& scene) {
   if (levels_of(scene) && !may_have_levels)
     return named + " has no levels, and solver.levels is true: \"jacobi\", \"strands\", \"gauss_seidel\" and, with linear \"cg\", "
                    "\"implicit\" may have them";
-  if (scene.solver.shifts.value_or(false) && !may_shift(scene))
+  if (scene.solver.shifts && !may_shift(scene))
     return named + " has no shifts here, and solver.shifts is true: one iteration of \"strands\" or \"gauss_seidel\" on levels may have "
                    "them, of cloth that does not tear";
   for (std::size_t i = 0; i < scene.cloths.size(); ++i) {

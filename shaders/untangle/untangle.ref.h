@@ -33,7 +33,7 @@ inline std::vector<std::map<double, std::uint32_t>> crossings(const Tangle& t) {
   std::vector<std::map<double, std::uint32_t>> found(t.edges.size());
   for (std::size_t e = 0; e < t.edges.size(); ++e)
     for (std::uint32_t k = 0; k < t.triangles.size(); ++k) {
-      const auto& [a, b] = t.edges[e];
+      const std::uint32_t a = t.edges[e][0], b = t.edges[e][1];
       const auto& [p, q, r] = t.triangles[k];
       if (std::ranges::any_of(t.triangles[k], [&](std::uint32_t i) { return i == a || i == b; })) continue;
       if (t.inverse_masses[a] + t.inverse_masses[b] + t.inverse_masses[p] + t.inverse_masses[q] + t.inverse_masses[r] == 0) continue;

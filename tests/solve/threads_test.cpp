@@ -13,7 +13,7 @@ namespace weft {
 namespace {
 
 #ifdef WEFT_WITHOUT_VALIDATION   // layers are not instrumented, and have their own locks
-class Threads : public testing::Test {
+class SharedDevice : public testing::Test {
  protected:
   void SetUp() override { device_ = must(compute::Device::create()); }
   const compute::Device& device() const { return *device_; }
@@ -22,7 +22,7 @@ class Threads : public testing::Test {
   std::unique_ptr<compute::Device> device_;
 };
 #else
-using Threads = GpuTest;
+using SharedDevice = GpuTest;
 #endif
 
 constexpr int kThreadFrames = 8;
@@ -39,7 +39,7 @@ std::uint64_t alone(const compute::Device& device, const Scene& scene) {
   return hash_of(*simulation);
 }
 
-TEST_F(Threads, two_simulations_on_one_device_do_not_disturb_each_other) {
+TEST_F(SharedDevice, two_simulations_on_one_device_do_not_disturb_each_other) {
   const Scene scenes[] = {hung_sheet(6), hung_sheet(9)};
   std::uint64_t found[2] = {};
   std::vector<std::thread> threads;
@@ -58,7 +58,7 @@ TEST_F(Threads, two_simulations_on_one_device_do_not_disturb_each_other) {
   for (int k = 0; k < 2; ++k) EXPECT_EQ(found[k], alone(device(), scenes[k])) << k;
 }
 
-TEST_F(Threads, a_simulation_goes_from_thread_to_thread) {
+TEST_F(SharedDevice, a_simulation_goes_from_thread_to_thread) {
   const Scene scene = hung_sheet(6);
   auto simulation = must(Simulation::create(device(), scene));
   for (int frame = 0; frame < kThreadFrames; ++frame)

@@ -51,8 +51,8 @@ inline std::vector<Subject> subjects() {
   all.back().scene.solver.method = Method::jacobi;
   all.push_back({"strands", moving()});
   for (const Method method : {Method::strands, Method::gauss_seidel, Method::chebyshev}) {
-    Scene& scene = all.emplace_back(method == Method::chebyshev ? "chebyshev" : method == Method::strands ? "strands iterated" : "gauss_seidel",
-                                    moving()).scene;
+    Scene& scene = all.emplace_back(Subject{method == Method::chebyshev ? "chebyshev" : method == Method::strands ? "strands iterated" : "gauss_seidel",
+                                            moving()}).scene;
     scene.solver.method = method;
     scene.solver.iterations = 4;
     scene.solver.substeps = 3;
@@ -60,27 +60,27 @@ inline std::vector<Subject> subjects() {
     scene.cloths[0].tethers = false;
     scene.solver.rho = 0.999;   // more than is stable, so that the guard has a state to save
   }
-  Scene& iterated = all.emplace_back("iterated", moving()).scene;
+  Scene& iterated = all.emplace_back(Subject{"iterated", moving()}).scene;
   iterated.solver.iterations = 3;
   iterated.solver.method = Method::jacobi;
-  Scene& levels = all.emplace_back("gauss_seidel on levels", moving()).scene;
+  Scene& levels = all.emplace_back(Subject{"gauss_seidel on levels", moving()}).scene;
   levels.solver.method = Method::gauss_seidel;
   levels.solver.levels = true;
-  all.emplace_back("second order", moving()).scene.solver.order = 2;
-  Scene& board = all.emplace_back("bending in steps", moving()).scene;
+  all.emplace_back(Subject{"second order", moving()}).scene.solver.order = 2;
+  Scene& board = all.emplace_back(Subject{"bending in steps", moving()}).scene;
   board.solver.method = Method::jacobi;
   board.solver.bend_steps = 3;
   board.cloths[0].fabric.bend = 1;   // so stiff for its cells that it takes all of them
-  all.emplace_back("hinges", moving()).scene.cloths[0].bend_rest = BendRest::mesh;
+  all.emplace_back(Subject{"hinges", moving()}).scene.cloths[0].bend_rest = BendRest::mesh;
   all.push_back({"mass_spring", springy(Method::mass_spring)});
   all.push_back({"verlet", springy(Method::verlet)});
   all.push_back({"implicit", springy(Method::implicit)});
-  Scene& preconditioned = all.emplace_back("implicit on levels", springy(Method::implicit)).scene;
+  Scene& preconditioned = all.emplace_back(Subject{"implicit on levels", springy(Method::implicit)}).scene;
   preconditioned.solver.levels = true;
-  Scene& relaxed = all.emplace_back("implicit jacobi", springy(Method::implicit)).scene;
+  Scene& relaxed = all.emplace_back(Subject{"implicit jacobi", springy(Method::implicit)}).scene;
   relaxed.solver.linear = Linear::jacobi;
   all.push_back({"fine and held", fine_and_held()});
-  Scene& contacts = all.emplace_back("contacts", moving()).scene;
+  Scene& contacts = all.emplace_back(Subject{"contacts", moving()}).scene;
   contacts.contacts.enabled = true;
   contacts.contacts.capacity = 16;   // soon too small
   contacts.cloths.push_back(sheet(6).cloths[0]);

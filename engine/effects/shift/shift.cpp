@@ -41,7 +41,7 @@ gpu::uvec4 shifted(std::uint32_t a, std::uint32_t b, std::uint32_t low, float re
 
 void lay_out(cooking::CookState& state) {
   const Scene& scene = state.scene();
-  if (!shifts_of(scene)) return;
+  if (!scene.solver.shifts) return;
   CookedFabric& fabric = state.fabric();
   const double h = solve_step(scene, fabric), frame = 1 / scene.solver.rate;
   const auto weight_of = [&](std::uint32_t i) { return double(fabric.positions[i].w); };
@@ -98,7 +98,7 @@ void lay_out(cooking::CookState& state) {
 
 constinit const Effect shift{
     .name = "shift",
-    .called_for = [](const Scene& scene, const CookedFabric&) { return shifts_of(scene); },
+    .called_for = [](const Scene& scene, const CookedFabric&) { return scene.solver.shifts; },
     .buffers = kBuffers,
     .passes = kPasses,
     .reference = Reference::a_way_to,

@@ -58,7 +58,7 @@ double farthest(const Simulation& goes, const Simulation& stays, const Eigen::Af
 TEST_F(InertiaCase, with_none_cloth_hangs_as_if_its_frame_stood_still) {
   // m. What is left is of the chords along which a turning frame's anchors go within a frame: of its second order, and nothing damps it.
   for (const auto& [rate, bound] : {std::pair(60.0, 0.06), std::pair(240.0, 0.01)}) {
-    const auto with = [&](const Inertia& inertia) {
+    const auto with = [&, rate = rate](const Inertia& inertia) {
       Scene scene = carried(inertia);
       scene.solver.rate = rate;
       scene.solver.substeps = static_cast<std::uint32_t>(600 / rate);
