@@ -1,4 +1,4 @@
-// What the tests of plans share: every combination of effects that a scene can call for, and the plan of each.
+// What the tests of plans share: combinations of effects that a scene can call for, and the plan of each.
 #pragma once
 
 #include <gtest/gtest.h>
