@@ -52,7 +52,7 @@ bool send(int pipe, std::string_view bytes) {
     std::signal(signal, SIG_DFL);
   const int nowhere = open("/dev/null", O_RDWR);   // readers print what they think of a file
   for (const int shown : {STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, shown);
-#if !defined(WEFT_SANITIZED) && !defined(__SANITIZE_ADDRESS__)   // whose shadow takes terabytes, and whose companion looks at types through pipes
+#if !defined(WEFT_SANITIZED) && !defined(__SANITIZE_ADDRESS__)   // which needs terabytes, and pipes to look at types
   limit(RLIMIT_AS, own + bounds.memory);
   limit(RLIMIT_NOFILE, 0);
 #endif
