@@ -51,8 +51,8 @@ inline std::vector<Subject> subjects() {
   all.back().scene.solver.method = Method::jacobi;
   all.push_back({"strands", moving()});
   for (const Method method : {Method::strands, Method::gauss_seidel, Method::chebyshev}) {
-    Scene& scene = all.emplace_back(Subject{method == Method::chebyshev ? "chebyshev" : method == Method::strands ? "strands iterated" : "gauss_seidel",
-                                            moving()}).scene;
+    const char* name = method == Method::chebyshev ? "chebyshev" : method == Method::strands ? "strands iterated" : "gauss_seidel";
+    Scene& scene = all.emplace_back(Subject{name, moving()}).scene;
     scene.solver.method = method;
     scene.solver.iterations = 4;
     scene.solver.substeps = 3;
