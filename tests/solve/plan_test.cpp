@@ -1,4 +1,4 @@
-// The declarations of effects decide everything: whatever a scene calls for, which passes, code and buffers there are.
+// The declarations of effects decide everything: for every combination that a scene can call for, which passes, code and buffers there are.
 #include "engine/solve/plan.h"
 
 #include <gtest/gtest.h>

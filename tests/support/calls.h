@@ -1,4 +1,4 @@
-// What the tests of plans share: combinations of effects that a scene can call for, and the plan of each.
+// What the tests of plans share: every combination of effects that a scene can call for, and the plan of each.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -138,54 +138,36 @@ inline std::vector<Id> others() {
   return found;
 }
 
-// All of them would take two minutes of what a third of them does: every eighth, and of the rest those that have, or lack, some `together`
-// effects and flags as none of these does. So whatever goes wrong where so many of them meet, goes wrong in one of these.
-inline std::vector<Calls> fewer(const std::vector<Calls>& combinations, std::size_t together) {
-  std::set<std::uint32_t> seen;
-  const auto adds = [&](const Calls& calls) {
-    std::vector<std::uint32_t> said;   // of each effect and each flag, whether it is there
-    const auto say = [&](bool is) { said.push_back(static_cast<std::uint32_t>(2 * said.size()) + is); };
-    for (std::size_t k = 0; k < kEffects; ++k) say(calls.has(Id(k)));
-    say(calls.iterated);
-    say(calls.relaxed);
-    const std::size_t before = seen.size();
-    const auto choose = [&](const auto& more, std::size_t from, std::size_t left, std::uint32_t chosen) -> void {
-      if (left == 0) {
-        seen.insert(chosen);
-        return;
-      }
-      for (std::size_t k = from; k < said.size(); ++k) more(more, k + 1, left - 1, chosen << 8 | said[k]);
-    };
-    choose(choose, 0, together, 0);
-    return seen.size() > before;
+// Under the sanitizers, where each takes six times as long: every third, and those of the rest that have two effects together which none
+// of these has, so that no pass is left out. What sanitizers look for lies in what all combinations share.
+inline std::vector<Calls> fewer(const std::vector<Calls>& combinations) {
+  std::set<std::pair<Id, Id>> pairs;
+  const auto adds_pairs = [&pairs](const Calls& calls) {
+    const std::size_t before = pairs.size();
+    for (const Id a : calls.effects)
+      for (const Id b : calls.effects) pairs.emplace(a, b);
+    return pairs.size() > before;
   };
   std::vector<Calls> found;
-  for (std::size_t k = 0; k < combinations.size(); k += 8) {
-    adds(combinations[k]);
-    found.push_back(combinations[k]);
-  }
+  for (std::size_t k = 0; k < combinations.size(); k += 3) adds_pairs(found.emplace_back(combinations[k]));
   for (const Calls& calls : combinations)
-    if (adds(calls)) found.push_back(calls);
+    if (adds_pairs(calls)) found.push_back(calls);
   return found;
 }
 
-// These without and with all effects that combinations() does not know.
-inline const std::vector<Calls>& all_combinations() {
-  static const std::vector<Calls> all = [] {
-#ifdef WEFT_SANITIZED   // where each takes six times as long; what sanitizers look for lies in what all combinations share
-    std::vector<Calls> found = fewer(combinations(), 2);
-#else
-    std::vector<Calls> found = fewer(combinations(), 4);
+// Every combination without and with all of these.
+inline std::vector<Calls> all_combinations() {
+  std::vector<Calls> found = combinations();
+#ifdef WEFT_SANITIZED
+  found = fewer(found);
 #endif
-    const std::vector<Id> more = others();
-    const std::size_t known = more.empty() ? 0 : found.size();
-    for (std::size_t k = 0; k < known; ++k) {
-      found.push_back(found[k]);
-      found.back().effects.insert(more.begin(), more.end());
-    }
-    return found;
-  }();
-  return all;
+  const std::vector<Id> more = others();
+  const std::size_t known = more.empty() ? 0 : found.size();
+  for (std::size_t k = 0; k < known; ++k) {
+    found.push_back(found[k]);
+    found.back().effects.insert(more.begin(), more.end());
+  }
+  return found;
 }
 
 inline compute::Specializer& specializer() {
