@@ -58,7 +58,8 @@ const EffectRow kRows[] = {
      {{"reactions", "true"},
       {"colliders", R"([{"shape":"plane","centre":[0,-1,0]},{"shape":"sphere","radius":0.75,"centre":[0,-0.77,0]}])"}},
      {{"reactions", "false"}, {"colliders", "[]"}}},
-    // A plane stops the sheet, which nothing keeps from hanging down from the body in a thousand folds.
+    // A plane a centimetre below the body's tip, across the bodies of other rows, stops the sheet: nothing else keeps it from hanging down
+    // from the tip in a thousand folds, whose price is not the body's.
     {"mesh_collider", "a body of triangles on a plane, by contacts",
      {{"contacts.enabled", "true"},
       {"colliders", R"([{"shape":"mesh","mesh":"effects_body.obj","centre":[0.3,-0.12,0.3]},{"shape":"plane","centre":[0,-0.03,0]}])"}},

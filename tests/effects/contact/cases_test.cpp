@@ -328,13 +328,13 @@ TEST_F(ContactCase, what_a_host_drives_does_what_keys_do) {
       run_frame(device(), *by_host[k], kWays[k]);
     }
   }
-  const auto b = must(by_keys->read_positions());
+  const auto expected = must(by_keys->read_positions());
   for (std::size_t k = 0; k < std::size(kWays); ++k) {
-    SCOPED_TRACE(k);
+    SCOPED_TRACE(k == 0 ? "advance" : k == 1 ? "submit" : "record");
     EXPECT_LT(lowest_of_the_free_one(*by_host[k]), -0.5);
     EXPECT_LT(by_host[k]->counts().tracking_error, 0.001);
-    const auto a = must(by_host[k]->read_positions());
-    EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(gpu::vec4)), 0);
+    const auto places = must(by_host[k]->read_positions());
+    EXPECT_EQ(std::memcmp(places.data(), expected.data(), places.size() * sizeof(gpu::vec4)), 0);
   }
 }
 
